@@ -46,6 +46,10 @@ async function logIn(token) {
 
 /** Uses the token of the page's address, and removes it from there. Returns whether the page may go on. */
 export async function enter() {
+  // A link that is opened in a tab with this page changes its address, and loads nothing.
+  addEventListener("hashchange", () => {
+    if (TOKEN_IN_LINK.test(location.hash)) location.reload();
+  });
   const found = TOKEN_IN_LINK.exec(location.hash);
   if (found) {
     history.replaceState(null, "", location.pathname + location.search);

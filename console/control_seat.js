@@ -1,5 +1,6 @@
 // Who controls: shows it, and takes, asks for and gives the control.
 
+import { openDialog } from "./dialogs.js";
 import { toast } from "./status.js";
 import { words } from "./words.js";
 
@@ -9,6 +10,8 @@ export class ControlSeat {
   #own = null;
   #mayControl = false;
   #holder = undefined;
+  /** Who asked for the control when it was told last. @type {number[]} */
+  #asking = [];
   isControlling = false;
 
   /** @param {import("./link.js").Link} link */
@@ -25,7 +28,7 @@ export class ControlSeat {
     at("ask-control").addEventListener("click", () => request({ kind: "ask-control" }));
     at("take-control").addEventListener("click", () => {
       if (this.#holder === null) request({ kind: "take-control" });
-      else at("take-dialog").showModal();
+      else openDialog(at("take-dialog"));
     });
     at("take-dialog").addEventListener("close", () => {
       if (at("take-dialog").returnValue === "take") request({ kind: "take-control" });
@@ -47,6 +50,9 @@ export class ControlSeat {
     at("seat").textContent = text;
     at("control").hidden = this.isControlling || !this.#mayControl;
     const asking = this.isControlling ? seat.asking.filter((client) => client !== this.#own) : [];
+    // The button may be out of view.
+    for (const client of asking) if (!this.#asking.includes(client)) toast(words.asks(client));
+    this.#asking = asking;
     at("asking").replaceChildren(...asking.map((client) => {
       const [row, button] = [document.createElement("p"), document.createElement("button")];
       row.textContent = words.asks(client);

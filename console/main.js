@@ -2,6 +2,7 @@
 
 import { askForToken, enter } from "./access.js";
 import { ControlSeat } from "./control_seat.js";
+import { openDialog } from "./dialogs.js";
 import { EventList } from "./events.js";
 import { GamepadHelm } from "./gamepad.js";
 import { HeldControl } from "./held_controls.js";
@@ -155,7 +156,7 @@ const act = {
     at("sound").textContent = sounds.isOn ? words.soundOn : words.sound;
     at("sound").setAttribute("aria-pressed", String(sounds.isOn));
   },
-  keys: () => at("keys-dialog").showModal(),
+  keys: () => openDialog(at("keys-dialog")),
   "zoom-in": () => stage.zoomBy(1.5),
   "zoom-out": () => stage.zoomBy(1 / 1.5),
   "zoom-reset": () => stage.resetZoom(),

@@ -120,8 +120,8 @@ export function showStatus(state) {
     element.title = isEnabled ? "" : why;
   };
   const watcher = words.reasons.watcher;
-  set("engage", can && !mode.engaged, watcher);
-  set("disengage", can && mode.name !== "idle", watcher);
+  set("engage", can && !mode.engaged, can ? words.reasons.engaged : watcher);
+  set("disengage", can && mode.name !== "idle", can ? words.reasons.disengaged : watcher);
   set("reject", can && (track.state === "tracking" || track.state === "coasting"), can ? words.reasons.nothingFollowed : watcher);
   set("deselect", can && track.state !== "unseeded", can ? words.reasons.nothingFollowed : watcher);
   // Offered once the boat is lost; the title says why a search is not possible yet.
@@ -161,7 +161,7 @@ function showVessel(vessel, set, can, watcher) {
   set("mark-kind", can, watcher);
   set("unmark-all", can && vessel.marks.length > 0, can ? words.reasons.nothingMarked : watcher);
   set("guide", can && !isGuided && goals.length > 0, can ? words.reasons.nothingMarked : watcher);
-  set("stop-boat", can && vessel.mode !== "stopped", watcher);
+  set("stop-boat", can && vessel.mode !== "stopped", can ? words.reasons.boatStopped : watcher);
   set("next-mark", can && goals.length > 1, can ? words.reasons.nothingMarked : watcher);
   set("go-home", can && vessel.marks.some(({ kind }) => kind === "home"), can ? words.reasons.noHome : watcher);
 }

@@ -90,6 +90,7 @@ export default {
     nudgeControl: "The vehicle does not accept commands.", nudgeFlight: "The vehicle has an emergency or lands.",
     nudgeVideo: "There is no video.",
     noBoat: "No boat is connected.", nothingMarked: "Mark a place or a person first.", noHome: "Mark home first.",
+    engaged: "The camera is engaged.", disengaged: "The camera is disengaged.", boatStopped: "The boat is stopped.",
     nothingFollowed: "Nothing is followed.", unacknowledged: "STOP NOT ACKNOWLEDGED: use the ground station's own stop.",
   },
   laws: { "minimum-energy": "Optimal: least energy", "time-fuel": "Optimal: quick", eco: "Optimal: most rest", intermittent: "Optimal: one movement each time", schema: "Paper's schema" },

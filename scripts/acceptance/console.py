@@ -15,6 +15,7 @@ import common
 from common import Emulator, Lines, Table
 from console_page import Page, Program, select_boat
 from selenium.webdriver.common.by import By
+from selenium.webdriver.common.keys import Keys
 from selenium.webdriver.support.ui import Select
 
 SIZE = "960x540"
@@ -65,7 +66,7 @@ def screenshots(page, keep, name):
 
 
 # Sizes of windows: laptops with and without the browser's bars, a screen enlarged to 125 %, tablets, telephones.
-WINDOWS = ((1280, 800), (1280, 720), (1280, 600), (1280, 420), (1024, 576), (900, 500), (768, 1024), (640, 800), (390, 760))
+WINDOWS = ((1280, 800), (1280, 720), (1280, 600), (1280, 420), (1024, 576), (900, 500), (768, 1024), (640, 800), (390, 760), (844, 390))
 
 
 def out_of_view(page, names):
@@ -80,6 +81,24 @@ def out_of_view(page, names):
                 hidden.append(f"{name} at {width}x{height}")
     page.resize(1280, 800)
     return hidden
+
+
+def stop_beside_dialog(page, width, height):
+    """Presses Stop by the mouse while the help is open, in a window of a size. Returns whether it was taken, and what is wrong with the help."""
+    page.resize(width, height)
+    page.click("keys")
+    before = int(page.data["stops"])
+    page.click("stop")
+    page.wait(lambda data: int(data["stops"]) > before, 3, "the stop")
+    faults = page.driver.execute_script("""
+        const dialog = document.getElementById('keys-dialog'), title = document.getElementById('keys-title').getBoundingClientRect();
+        const words = [...dialog.querySelectorAll('dd')].map((word) => word.clientWidth);
+        return [dialog.open && title.top >= 0 ? '' : 'the title is out of view', Math.min(...words) >= 100 ? '' : `a column of ${Math.min(...words)} px`].filter(Boolean);""")
+    page.type(Keys.ESCAPE)
+    if page.driver.execute_script("return document.getElementById('keys-dialog').open"):
+        faults.append("Escape does not close it")
+    page.resize(1280, 800)
+    return faults
 
 
 # Records the tones that the page plays, and how many wake locks of the screen it holds.
@@ -155,6 +174,8 @@ def demo(table, args, folder):
     table.require("the page fits 1280x800", height <= 800, f"{height} px high", "at most 800")
     hidden = out_of_view(page, ("stop", "engage", "disengage"))
     table.require("Stop and Engage are in view in every window, however low", not hidden, ", ".join(hidden) or f"{len(WINDOWS)} sizes")
+    faults = [f"{width}x{height}: {fault}" for width, height in ((1280, 800), (390, 760), (844, 390)) for fault in stop_beside_dialog(page, width, height)]
+    table.require("Stop is taken while the keys are shown, and the keys are readable", not faults, ", ".join(faults) or "by mouse, three sizes")
     select_boat(table, page, folder)
     sounds_and_screen(table, page)
     page.click("engage")
@@ -358,6 +379,10 @@ def watchers(table, args, folder, program, page):
     other.wait(lambda data: data["controlling"] == "yes", 5, "the control")
     table.require("control is asked for, and given", page.wait(lambda data: data["controlling"] == "no", 5, "the change")["controlling"] == "no")
     page.click("take-control")
+    before = int(page.data["stops"])
+    page.click("stop")
+    page.wait(lambda data: int(data["stops"]) > before, 3, "the stop")
+    table.require("Stop is taken while a question is open", page.driver.execute_script("return document.getElementById('take-dialog').open"))
     page.driver.find_element(By.CSS_SELECTOR, "#take-dialog button[value=take]").click()
     page.wait(lambda data: data["controlling"] == "yes", 5, "the control")
     told = other.wait(lambda data: data["controlling"] == "no", 5, "the notice") and other.element("toast").text

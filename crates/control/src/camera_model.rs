@@ -127,9 +127,14 @@ impl CameraModel {
         }
     }
 
+    /// Focal length at a time, as a share of the picture's width.
+    pub fn focal_share_at(&self, at: Timestamp) -> f64 {
+        self.focal_lengths.at(at)
+    }
+
     /// Focal length at a time for a picture of this size, pixels.
     pub fn focal_px(&self, at: Timestamp, picture: PictureSize) -> f64 {
-        self.focal_lengths.at(at) * f64::from(picture.width)
+        self.focal_share_at(at) * f64::from(picture.width)
     }
 
     /// The lens at a time for a picture of this size ([`lens_in_force`]).

@@ -13,6 +13,7 @@ use std::time::{Duration, Instant};
 use barrelman_host::clock::Clock;
 use barrelman_vocab::telemetry::{ControlState, LinkState, Report};
 use barrelman_vocab::{Telemetry, Timestamp, VehicleRates};
+use barrelman_wire::fotokite_pro::session::CONTROL_GRACE;
 use barrelman_wire::{ByteProtocol, LinkHistory, OpenSession, ReportReader};
 use rustix::event::{PollFd, PollFlags};
 
@@ -168,6 +169,7 @@ impl<C: Commands> GuardedLink<C> {
             client: shared,
             report,
             state: LinkState::Opening,
+            up_since: None,
             control: None,
             history: LinkHistory::default(),
             opened: Some(opened),
@@ -278,6 +280,8 @@ struct Supervisor<P: OpenSession, R> {
     report: R,
     reader: ReportReader,
     state: LinkState,
+    /// When the link came up last; `None`: it is not up.
+    up_since: Option<Timestamp>,
     /// Who has the control, where the vehicle reports it by itself.
     control: Option<ControlState>,
     /// What the guard before has left.
@@ -393,9 +397,17 @@ where
             FromGuard::Received(at, bytes) => {
                 let report = &self.report;
                 let control = &mut self.control;
+                let is_settled = self.up_since.is_some_and(|since| at.since(since) >= CONTROL_GRACE);
                 self.reader.read(&bytes, |content| {
-                    if let Report::Control { control: newest, .. } = content {
-                        *control = Some(newest);
+                    match content {
+                        Report::Control { control: newest, .. } => *control = Some(newest),
+                        // A station that has not given the control yet reports the same as one that gave it to another client.
+                        Report::Ground { control: newest, .. }
+                            if is_settled || newest == ControlState::Ours =>
+                        {
+                            *control = Some(newest);
+                        }
+                        _ => {}
                     }
                     report(LinkReport::Telemetry(Telemetry { at, report: content }));
                 });
@@ -428,6 +440,7 @@ where
             }
             self.reader = reader;
         }
+        self.up_since = (state == LinkState::Up).then(|| self.up_since.unwrap_or(at));
         self.state = state;
         let telemetry = Telemetry { at, report: Report::Link(state) };
         // A state must not be lost: the pilot goes by it.

@@ -22,7 +22,11 @@ pub const DISPLACED_CAMERA: u32 = 5;
 /// 6: a guided boat that does not answer its commands is stopped.
 pub const ANSWERING_BOAT: u32 = 6;
 
-/// The version of this pilot. 7: a mark that was set while height or tilt were not known gets its place on the water when they
-/// are, and a boat that is guided over the water waits while a mark that it must regard has none; marks on a picture that is not
-/// taken yet are refused.
-pub const NEWEST: u32 = 7;
+/// 7: a mark that was set while height or tilt were not known gets its place on the water when they are, and a boat that is guided
+/// over the water waits while a mark that it must regard has none; marks on a picture that is not taken yet are refused.
+pub const PLACED_MARKS: u32 = 7;
+
+/// The version of this pilot. 8: a boat that is guided over the water waits for 5 s at most while it has no place there, and goes
+/// away from a person only where its bow is known; a search goes by the present field of view, and does not begin while a
+/// selection is not confirmed.
+pub const NEWEST: u32 = 8;

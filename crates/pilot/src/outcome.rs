@@ -255,6 +255,7 @@ impl fmt::Display for VesselMode {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let held = |hold: &VesselHold| match hold {
             VesselHold::NoDestination => "no destination",
+            VesselHold::NoPlace => "the boat is too near to the horizon to have a place on the water",
             VesselHold::UnplacedMark => "a mark has no place on the water: move or remove it",
             VesselHold::Cause(cause) => cause.text(),
         };
@@ -268,7 +269,7 @@ impl fmt::Display for VesselMode {
             Self::KeepingWay(hold) => write!(f, "boat keeps way: {}", held(hold)),
             Self::Stopped(VesselStop::Operator) => f.write_str("boat stopped by the operator"),
             Self::Stopped(VesselStop::ConsoleLost) => f.write_str("boat stopped: the console is gone"),
-            Self::Stopped(VesselStop::OtherBoat) => f.write_str("boat stopped: another one was selected"),
+            Self::Stopped(VesselStop::OtherBoat) => f.write_str("boat stopped: what is followed was changed"),
             Self::Stopped(VesselStop::Everything(cause) | VesselStop::Vessel(cause)) => {
                 write!(f, "boat {}", stop_text(*cause))
             }

@@ -77,16 +77,36 @@ impl LastBearing {
     }
 }
 
+/// What the camera sees at once, and how far it can tilt, as angles in radians.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SearchReach {
+    /// Half the picture's width.
+    half_width: f64,
+    /// The picture's height.
+    height: f64,
+    /// The lowest and the highest tilt of a search.
+    tilt_range: (f64, f64),
+}
+
+impl SearchReach {
+    /// The reach of a camera whose focal length is this share of the picture's width, for a picture of height / width `aspect`.
+    pub fn new(focal_share: f64, aspect: f64, camera: &CameraDynamics) -> Self {
+        let (low, high) = camera.tilt_stops;
+        Self {
+            half_width: libm::atan(0.5 / focal_share),
+            height: 2.0 * libm::atan(0.5 * aspect / focal_share),
+            tilt_range: (low.radians() + STOP_MARGIN, high.radians() - STOP_MARGIN),
+        }
+    }
+}
+
 /// A search in progress.
 #[derive(Debug, Clone)]
 pub struct Search {
     begun: Timestamp,
     origin: (f64, f64),
     side: f64,
-    /// Half the picture's width and its height, as angles.
-    half_width: f64,
-    height: f64,
-    tilt_stops: (f64, f64),
+    reach: SearchReach,
     leg: u32,
     /// The leg's end and deadline; `None` before its first step.
     towards: Option<Towards>,
@@ -125,23 +145,12 @@ impl AxisTarget {
 
 impl Search {
     /// A search that begins at the last bearing; without one, where the camera points.
-    pub fn new(
-        last: Option<LastBearing>,
-        pointing: (f64, f64),
-        camera: &CameraDynamics,
-        aspect: f64,
-        now: Timestamp,
-    ) -> Self {
-        let half_width = libm::atan(0.5 / camera.focal_share);
-        let half_height = libm::atan(0.5 * aspect / camera.focal_share);
-        let (low, high) = camera.tilt_stops;
+    pub fn new(last: Option<LastBearing>, pointing: (f64, f64), reach: SearchReach, now: Timestamp) -> Self {
         Self {
             begun: now,
             origin: last.map_or(pointing, |last| last.newest),
             side: last.map_or(1.0, |last| last.side()),
-            half_width,
-            height: 2.0 * half_height,
-            tilt_stops: (low.radians() + STOP_MARGIN, high.radians() - STOP_MARGIN),
+            reach,
             leg: 0,
             towards: None,
         }
@@ -185,7 +194,7 @@ impl Search {
         let (offset, row) = self.leg_offsets()?;
         let clamp = |angle: f64, low: f64, high: f64| angle.max(low.min(high)).min(high);
         let to_pan = clamp(self.origin.0 + offset, left, right);
-        let (low, high) = self.tilt_stops;
+        let (low, high) = self.reach.tilt_range;
         let to_tilt = clamp(self.origin.1 + row, low, high);
         let way = (to_pan - pan).abs().max((to_tilt - tilt).abs());
         let takes = Duration::from_secs_f64(way / NUDGE_RATE_RAD_PER_S * 1.2 + LEG_SLACK_S);
@@ -199,15 +208,16 @@ impl Search {
     /// Pan and tilt of the present leg relative to the last bearing; `None` beyond the sweep.
     fn leg_offsets(&self) -> Option<(f64, f64)> {
         let Some(index) = self.leg.checked_sub(1) else { return Some((0.0, 0.0)) };
+        let SearchReach { half_width, height, .. } = self.reach;
         let block = index / 4;
-        let width = self.half_width * f64::from(2 * block + 1 + index % 2);
-        let is_within = f64::from(2 * block) * self.half_width < MAX_SWEEP;
+        let width = half_width * f64::from(2 * block + 1 + index % 2);
+        let is_within = f64::from(2 * block) * half_width < MAX_SWEEP;
         let side = if index % 4 < 2 { self.side } else { -self.side };
         let row = match block % 3 {
             // A target that goes away comes nearer to the horizon.
-            0 => (-HORIZON_SHARE * 0.5 * self.height - self.origin.1).clamp(0.0, 0.25 * self.height),
-            1 => ROW_SHARE * self.height,
-            _ => -ROW_SHARE * self.height,
+            0 => (-HORIZON_SHARE * 0.5 * height - self.origin.1).clamp(0.0, 0.25 * height),
+            1 => ROW_SHARE * height,
+            _ => -ROW_SHARE * height,
         };
         is_within.then_some((side * width.min(MAX_SWEEP), row))
     }
@@ -228,6 +238,10 @@ mod tests {
         LastBearing::update(Some(first), (pan, tilt), at(-4.0))
     }
 
+    fn reach(dynamics: &CameraDynamics) -> SearchReach {
+        SearchReach::new(dynamics.focal_share, 9.0 / 16.0, dynamics)
+    }
+
     /// The way of a camera without lag: pan and tilt every 0.1 s until the search ends.
     fn way(
         last: LastBearing,
@@ -235,7 +249,7 @@ mod tests {
         pan_range: (f64, f64),
         dynamics: &CameraDynamics,
     ) -> Vec<(f64, f64)> {
-        let mut search = Search::new(Some(last), from, dynamics, 9.0 / 16.0, at(0.0));
+        let mut search = Search::new(Some(last), from, reach(dynamics), at(0.0));
         let (mut pointing, mut way) = (from, Vec::new());
         let (low, high) = dynamics.tilt_stops;
         for step in 0..2_000 {
@@ -288,7 +302,7 @@ mod tests {
 
     #[test]
     fn a_camera_that_does_not_turn_ends_the_search_by_itself() {
-        let mut search = Search::new(None, (0.0, 0.0), &CameraDynamics::laboratory(), 0.5, at(0.0));
+        let mut search = Search::new(None, (0.0, 0.0), reach(&CameraDynamics::laboratory()), at(0.0));
         let ends = (0..1_000)
             .find(|step| search.command((0.0, 0.0), EVERYWHERE, at(0.1 * f64::from(*step))).is_none());
         assert!(ends.is_some_and(|step| step <= 580), "{ends:?}");

@@ -105,6 +105,9 @@ pub(crate) struct VesselView<'a> {
     /// Whether marks need a place on the water before a boat is guided over the water, and get one as soon as it can be known.
     /// Pilots of before passed over marks without a place, and took marks on pictures of the future.
     pub(crate) needs_places: bool,
+    /// Whether a boat that is guided over the water waits while it has no place there, and goes away from a person only where its
+    /// bow is known. Pilots of before waited without an end, and took an unknown bow to point at the person.
+    pub(crate) needs_fix_and_bow: bool,
 }
 
 /// What a step observed.
@@ -322,6 +325,7 @@ impl VesselPilot {
                     camera: &modelled,
                     is_commanded: view.sways && self.gate.is_commanding(),
                     needs_places: view.needs_places,
+                    needs_fix_and_bow: view.needs_fix_and_bow,
                 };
                 let advice = self.guide.step(seen, guide_view, &self.marks, &self.profile, now);
                 self.gate.set_clear(self.guide.has_room());

@@ -28,6 +28,7 @@ pub mod simulated_source;
 pub mod demo;
 pub mod emulator;
 
+mod interruption;
 mod jpeg;
 pub mod logging;
 mod png_file;

@@ -76,6 +76,8 @@ pub struct LineOfSight {
     side: Option<Side>,
     /// Whether the boat goes astern from a circle.
     backs_off: bool,
+    /// Whether a boat whose bow is not known goes astern before a person that is too close.
+    retreats_blindly: bool,
     rudder: f64,
     way_since: Option<Timestamp>,
     last_step: Option<Timestamp>,
@@ -102,10 +104,16 @@ impl LineOfSight {
             phase: Phase::Going,
             side: None,
             backs_off: false,
+            retreats_blindly: false,
             rudder: 0.0,
             way_since: None,
             last_step: None,
         }
+    }
+
+    /// For replays: whether a boat whose bow is not known goes astern before a person that is too close, as it once did.
+    pub const fn set_retreats_blindly(&mut self, retreats_blindly: bool) {
+        self.retreats_blindly = retreats_blindly;
     }
 
     /// The estimate of the boat.
@@ -336,7 +344,7 @@ impl LineOfSight {
     }
 
     /// The command of a boat at rest before a person: away from the person where it is too close. A boat that points at the person
-    /// goes astern, another one ahead and turns away.
+    /// goes astern, another one ahead and turns away. One whose bow is not known stays neutral: any thrust might move it to the person.
     fn retreat(
         &self,
         boat: &BoatState,
@@ -352,9 +360,13 @@ impl LineOfSight {
         if excess <= 0.0 || (left_m > 0.0 && closing < ASTERN_EXCESS.0) {
             return VesselCommand::NEUTRAL;
         }
+        let off_bow = match boat.heading {
+            Some(heading) => wrapped(bearing - heading.radians()),
+            None if self.retreats_blindly => 0.0,
+            None => return VesselCommand::NEUTRAL,
+        };
         // Thrust grows with the square of the throttle.
         let share = libm::sqrt((excess / ASTERN_EXCESS.1).min(1.0));
-        let off_bow = boat.heading.map_or(0.0, |heading| wrapped(bearing - heading.radians()));
         if libm::cos(off_bow) > POINTS_AT.0 {
             VesselCommand { throttle: -limits.astern * share, rudder: 0.0 }
         } else {

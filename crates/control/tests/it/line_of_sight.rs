@@ -285,6 +285,17 @@ fn a_boat_that_lies_too_close_to_a_person_leaves_by_the_shortest_way() {
 }
 
 #[test]
+fn a_boat_at_rest_whose_bow_is_not_known_does_not_move_before_a_person() {
+    for off_bow_deg in [0.0, 180.0] {
+        let mut scene = Scene::new(off_bow_deg);
+        scene.run(person(0.0, 2.2), 10.0, |_, step| {
+            assert!(step.command.is_neutral(), "{off_bow_deg}: {step:?}");
+        });
+        assert!(scene.at.distance_to(WaterPoint { x: 0.0, y: 0.0 }) < 1e-9);
+    }
+}
+
+#[test]
 fn a_person_who_drifts_towards_the_boat_is_given_way() {
     let mut scene = Scene { gives_heading: true, ..Scene::new(0.0) };
     let mut least_m = f64::INFINITY;

@@ -100,8 +100,13 @@ pub(super) struct Prices([f64; 6]);
 impl Prices {
     /// Prices such that the cost is the mean, over the figures, of the ratio to `schema` divided by its limit.
     pub(super) fn of_ratios(schema: &Figures) -> Self {
+        Self::of_weighted_ratios(schema, [1.0 / 6.0; 6])
+    }
+
+    /// Prices such that the cost is the sum, over the figures, of weight times the ratio to `schema` divided by its limit.
+    pub(super) fn of_weighted_ratios(schema: &Figures, weights: [f64; 6]) -> Self {
         let figures = schema.in_order();
-        Self([0, 1, 2, 3, 4, 5].map(|index| 1.0 / (6.0 * LIMITS[index] * figures[index])))
+        Self([0, 1, 2, 3, 4, 5].map(|index| weights[index] / (LIMITS[index] * figures[index])))
     }
 
     pub(super) fn cost_of(&self, figures: &Figures) -> f64 {

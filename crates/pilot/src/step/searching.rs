@@ -3,10 +3,11 @@
 use barrelman_vocab::{ImagePoint, OperatorRequest, PictureSize, Timestamp, Track};
 
 use super::Pilot;
+use crate::behaviour;
 use crate::outcome::{LOST_BEFORE_SEARCH, Notice, Refusal};
 use crate::purpose::Purpose;
 use crate::safety::ObservationResult;
-use crate::search::{LastBearing, Search};
+use crate::search::{LastBearing, Search, SearchReach};
 
 /// Largest net yaw that an operator can state, radians.
 const MAX_NET_YAW: f64 = 100.0;
@@ -26,6 +27,10 @@ impl Pilot {
 
     /// Why there is nothing to search for.
     fn nothing_to_search(&self, now: Timestamp) -> Option<Refusal> {
+        let is_selecting = self.drawn_selection.is_some() || self.pending_selection.is_some();
+        if is_selecting && self.behaviour > behaviour::PLACED_MARKS {
+            return Some(Refusal::NothingLost);
+        }
         match self.track {
             Track::Lost { since, .. } if now.since(since) >= LOST_BEFORE_SEARCH => None,
             Track::Lost { .. } => Some(Refusal::LostTooBriefly),
@@ -49,10 +54,17 @@ impl Pilot {
     /// The operator asked for a search, and the safety rule permits it.
     pub(super) fn begin_search(&mut self, now: Timestamp) {
         let camera = self.law.camera();
-        let aspect = self.picture.map_or(1.0, |size| f64::from(size.height) / f64::from(size.width.max(1)));
         if self.search.is_none() {
             let pointing = camera.angles_at(now);
-            self.search = Some(Search::new(self.last_bearing, pointing, camera.dynamics(), aspect, now));
+            let aspect =
+                self.picture.map_or(1.0, |size| f64::from(size.height) / f64::from(size.width.max(1)));
+            let focal_share = if self.behaviour > behaviour::PLACED_MARKS {
+                camera.focal_share_at(now)
+            } else {
+                camera.dynamics().focal_share
+            };
+            let reach = SearchReach::new(focal_share, aspect, camera.dynamics());
+            self.search = Some(Search::new(self.last_bearing, pointing, reach, now));
         }
     }
 

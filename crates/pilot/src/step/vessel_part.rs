@@ -47,5 +47,6 @@ fn vessel_view(law: &CameraLaw, version: u32, now: Timestamp) -> VesselView<'_> 
         sways: version > behaviour::SURE_SELECTION,
         needs_answer: version > behaviour::DISPLACED_CAMERA,
         needs_places: version > behaviour::ANSWERING_BOAT,
+        needs_fix_and_bow: version > behaviour::PLACED_MARKS,
     }
 }

@@ -76,6 +76,8 @@ pub enum VesselHold {
     NoDestination,
     /// A mark that the boat must regard has no place on the water.
     UnplacedMark,
+    /// The boat has no place on the water: its line of sight is too near to the horizon, or beyond the lens.
+    NoPlace,
     /// For want of a boat in the picture, of video, or of a link.
     Cause(HoldCause),
 }

@@ -74,6 +74,8 @@ pub struct GuideView<'a> {
     pub is_commanded: bool,
     /// Whether the boat waits while a mark that it must regard has no place on the water.
     pub needs_places: bool,
+    /// Whether the boat waits while it has no place on the water itself, and goes away from a person only where its bow is known.
+    pub needs_fix_and_bow: bool,
 }
 
 impl Guide {
@@ -156,7 +158,7 @@ impl Guide {
     pub fn step(
         &mut self,
         seen: &Localisation,
-        GuideView { camera: frame_view, is_commanded, needs_places }: GuideView<'_>,
+        GuideView { camera: frame_view, is_commanded, needs_places, needs_fix_and_bow }: GuideView<'_>,
         marks: &Marks,
         profile: &VesselProfile,
         now: Timestamp,
@@ -166,6 +168,7 @@ impl Guide {
             (self.newest, self.has_room) = (None, false);
             return Err(VesselHold::UnplacedMark);
         }
+        self.line_of_sight.set_retreats_blindly(!needs_fix_and_bow);
         let (command, guidance) = if is_over_water {
             self.step_over_water(frame_view.boat(seen, is_commanded), marks, profile, now)
         } else {
@@ -175,6 +178,7 @@ impl Guide {
         self.has_room = self.finds_room(marks, profile, now);
         match guidance.state {
             GuidanceState::NoDestination => Err(VesselHold::NoDestination),
+            GuidanceState::NoFix if needs_fix_and_bow => Err(VesselHold::NoPlace),
             _ => Ok(command),
         }
     }

@@ -2,11 +2,15 @@
 
 use core::time::Duration;
 
+use barrelman_pilot::behaviour::{NEWEST, PLACED_MARKS};
 use barrelman_pilot::net_yaw::NetYawLevel;
 use barrelman_pilot::outcome::HoldCause;
 use barrelman_pilot::{Input, Mode, Notice, Outcome, Pilot, Refusal};
 use barrelman_vocab::telemetry::{LinkState, Report};
-use barrelman_vocab::{Angle, ImagePoint, Nudge, OperatorRequest, StopCause, Telemetry, Timestamp, Track};
+use barrelman_vocab::{
+    Angle, DrawnSelection, ImagePoint, Nudge, OperatorRequest, PixelBox, StopCause, Telemetry, Timestamp,
+    Track,
+};
 
 use crate::scenes::{LEFT, RIGHT, at, localisation_pilot, seen};
 
@@ -125,6 +129,45 @@ fn a_search_that_finds_nothing_ends_by_itself_at_rest() {
         let searching = scene.outcomes.iter().filter(|outcome| outcome.mode == Mode::Searching);
         assert!(searching.count() < 59 * 20, "it ends before its consent does");
     }
+}
+
+#[test]
+fn a_search_keeps_what_it_looks_for_in_a_narrow_picture() {
+    // A quarter of the width of the configured picture: 15 by 11 degrees.
+    let farthest_row = |behaviour| {
+        let mut scene = Scene::lost(RIGHT, false, 0);
+        scene.pilot = localisation_pilot().with_behaviour(behaviour);
+        let narrow = Report::FieldOfView(Angle::from_degrees(15.0));
+        for _ in 0..20 {
+            for report in [narrow, Report::CameraTilt(Angle::from_degrees(-40.0))] {
+                scene.step(Input::Telemetry(Telemetry { at: at(scene.now_ms), report }));
+            }
+            scene.run(50, Some(RIGHT));
+        }
+        scene.run(3_000, None);
+        scene.request(OperatorRequest::Search);
+        assert_eq!(scene.last().mode, Mode::Searching);
+        let begun = scene.outcomes.len();
+        // Until the end of the first four legs, the camera is raised by a quarter of the picture's height at most.
+        scene.run(10_000, None);
+        let tilts =
+            scene.outcomes[begun..].iter().map(|outcome| 0.05 * outcome.command.tilt.radians_per_second());
+        tilts.scan(0.0_f64, |tilt, step| Some(core::mem::replace(tilt, *tilt + step))).fold(0.0, f64::max)
+    };
+    let height = 2.0 * libm::atan(0.75 * libm::tan(7.5_f64.to_radians()));
+    assert!(farthest_row(NEWEST) < 0.5 * height, "{} {height}", farthest_row(NEWEST));
+    assert!(farthest_row(PLACED_MARKS) > 0.5 * height, "{} {height}", farthest_row(PLACED_MARKS));
+}
+
+#[test]
+fn a_search_does_not_begin_while_a_selection_is_not_confirmed() {
+    let mut scene = Scene::lost(RIGHT, false, 4_000);
+    let bounds = PixelBox { u: 100.0, v: 100.0, w: 30.0, h: 20.0 };
+    scene.request(OperatorRequest::SelectOn(DrawnSelection { bounds, captured: at(scene.now_ms - 50) }));
+    assert_eq!(scene.last().search_refusal, Some(Refusal::NothingLost));
+    let refused = scene.request(OperatorRequest::Search);
+    assert_eq!(refused.notice, Some(Notice::RequestRefused(Refusal::NothingLost)));
+    assert!(refused.command.is_rest() && refused.mode != Mode::Searching);
 }
 
 #[test]

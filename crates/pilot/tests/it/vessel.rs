@@ -2,7 +2,7 @@
 
 use core::time::Duration;
 
-use barrelman_pilot::behaviour::ANSWERING_BOAT;
+use barrelman_pilot::behaviour::{ANSWERING_BOAT, PLACED_MARKS};
 use barrelman_pilot::on_earth::NotOnEarth;
 use barrelman_pilot::outcome::HoldCause;
 use barrelman_pilot::vessel::{GuidanceBasis, GuidanceLaw, VesselHold, VesselStop};
@@ -313,6 +313,44 @@ fn a_guided_boat_waits_while_a_person_has_no_place_on_the_water() {
     assert_eq!((outcome.vessel.mode, outcome.vessel.command), (mode, VesselCommand::NEUTRAL));
     bench.ask(OperatorRequest::Unmark(1));
     assert_eq!(bench.see(INSIDE).vessel.mode, VesselMode::Guided);
+}
+
+#[test]
+fn a_guided_boat_without_a_place_on_the_water_waits_and_does_not_start_again_by_itself() {
+    let without_place_for = |bench: &mut Bench, ms: u64| {
+        let until = bench.ms + ms;
+        let mut modes = Vec::new();
+        while bench.ms < until {
+            // The camera is tilted up, and the boat seen above the horizon.
+            bench.tell(Report::CameraTilt(Angle::from_degrees(20.0)));
+            let outcome = bench.see(INSIDE);
+            modes.push((outcome.vessel.mode, outcome.vessel.command.is_neutral()));
+        }
+        modes
+    };
+    let held = VesselMode::Holding(VesselHold::NoPlace);
+
+    let mut bench = Bench::going(MarkKind::Place);
+    let modes = without_place_for(&mut bench, 3_000);
+    assert_eq!(modes.last(), Some(&(held, true)), "{modes:?}");
+    for _ in 0..60 {
+        bench.see_water().see(INSIDE);
+    }
+    assert_eq!(bench.see(INSIDE).vessel.mode, VesselMode::Guided, "after a short wait it goes on");
+
+    let mut bench = Bench::going(MarkKind::Place);
+    let modes = without_place_for(&mut bench, 8_000);
+    let stopped = VesselMode::Stopped(VesselStop::HeldTooLong(VesselHold::NoPlace));
+    assert_eq!(modes.last(), Some(&(stopped, true)));
+    for _ in 0..60 {
+        assert!(bench.see_water().see(INSIDE).vessel.command.is_neutral());
+    }
+
+    // Pilots of before waited without an end.
+    let mut bench = Bench::going(MarkKind::Place);
+    bench.pilot = bench.pilot.with_behaviour(PLACED_MARKS);
+    let modes = without_place_for(&mut bench, 8_000);
+    assert_eq!(modes.last(), Some(&(VesselMode::Guided, true)));
 }
 
 #[test]

@@ -5,13 +5,14 @@ use std::path::PathBuf;
 
 use clap::Args;
 
+use super::values::parse_listen;
 use crate::console::OnConsoleLost;
 
 /// Options of the console.
 #[derive(Debug, Clone, Args, Default)]
 pub struct ConsoleOptions {
     /// Address of the console; default: 127.0.0.1:8480, or the next free port.
-    #[arg(long, value_name = "ADDR")]
+    #[arg(long, value_name = "ADDR", value_parser = parse_listen)]
     pub listen: Option<SocketAddr>,
     /// File with the console's tokens, two lines: control, watch. Without it, tokens are made and printed as links.
     #[arg(long, value_name = "FILE")]

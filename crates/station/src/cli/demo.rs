@@ -8,7 +8,22 @@ use clap::Args;
 
 use super::console_options::ConsoleOptions;
 use super::law_options::LawOptions;
-use super::values::{parse_seconds, parse_size};
+use super::values::{parse_seconds, parse_world_size};
+
+/// Options that have no effect with `--clip`. (A requirement of `--clip` alone is not checked beside an option that excludes it.)
+const WITHOUT_CLIP: [&str; 11] = [
+    "scenario",
+    "listen",
+    "console_token_file",
+    "on_console_lost",
+    "size",
+    "seed",
+    "seconds",
+    "record",
+    "store",
+    "replay",
+    "hands_on",
+];
 
 /// `demo`.
 #[derive(Debug, Args)]
@@ -38,7 +53,7 @@ pub struct DemoArgs {
     #[arg(long, conflicts_with = "replay")]
     pub hands_on: bool,
     /// Size of the picture; the field of view stays the same. Default: the scenario's, at most 960 wide.
-    #[arg(long, value_name = "WxH", value_parser = parse_size)]
+    #[arg(long, value_name = "WxH", value_parser = parse_world_size)]
     pub size: Option<PictureSize>,
     /// Seed of all random numbers.
     #[arg(long, value_name = "SEED", default_value_t = 1)]
@@ -63,13 +78,13 @@ pub struct DemoArgs {
     #[command(flatten)]
     pub law: LawOptions,
     /// Run the live loop on a practice clip instead, with an emulated ground station.
-    #[arg(long, conflicts_with_all = ["scenario", "listen", "console_token_file", "on_console_lost", "size", "seed", "seconds", "record", "store", "replay", "hands_on"])]
+    #[arg(long, conflicts_with_all = WITHOUT_CLIP)]
     pub clip: bool,
     /// With --clip: folder of the clip, the annotated video and the recording.
-    #[arg(long, default_value = "demo-output", requires = "clip")]
+    #[arg(long, default_value = "demo-output", requires = "clip", conflicts_with_all = WITHOUT_CLIP)]
     pub output: PathBuf,
     /// With --clip: only render the practice clip and its truth.
-    #[arg(long, requires = "clip")]
+    #[arg(long, requires = "clip", conflicts_with_all = WITHOUT_CLIP)]
     pub draw_only: bool,
     /// Overwrite existing output files.
     #[arg(long)]

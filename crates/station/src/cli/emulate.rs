@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use clap::{ArgGroup, Args, Subcommand, ValueEnum};
 
-use super::values::{parse_percent, parse_positive};
+use super::values::{parse_listen, parse_percent, parse_positive};
 
 /// `emulate`.
 #[derive(Debug, Args)]
@@ -50,7 +50,7 @@ pub struct EmulateVesselArgs {
     #[arg(long, value_enum, value_name = "NAME", default_value = "lab-udp")]
     pub boat: BoatName,
     /// Take datagrams at this address (UDP); default: 127.0.0.1:5007, and 127.0.0.1:14570 for a MAVLink boat.
-    #[arg(long, value_name = "ADDR")]
+    #[arg(long, value_name = "ADDR", value_parser = parse_listen)]
     pub listen: Option<SocketAddr>,
     /// MAVLink: the boat is not armed.
     #[arg(long)]
@@ -83,7 +83,7 @@ and in another terminal
     --link-token-file token")]
 pub struct EmulateFotokiteSigmaArgs {
     /// Listen on this address (HTTP).
-    #[arg(long, value_name = "ADDR", default_value = "127.0.0.1:3128")]
+    #[arg(long, value_name = "ADDR", value_parser = parse_listen, default_value = "127.0.0.1:3128")]
     pub listen: SocketAddr,
     /// The token that permits reading and control. The token `TEXT-read` permits reading alone, and the API key
     /// `TEXT-key` is exchanged for the token.
@@ -226,6 +226,6 @@ pub struct WorldArgs {
     #[arg(long, value_name = "SIM")]
     pub world: Option<String>,
     /// Address of the world's video (RTSP, path /world).
-    #[arg(long, value_name = "ADDR", default_value = "127.0.0.1:8554")]
+    #[arg(long, value_name = "ADDR", value_parser = parse_listen, default_value = "127.0.0.1:8554")]
     pub video_listen: SocketAddr,
 }

@@ -6,7 +6,7 @@ use barrelman_simd::SimdLevel;
 use barrelman_vocab::PictureSize;
 use clap::Args;
 
-use super::values::{parse_clip_length, parse_size};
+use super::values::{parse_clip_length, parse_world_size};
 
 /// `scenarios`.
 #[derive(Debug, Args)]
@@ -42,7 +42,7 @@ pub struct RenderArgs {
     #[arg(long, value_name = "DIR")]
     pub masks: Option<PathBuf>,
     /// Size of the picture; the field of view stays the same. Default: the scenario's.
-    #[arg(long, value_name = "WxH", value_parser = parse_size)]
+    #[arg(long, value_name = "WxH", value_parser = parse_world_size)]
     pub size: Option<PictureSize>,
     /// Widest vector instructions of the renderer: scalar, sse2, avx2 or avx512. The pictures are the same with each.
     #[arg(long, value_name = "LEVEL", default_value_t = SimdLevel::Avx512)]

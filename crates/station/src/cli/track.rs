@@ -7,7 +7,7 @@ use barrelman_experiments::tracker_choice::TrackerName;
 use barrelman_vocab::PixelBox;
 use clap::Args;
 
-use super::values::parse_box;
+use super::values::{parse_box, parse_listen};
 
 /// `track`.
 #[derive(Debug, Args)]
@@ -27,7 +27,7 @@ pub struct TrackArgs {
     #[arg(long, value_name = "X,Y,W,H", allow_hyphen_values = true, value_parser = parse_box)]
     pub select: Option<PixelBox>,
     /// Address of the page for drawing the box; default: 127.0.0.1:8480, or the next free port.
-    #[arg(long, value_name = "ADDR", conflicts_with = "select")]
+    #[arg(long, value_name = "ADDR", value_parser = parse_listen, conflicts_with = "select")]
     pub listen: Option<SocketAddr>,
     /// Number of the frame with the selection, from 0.
     #[arg(long, value_name = "N", default_value_t = 0)]
@@ -42,7 +42,7 @@ pub struct TrackArgs {
     #[arg(long, value_name = "OUT.mp4")]
     pub overlay: Option<PathBuf>,
     /// Draw the tracker's intermediate results into the annotated video.
-    #[arg(long)]
+    #[arg(long, requires = "overlay")]
     pub explain: bool,
     /// Print figures as JSON; the track is then written only with --output.
     #[arg(long)]

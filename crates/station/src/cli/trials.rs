@@ -12,7 +12,7 @@ use super::columns::{COLUMNS, COLUMNS_IN_PIXELS, COLUMNS_OF_GUIDANCE};
 use super::law_options::LawOptions;
 use super::values::{
     Shard, parse_count, parse_not_negative, parse_positive, parse_rate, parse_sea_state, parse_shard,
-    parse_size,
+    parse_world_size,
 };
 
 /// The examples of `trials`.
@@ -85,7 +85,7 @@ pub struct TrialsArgs {
     #[arg(long, value_enum, value_name = "NAME", conflicts_with_all = ["drive", "boat_speed"])]
     pub guidance: Option<GuidedBy>,
     /// Size of the picture; the field of view stays the same. Default: the scenario's.
-    #[arg(long, value_name = "WxH", value_parser = parse_size)]
+    #[arg(long, value_name = "WxH", value_parser = parse_world_size)]
     pub size: Option<PictureSize>,
     /// Number of trials at the same time; default: the number of cores. The results are the same for any number.
     #[arg(long, value_name = "N", value_parser = parse_count)]

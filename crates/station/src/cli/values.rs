@@ -1,5 +1,7 @@
 //! Parsers of option values. Each error says what form or range the value must have.
 
+use std::net::SocketAddr;
+
 use barrelman_vocab::profile::RegionShares;
 use barrelman_vocab::{PictureSize, PixelBox};
 
@@ -12,7 +14,6 @@ pub struct Shard {
     pub count: usize,
 }
 
-/// Parses exactly `N` finite numbers; `form` is the form that an error names.
 /// Parses exactly `N` finite numbers. `form` is named in the error.
 fn numbers<const N: usize>(text: &str, separator: char, form: &str) -> Result<[f64; N], String> {
     let wrong = || format!("expected {form}");
@@ -41,6 +42,25 @@ pub(super) fn parse_size(text: &str) -> Result<PictureSize, String> {
     } else {
         Err("width and height must be whole numbers from 1 to 65536".to_owned())
     }
+}
+
+/// The size of a picture of a simulated world.
+pub(super) fn parse_world_size(text: &str) -> Result<PictureSize, String> {
+    let size = parse_size(text)?;
+    if [size.width, size.height].iter().all(|side| (64..=4096).contains(side) && side.is_multiple_of(2)) {
+        Ok(size)
+    } else {
+        Err("width and height of a simulated picture must be even numbers from 64 to 4096".to_owned())
+    }
+}
+
+/// The address and port of a server.
+pub(super) fn parse_listen(text: &str) -> Result<SocketAddr, String> {
+    text.parse().map_err(|_| {
+        "expected ADDRESS:PORT with an IP address, not a name, and a port up to 65535, as in 127.0.0.1:8480 (0.0.0.0:8480: for \
+         other devices, too)"
+            .to_owned()
+    })
 }
 
 pub(super) fn parse_region(text: &str) -> Result<RegionShares, String> {
@@ -135,6 +155,13 @@ mod tests {
         check(parse_box, &[], &["1,2,0,5", "1,2,5,-1"], "above zero");
         check(parse_size, &["640x480", "1x65536"], &["640", "640,480", "640x480x3"], "WIDTHxHEIGHT");
         check(parse_size, &[], &["0x480", "640.5x480", "65537x1"], "whole numbers");
+        check(parse_world_size, &["64x64", "4096x2048"], &["10x10", "640x361", "4098x64"], "from 64 to 4096");
+        check(
+            parse_listen,
+            &["127.0.0.1:8480", "[::1]:0"],
+            &["localhost:8480", "127.0.0.1", "127.0.0.1:80000"],
+            "127.0.0.1:8480",
+        );
         check(parse_region, &["0.6,0.5", "1,1"], &["0,0.5", "0.6,1.1"], "at most 1");
         check(parse_positive, &["0.1", "7"], &["0", "-1"], "above zero");
         check(parse_seconds, &["0.5", "1e6"], &["1000001"], "million");

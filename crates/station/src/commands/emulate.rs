@@ -4,7 +4,6 @@ use std::io::{Write as _, stdout};
 use std::net::SocketAddr;
 use std::path::Path;
 use std::process::ExitCode;
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
@@ -23,6 +22,7 @@ use crate::emulator::fotokite_sigma::{EmulatedSigma, EmulatedSigmaSettings, SIGM
 use crate::emulator::log::StationLog;
 use crate::emulator::mavlink_gimbal::{GimbalManagerSettings, Habits, MavlinkGimbal};
 use crate::emulator::rtsp_server::RtspServer;
+use crate::interruption::flag_of_signals;
 use crate::link::CameraLink;
 use crate::link::boat_link::SimulatedBoat;
 use crate::secrets;
@@ -103,7 +103,7 @@ fn vessel(args: &EmulateVesselArgs, clock: Clock) -> Result<ExitCode> {
     // The camera of the world stays at rest.
     let world = ServedWorld::open(&args.world, &VehicleProfile::fotokite_pro())?;
     let log = args.log.as_ref().map(|path| output::create(path, args.force)).transpose()?;
-    let ended = ended_by_a_signal()?;
+    let ended = flag_of_signals()?;
     let boat = world.as_ref().map(|world| world.boat.clone());
     let (port, helm) = match args.boat {
         BoatName::LabUdp => (5007, Helm::laboratory(args.keep_last)),
@@ -146,7 +146,7 @@ fn emulate<V: EmulatedVehicle>(
     let log = log.map(|path| output::create(path, force)).transpose()?;
     let faults = FaultPlan::parse(fault.unwrap_or_default())?;
     faults.require_effect("the emulator", &EMULATOR_FAULTS)?;
-    let ended = ended_by_a_signal()?;
+    let ended = flag_of_signals()?;
     let mut emulator =
         Emulator::new(port, vehicle, StationLog::new(log, clock), faults, clock).with_loss(loss_share);
     if let Some(world) = &world {
@@ -170,7 +170,7 @@ fn fotokite_sigma(args: &EmulateFotokiteSigmaArgs, clock: Clock) -> Result<ExitC
         field_of_view_deg: world.as_ref().map_or(example.field_of_view_deg, |world| world.field_of_view_deg),
         ..example
     };
-    let ended = ended_by_a_signal()?;
+    let ended = flag_of_signals()?;
     let settings = EmulatedSigmaSettings {
         sigma,
         has_websocket: !args.no_websocket,
@@ -216,15 +216,6 @@ fn serve(
         is_world_over || ended.load(Ordering::Relaxed)
     })?;
     failure.map_or(Ok(ExitCode::SUCCESS), Err)
-}
-
-/// A flag that a signal sets which asks to end.
-fn ended_by_a_signal() -> Result<Arc<AtomicBool>> {
-    let ended = Arc::new(AtomicBool::new(false));
-    for signal in [signal_hook::consts::SIGINT, signal_hook::consts::SIGTERM, signal_hook::consts::SIGHUP] {
-        signal_hook::flag::register(signal, Arc::clone(&ended))?;
-    }
-    Ok(ended)
 }
 
 /// A simulated world with a server of its video.

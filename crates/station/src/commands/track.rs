@@ -3,9 +3,10 @@
 use std::io::{BufWriter, Write, stdout};
 use std::path::PathBuf;
 use std::process::ExitCode;
+use std::sync::atomic::Ordering;
 use std::time::Duration;
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result, anyhow, bail};
 use barrelman_vision::{Explanation, Tracker};
 use barrelman_vocab::{PixelBox, Track, VehicleProfile, VideoFrame};
 use indicatif::{ProgressBar, ProgressStyle};
@@ -15,6 +16,7 @@ use super::draw_selection::{draw_selection, has_display};
 use super::track_figures::{TrackTotals, selection_warnings};
 use crate::cli::{TrackArgs, UsageError};
 use crate::console::{AfterPicking, ConsoleSettings};
+use crate::interruption::flag_of_signals;
 use barrelman_experiments::tracker_choice::TrackerSettings;
 use barrelman_host::output::OutputFile;
 use barrelman_overlay::film::Film;
@@ -55,7 +57,11 @@ pub fn run(args: &TrackArgs) -> Result<ExitCode> {
     let progress = progress_bar(&frames);
     let mut decode_times = Vec::new();
     let (mut index, mut damaged) = (0_u64, 0_u64);
+    let stop = flag_of_signals()?;
     let failure = loop {
+        if stop.load(Ordering::Relaxed) {
+            break Some(anyhow!("interrupted"));
+        }
         let before = cpu_time();
         let frame = match frames.next_frame() {
             Ok(Some(frame)) => frame,
@@ -67,7 +73,7 @@ pub fn run(args: &TrackArgs) -> Result<ExitCode> {
                 }
                 continue;
             }
-            Err(error) => break Some(error),
+            Err(error) => break Some(error.into()),
         };
         decode_times.push(cpu_time().saturating_sub(before));
         if index >= args.start_frame {
@@ -107,9 +113,7 @@ pub fn run(args: &TrackArgs) -> Result<ExitCode> {
         );
     }
     match failure {
-        Some(error) => {
-            Err(error).context(format!("the error came after {index} frames, whose track was kept"))
-        }
+        Some(error) => Err(error.context(format!("the end came after {index} frames, whose track was kept"))),
         None => Ok(ExitCode::SUCCESS),
     }
 }

@@ -2,18 +2,19 @@
 
 use std::process::ExitCode;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::Ordering;
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Result, bail};
 use barrelman_pilot::vessel::GuidanceLaw;
 use barrelman_trial::campaign::CampaignEntry;
 use barrelman_trial::metrics::summarise;
 
 use super::summary_table;
 use super::trials_progress::{Campaign, TrialsProgress};
-use crate::cli::{GuidedBy, PerceptionName, TrialsArgs};
+use crate::cli::{GuidedBy, PerceptionName, TrialsArgs, UsageError};
 use crate::config::Configuration;
 use crate::config::vessel::{GuidanceName, VesselConfig};
+use crate::interruption::flag_of_signals;
 use barrelman_experiments::campaign::drive_inputs::DriveInputs;
 use barrelman_experiments::campaign::file::CampaignWriter;
 use barrelman_experiments::campaign::plan::CampaignRequest;
@@ -29,6 +30,12 @@ use barrelman_experiments::scenario::ScenarioOverrides;
 /// # Errors
 /// If the campaign cannot be set up, a trial fails, or results cannot be written.
 pub fn run(args: &TrialsArgs) -> Result<ExitCode> {
+    if args.tracker.is_some() && matches!(args.perception, PerceptionName::Truth) {
+        return Err(UsageError(
+            "--tracker has no effect with --perception truth: omit one of them".to_owned(),
+        )
+        .into());
+    }
     let drive = args.drive.as_deref().map(StoredDrive::read).transpose()?;
     let mut plan = CampaignPlan::new(&request(args, drive.as_ref())?)?;
     if let Some(drive) = &drive {
@@ -64,10 +71,7 @@ pub fn run(args: &TrialsArgs) -> Result<ExitCode> {
         Some(path) => (Some(CampaignWriter::create(path, args.force)?), Vec::new()),
     };
     let done_before = entries.len();
-    let stop = Arc::new(AtomicBool::new(false));
-    for signal in [signal_hook::consts::SIGINT, signal_hook::consts::SIGTERM, signal_hook::consts::SIGHUP] {
-        signal_hook::flag::register(signal, Arc::clone(&stop)).context("signals cannot be caught")?;
-    }
+    let stop = flag_of_signals()?;
     if matches!(args.perception, PerceptionName::Pixels) {
         tracing::info!(
             "pictures are rendered and tracked, which takes about as long as the trials last; --perception truth \
@@ -79,6 +83,7 @@ pub fn run(args: &TrialsArgs) -> Result<ExitCode> {
         trials: seeds.len() as u64,
         max_trial_s: plan.scenario().max_s,
         simulated: plan.simulated_time(),
+        stop: Arc::clone(&stop),
     });
     let result = run_in_order(
         &seeds[done_before..],

@@ -97,6 +97,8 @@ pub(super) struct Campaign {
     pub(super) max_trial_s: f64,
     /// The simulated time so far.
     pub(super) simulated: SimulatedTime,
+    /// Whether a signal has asked to end.
+    pub(super) stop: Arc<AtomicBool>,
 }
 
 impl TrialsProgress {
@@ -139,8 +141,14 @@ fn show(campaign: &Campaign, shared: &Shared) {
         bar
     });
     let mut line_at = started + LINE_INTERVAL;
+    let mut is_stop_told = false;
     while !shared.is_ending.load(Ordering::Relaxed) {
         std::thread::sleep(POLL_INTERVAL);
+        if campaign.stop.load(Ordering::Relaxed) && !std::mem::replace(&mut is_stop_told, true) {
+            tracing::warn!(
+                "ending after the trials that are running; a second Ctrl-C ends at once, without them"
+            );
+        }
         let state = State {
             done: shared.done.load(Ordering::Relaxed),
             wanted: campaign.trials - campaign.done_before,

@@ -57,7 +57,7 @@ pub struct AxisSection {
     /// Time constant of the rate after the dead time, seconds, 0 to 2.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub lag_s: Option<f64>,
-    /// Lowest rate above zero at which the axis turns, rad/s, 0 to 1.
+    /// Lowest rate above zero at which the axis turns, rad/s, 0 to 0.2.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub least_rad_per_s: Option<f64>,
     /// Rate that the axis reaches, divided by the rate that is sent, 0.2 to 5. `barrelman calibrate axes` measures it.

@@ -174,7 +174,7 @@ pub struct VehicleSection {
     /// Latency beyond the nominal latency from which on a video frame counts as stale, seconds, 0 to 5.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub stale_after_s: Option<f64>,
-    /// How long a rate may last after the arrival of the last fresh localisation, seconds, 0 to 0.5.
+    /// How long a rate may last after the arrival of the last fresh localisation, seconds, 0.05 to 0.5.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub coast_motion_s: Option<f64>,
     /// Net yaw from which on the operator is warned that the tether winds up, radians, 0.5 to 100; default: 1.5 turns.

@@ -1,9 +1,11 @@
 //! The effective configuration: from a file with defaults filled in, and back to a complete file.
 
+use std::ops::RangeInclusive;
 use std::path::PathBuf;
 use std::time::Duration;
 
 use anyhow::{Context, Result, bail};
+use barrelman_pilot::NUDGE_RATE_RAD_PER_S;
 use barrelman_vocab::profile::{AxisRates, AxisSigns, MAX_COAST_MOTION, RegionShares, Sign};
 use barrelman_vocab::{AngularRate, VehicleProfile};
 use barrelman_wire::Framing;
@@ -67,8 +69,11 @@ pub struct GuardChoice {
 
 /// The largest rate in the configuration of a recording, rad/s.
 const MAX_RECORDED_RAD_PER_S: f64 = 3.0;
-/// The longest `coast_motion` in the configuration of a recording: earlier versions took so much.
-const MAX_RECORDED_COAST_MOTION: Duration = Duration::from_secs(2);
+/// The range of `coast_motion_s`, seconds: in less than the first, a picture may not follow the one before in time, and the camera
+/// would never move.
+const COAST_MOTION_S: RangeInclusive<f64> = 0.05..=MAX_COAST_MOTION.as_secs_f64();
+/// The same in the configuration of a recording: earlier versions took so much.
+const RECORDED_COAST_MOTION_S: RangeInclusive<f64> = 0.0..=2.0;
 
 /// The built-in profile of a name.
 ///
@@ -87,7 +92,9 @@ impl Configuration {
     /// If a value is out of range; the message names the key and the range.
     pub fn resolve(file: &ConfigFile) -> Result<Self> {
         let rate_limits = |profile: &VehicleProfile| profile.protocol.rate_limits();
-        Self::resolve_within(file, rate_limits, MAX_COAST_MOTION)
+        let configuration = Self::resolve_within(file, rate_limits, COAST_MOTION_S)?;
+        ensure_axes_turn(&configuration.profile)?;
+        Ok(configuration)
     }
 
     /// Like [`Self::resolve`], but with wider limits, for the configuration of a recording: a simulated vehicle may turn
@@ -98,19 +105,19 @@ impl Configuration {
     /// If a value is out of range; the message names the key and the range.
     pub fn resolve_recorded(file: &ConfigFile) -> Result<Self> {
         let max = AngularRate::from_radians_per_second(MAX_RECORDED_RAD_PER_S);
-        Self::resolve_within(file, |_| AxisRates { pan: max, tilt: max }, MAX_RECORDED_COAST_MOTION)
+        Self::resolve_within(file, |_| AxisRates { pan: max, tilt: max }, RECORDED_COAST_MOTION_S)
     }
 
     fn resolve_within(
         file: &ConfigFile,
         rate_limits: impl Fn(&VehicleProfile) -> AxisRates,
-        max_coast_motion: Duration,
+        coast_motion_s: RangeInclusive<f64>,
     ) -> Result<Self> {
         let vehicle = &file.vehicle;
         let base = profile_named(vehicle.profile.as_deref().unwrap_or(VehicleProfile::NAMES[0]))
             .context("vehicle.profile")?;
         let max_rates = rate_limits(&base);
-        let mut profile = overridden(base, vehicle, max_rates, max_coast_motion)?;
+        let mut profile = overridden(base, vehicle, max_rates, coast_motion_s)?;
         profile.protocol = mavlink::between_peers(profile.protocol, &file.link)?;
         profile.camera = file.camera.apply_to(&profile.camera)?;
         for (axis, dynamics, limit) in [
@@ -259,6 +266,34 @@ fn trust_files(
     Ok(TrustFiles { certificate_sha256: certificate_sha256.clone(), ca_file: ca_file.clone() })
 }
 
+/// Checks that each axis turns at the rates that are commanded by hand, in a search and in a calibration, and reaches its least
+/// rate within its limit.
+fn ensure_axes_turn(profile: &VehicleProfile) -> Result<()> {
+    let axes = [
+        ("pan", &profile.camera.pan, profile.limits.pan),
+        ("tilt", &profile.camera.tilt, profile.limits.tilt),
+    ];
+    for (axis, dynamics, limit) in axes {
+        let least = dynamics.min_rate.radians_per_second();
+        let reached = limit.radians_per_second() * dynamics.gain;
+        if least > reached {
+            bail!(
+                "camera.{axis}.least_rad_per_s = {least} is above what the axis reaches, vehicle.limit_{axis}_rad_per_s times \
+                 camera.{axis}.gain = {reached}: lower it, or correct the others"
+            );
+        }
+        // Half of the least rate and more is raised to it; less is no motion.
+        let most = 2.0 * NUDGE_RATE_RAD_PER_S;
+        if least > most {
+            bail!(
+                "camera.{axis}.least_rad_per_s = {least}: use rad/s from 0 to {most}; nudges and searches turn at \
+                 {NUDGE_RATE_RAD_PER_S} rad/s, and would not move this axis"
+            );
+        }
+    }
+    Ok(())
+}
+
 fn login_source(video: &VideoSection) -> Result<Option<LoginSource>> {
     match (&video.login_file, &video.login_env) {
         (Some(_), Some(_)) => bail!("video.login_file and video.login_env are both given: omit one"),
@@ -273,7 +308,7 @@ fn overridden(
     base: VehicleProfile,
     vehicle: &VehicleSection,
     max: AxisRates,
-    max_coast_motion: Duration,
+    coast_motion_s: RangeInclusive<f64>,
 ) -> Result<VehicleProfile> {
     let share = |key: &str, value: Option<f64>, base: f64| ranged(key, value, base, 0.01, 1.0, "a share");
     let vehicle_limit = "the limit of the vehicle";
@@ -288,8 +323,9 @@ fn overridden(
         pan: rate("schema_pan_rad_per_s", pan, base.motor_schema_rates.pan, limits.pan, pan_limit)?,
         tilt: rate("schema_tilt_rad_per_s", tilt, base.motor_schema_rates.tilt, limits.tilt, tilt_limit)?,
     };
-    let duration = |key: &str, value: Option<f64>, base: Duration, max: f64| {
-        ranged(key, value, base.as_secs_f64(), 0.0, max, "seconds").map(Duration::from_secs_f64)
+    let duration = |key: &str, value: Option<f64>, base: Duration, range: RangeInclusive<f64>| {
+        ranged(key, value, base.as_secs_f64(), *range.start(), *range.end(), "seconds")
+            .map(Duration::from_secs_f64)
     };
     let sign = |value: Option<SignName>, base: Sign| match value {
         Some(SignName::Same) => Sign::Same,
@@ -307,14 +343,9 @@ fn overridden(
             yaw: sign(vehicle.yaw_sign, base.signs.yaw),
             pitch: sign(vehicle.pitch_sign, base.signs.pitch),
         },
-        video_latency: duration("video_latency_s", vehicle.video_latency_s, base.video_latency, 5.0)?,
-        stale_after: duration("stale_after_s", vehicle.stale_after_s, base.stale_after, 5.0)?,
-        coast_motion: duration(
-            "coast_motion_s",
-            vehicle.coast_motion_s,
-            base.coast_motion,
-            max_coast_motion.as_secs_f64(),
-        )?,
+        video_latency: duration("video_latency_s", vehicle.video_latency_s, base.video_latency, 0.0..=5.0)?,
+        stale_after: duration("stale_after_s", vehicle.stale_after_s, base.stale_after, 0.0..=5.0)?,
+        coast_motion: duration("coast_motion_s", vehicle.coast_motion_s, base.coast_motion, coast_motion_s)?,
         net_yaw: net_yaw_limits(vehicle, base.net_yaw)?,
         attitude_yaw: vehicle
             .attitude_yaw_sign

@@ -16,6 +16,7 @@ files![
     "clock.js",
     "control_seat.js",
     "decoder.js",
+    "dialogs.js",
     "events.js",
     "gamepad.js",
     "geometry.js",

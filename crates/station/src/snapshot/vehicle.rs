@@ -78,9 +78,8 @@ impl VehicleSnapshot {
         match telemetry.report {
             Report::Link(state) => {
                 self.link = LinkStatus::Link(state);
-                // A session begins with zeros.
-                let may_be_turning =
-                    self.may_be_turning && matches!(state, LinkState::Opening | LinkState::Silent);
+                // A session begins with zeros, and is up when the vehicle has answered: until then nobody knows whether they arrived.
+                let may_be_turning = self.may_be_turning && state != LinkState::Up;
                 *self = match state {
                     LinkState::Up => Self { may_be_turning, ..*self },
                     _ => Self { link: self.link, may_be_turning, ..Self::default() },
@@ -161,6 +160,17 @@ mod tests {
         may_be_turning: false,
         is_battery_low: true,
     };
+
+    #[test]
+    fn a_camera_that_may_turn_may_until_the_vehicle_has_answered() {
+        let mut vehicle = VehicleSnapshot { may_be_turning: true, ..KNOWN };
+        for state in [LinkState::Silent, LinkState::Opening, LinkState::Starting] {
+            vehicle.on_telemetry(&Telemetry { at: at(0), report: Report::Link(state) });
+            assert!(vehicle.may_be_turning, "{state:?}");
+        }
+        vehicle.on_telemetry(&Telemetry { at: at(0), report: UP });
+        assert!(!vehicle.may_be_turning);
+    }
 
     #[test]
     fn each_report_sets_what_it_tells() {

@@ -148,7 +148,8 @@ fn what_cannot_be_meant_is_refused_with_its_place() {
         "vehicle.limit_tilt_rad_per_s = 0.31: use rad/s from 0 to 0.3",
     );
     refused("[vehicle]\ncoast_motion_s = -1.0\n", "coast_motion_s = -1");
-    refused("[vehicle]\ncoast_motion_s = 0.6\n", "coast_motion_s = 0.6: use seconds from 0 to 0.5");
+    refused("[vehicle]\ncoast_motion_s = 0.6\n", "coast_motion_s = 0.6: use seconds from 0.05 to 0.5");
+    refused("[vehicle]\ncoast_motion_s = 0\n", "coast_motion_s = 0: use seconds from 0.05 to 0.5");
     refused(
         "[camera]\nfocal_share = 0\n",
         "camera.focal_share = 0: use a share of the picture's width from 0.1 to 20",
@@ -162,6 +163,14 @@ fn what_cannot_be_meant_is_refused_with_its_place() {
     refused(
         "[camera.tilt]\nleast_rad_per_s = 0.35\n",
         "camera.tilt.least_rad_per_s = 0.35 is above vehicle.limit_tilt_rad_per_s = 0.3",
+    );
+    refused(
+        "[vehicle]\nlimit_pan_rad_per_s = 0.3\n[camera.pan]\nleast_rad_per_s = 0.1\ngain = 0.3\n",
+        "camera.pan.least_rad_per_s = 0.1 is above what the axis reaches",
+    );
+    refused(
+        "[camera.pan]\nleast_rad_per_s = 0.25\n",
+        "camera.pan.least_rad_per_s = 0.25: use rad/s from 0 to 0.2",
     );
     let lens = |from: &str, to: &str| LENS.replace(from, to);
     refused(&lens("fx = 760.1", "fx = -760.1"), "camera.lens.fx = -760.1: use pixels from 128 to 25600");

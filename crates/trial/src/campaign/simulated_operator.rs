@@ -14,10 +14,13 @@ const SIZES: (f64, f64) = (0.85, 1.5);
 /// Smallest box that is drawn by hand: width and height, pixels.
 const MIN_BOX_PX: (f64, f64) = (8.0, 6.0);
 
+/// Smaller targets are selected by a larger box: trackers refuse a box of their size.
+const MIN_TRACKED_PX: (f64, f64) = (6.0, 4.0);
+
 /// How the target is selected.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum SimulatedOperator {
-    /// By its exact bounds, as soon as any part is visible.
+    /// By its exact bounds, as soon as any part is visible; a very small one by a larger box.
     Exact,
     /// Like a person: when the target is well visible, by a box that is drawn by hand.
     Person(CounterRng),
@@ -33,13 +36,22 @@ impl SimulatedOperator {
     pub(super) fn selection(self, target: &TargetInPicture, picture: PictureSize) -> Option<PixelBox> {
         let bounds = target.bounds?;
         match self {
-            Self::Exact => Some(bounds),
+            Self::Exact => Some(at_least_trackable(bounds)),
             Self::Person(rng) if target.visible_share >= MIN_VISIBLE_SHARE => {
                 Some(drawn_by_hand(bounds, picture, rng))
             }
             Self::Person(_) => None,
         }
     }
+}
+
+/// The same bounds, or a box about them that is not too small for a tracker.
+fn at_least_trackable(bounds: PixelBox) -> PixelBox {
+    if bounds.w >= MIN_TRACKED_PX.0 && bounds.h >= MIN_TRACKED_PX.1 {
+        return bounds;
+    }
+    let (w, h) = (bounds.w.max(MIN_BOX_PX.0), bounds.h.max(MIN_BOX_PX.1));
+    PixelBox { u: bounds.u - 0.5 * (w - bounds.w), v: bounds.v - 0.5 * (h - bounds.h), w, h }
 }
 
 /// A box about `bounds` as a hand draws it, within the picture.
@@ -89,6 +101,17 @@ mod tests {
         }
         ious.sort_by(f64::total_cmp);
         assert!(ious[0] < 0.55 && ious[299] > 0.85, "some boxes are loose, some are tight");
+    }
+
+    #[test]
+    fn an_exact_box_is_large_enough_for_a_tracker() {
+        let exact = |w, h| {
+            let bounds = PixelBox { u: 100.0, v: 100.0, w, h };
+            let target = TargetInPicture { bounds: Some(bounds), visible_share: 1.0 };
+            SimulatedOperator::Exact.selection(&target, PICTURE)
+        };
+        assert_eq!(exact(6.0, 4.0), Some(PixelBox { u: 100.0, v: 100.0, w: 6.0, h: 4.0 }));
+        assert_eq!(exact(9.0, 3.0), Some(PixelBox { u: 100.0, v: 98.5, w: 9.0, h: 6.0 }));
     }
 
     #[test]

@@ -67,7 +67,7 @@ impl Distractors {
                 }
                 Phase::Lost { .. } | Phase::Confirming { .. } => {
                     distractor.target.rescale_to_picture(frame.picture.size());
-                    distractor.target.predict(config, frame.capture.at, prior);
+                    distractor.target.predict_unseen(config, frame.capture.at, prior);
                 }
             }
         }

@@ -111,7 +111,10 @@ impl Workspace {
         if target.rescale_to_picture(picture.size()) {
             self.background.clear_reference();
         }
-        let seconds = target.predict(config, now, prior);
+        let seconds = match target.phase {
+            Phase::Lost { .. } => target.predict_unseen(config, now, prior),
+            _ => target.predict(config, now, prior),
+        };
         target.surroundings.predict(target.geometry.size_px(), seconds as f32);
         let visibility = match target.phase {
             Phase::Lost { .. } => {

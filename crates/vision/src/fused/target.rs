@@ -116,6 +116,19 @@ impl Target {
         self.motion.predict(now, prior, config.agility, f64::from(self.geometry.size_px()))
     }
 
+    /// Predicts the position of a target that is not looked for there, and so has no measured shift of the background; the time since
+    /// the last frame, seconds.
+    pub(super) fn predict_unseen(
+        &mut self,
+        config: &FusedConfig,
+        now: Timestamp,
+        prior: Option<&MotionPrior>,
+    ) -> f64 {
+        let seconds = self.predict(config, now, prior);
+        self.motion.add_camera_shift(None, f64::from(self.geometry.size_px()));
+        seconds
+    }
+
     /// The predicted centre, clamped to the picture, with the measured shift of the background, pixels.
     pub(super) fn predicted_centre(&mut self, background_shift: Option<(f32, f32)>) -> (f32, f32) {
         self.motion.add_camera_shift(background_shift, f64::from(self.geometry.size_px()));

@@ -358,3 +358,35 @@ fn an_explanation_shows_the_window_the_response_the_probability_and_the_state() 
         assert_eq!(out.histogram, []);
     }
 }
+
+#[test]
+fn the_place_of_a_rejected_object_that_is_hidden_turns_with_the_camera() {
+    let turn = MotionPrior {
+        shift_u_px: -8.0,
+        shift_v_px: 0.0,
+        std_dev_px: 3.0,
+        interval: Duration::from_millis(FRAME_MS),
+    };
+    let rejected_then_turned = || {
+        let mut trial = Trial::new(scene(GREY, ORANGE_RED));
+        for _ in 0..20 {
+            trial.next_tracked(0.5, |_| {});
+        }
+        assert!(trial.tracker.reject());
+        for _ in 0..60 {
+            trial.next(None, |scene| scene.hulls[0].centre = (-200.0, -200.0));
+        }
+        for _ in 0..15 {
+            trial.next(Some(&turn), |scene| scene.shift.0 -= 8.0);
+        }
+        trial
+    };
+    // Another boat lies where the rejected one was in the picture; the rejected one comes back where it was on the water.
+    for (u, is_taken) in [(160.0, true), (40.0, false)] {
+        let mut trial = rejected_then_turned();
+        let takes = (0..30).any(|_| {
+            matches!(trial.next(None, |scene| scene.hulls[0].centre = (u, 120.0)), Track::Tracking(_))
+        });
+        assert_eq!(takes, is_taken, "at {u}");
+    }
+}

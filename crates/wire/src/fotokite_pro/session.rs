@@ -9,12 +9,14 @@
 //!      |                                    (reopen the port)                    |
 //!      +-------------------------- take_control() -------------------------------+
 //!
-//!   any state but Closed and Unresponsive -- close() --> Closing (zeros) -- 0.5 s after the last --> Closed
+//!   Yielded -- close() --> Closed
+//!   any other state but Closed and Unresponsive -- close() --> Closing (zeros) -- 0.5 s after the last --> Closed
 //! ```
 //!
 //! The first bytes on a newly opened port are zeros: nobody knows which rate is in force, or whether `stop` ends it.
 //! Zeros at the end are repeated until telemetry shows no motion ([`super::motion`]). A ground station that gave the control
-//! to another client is left alone until the operator takes the control back.
+//! to another client is left alone until the operator takes the control back, also by the sessions after this one: they begin in
+//! `Yielded`.
 //!
 //! [`FotokiteProSession`] is the [`Session`] of this protocol: a plain struct without I/O, bytes and the time in, bytes
 //! and the time of the next call out. It sends rates only in the state `Up`, which always begins with zeros.
@@ -118,6 +120,10 @@ pub struct FotokiteProSession {
     has_reported: bool,
     /// Whether a session that was up fell silent.
     fell_silent: bool,
+    /// Whether another client has the control, or had it in the session before, and the operator has not taken it back.
+    is_anothers: bool,
+    /// Whether the start-up was completed in this session.
+    has_started: bool,
 }
 
 impl FotokiteProSession {
@@ -135,6 +141,8 @@ impl FotokiteProSession {
             least_zeros: ZEROS_AT_REST,
             has_reported: false,
             fell_silent: false,
+            is_anothers: false,
+            has_started: false,
         }
     }
 
@@ -162,12 +170,14 @@ impl FotokiteProSession {
         self.has_reported = true;
         match (self.state, control) {
             (State::Up { since }, ControlState::NotOurs) if now.since(since) >= CONTROL_GRACE => {
+                self.is_anothers = true;
                 self.state = State::Yielded { since };
             }
             // It was given back: the rates before are unknown.
             (State::Yielded { .. }, ControlState::Ours) => {
+                self.is_anothers = false;
                 self.pacing.forget_sent();
-                self.state = State::Up { since: now };
+                self.state = if self.has_started { State::Up { since: now } } else { State::stopping(now) };
             }
             _ => {}
         }
@@ -223,6 +233,7 @@ impl FotokiteProSession {
                         return NextAction::WaitUntil(report_until);
                     }
                     self.state = State::Up { since: now };
+                    self.has_started = true;
                     self.last_telemetry = None;
                     self.pacing.send_zeros_first(now, encoder(self.settings.framing, out));
                     return self.poll_up(now, now, out);
@@ -341,15 +352,18 @@ impl Session for FotokiteProSession {
     }
 
     fn take_control(&mut self, now: Timestamp) {
+        self.is_anothers = false;
         if let State::Yielded { .. } = self.state {
             self.state = State::stopping(now);
         }
     }
 
     /// Begins the shut-down: zeros at once, three times, then until telemetry shows no motion; 0.5 s after the last, the
-    /// vehicle's own stop.
+    /// vehicle's own stop. Nothing is sent to a vehicle of another client.
     fn close(&mut self, now: Timestamp) {
-        if !matches!(self.state, State::Closing { .. } | State::Closed | State::Unresponsive) {
+        if let State::Yielded { .. } = self.state {
+            self.state = State::Closed;
+        } else if !matches!(self.state, State::Closing { .. } | State::Closed | State::Unresponsive) {
             if self.needs_answer || self.may_be_turning() {
                 self.least_zeros = ZEROS_IN_MOTION;
             }
@@ -362,6 +376,7 @@ impl Session for FotokiteProSession {
             State::Stopping { .. } | State::AwaitingPrompt { .. } | State::Starting { .. } => {
                 LinkState::Starting
             }
+            State::Yielded { .. } if self.last_heard.is_none() => LinkState::Starting,
             State::Up { .. } | State::Yielded { .. } => LinkState::Up,
             State::Closing { .. } => LinkState::Closing,
             State::Closed => LinkState::Closed,
@@ -371,7 +386,14 @@ impl Session for FotokiteProSession {
     }
 
     fn resume(&mut self, history: LinkHistory) {
-        self.needs_answer = history.may_be_turning;
+        (self.needs_answer, self.is_anothers) = (history.may_be_turning, history.is_anothers);
+        if let (true, State::Stopping { next_at, .. }) = (history.is_anothers, self.state) {
+            self.state = State::Yielded { since: next_at };
+        }
+    }
+
+    fn is_anothers(&self) -> bool {
+        self.is_anothers
     }
 
     fn may_be_turning(&self) -> bool {
@@ -385,8 +407,11 @@ impl Session for FotokiteProSession {
         self.motion.since(since, now)
     }
 
-    /// Three times zeros, half a second, stop.
+    /// Three times zeros, half a second, stop; nothing to a vehicle of another client.
     fn last_will(&self, _: Timestamp) -> Vec<WillStep<Vec<u8>>> {
+        if self.is_anothers {
+            return Vec::new();
+        }
         let mut zeros = Vec::new();
         self.send_zeros(&mut zeros);
         let mut stop = Vec::new();

@@ -6,7 +6,7 @@ use barrelman_vocab::telemetry::LinkState;
 use barrelman_vocab::{AngularRate, Timestamp, VehicleRates};
 use barrelman_wire::fotokite_pro::pacing::Pacing;
 use barrelman_wire::fotokite_pro::{Command, FotokiteProSession, SessionSettings};
-use barrelman_wire::{Framing, NextAction, Session as _};
+use barrelman_wire::{Framing, LinkHistory, NextAction, Session as _};
 
 use crate::transcript::{Case, Event, cases, words};
 
@@ -275,6 +275,43 @@ fn control_that_another_client_took_comes_back_by_request_only() {
     let lines = lines_between(&mut session, start + 1_000, start + 1_200);
     assert_eq!(lines.first().map(|(_, line)| line.as_str()), Some("Gimbal 0.000000,0.000000"));
     assert_eq!(lines.last().map(|(_, line)| line.as_str()), Some("stop"));
+}
+
+#[test]
+fn control_that_another_client_took_stays_its_own_over_a_reopened_port_and_at_the_end() {
+    let settings = SessionSettings::for_baud(Framing::LineFeed, 115_200);
+    let (mut session, start) = settled(settings);
+    assert!(!session.is_anothers());
+    session.received(b"!GSStatus 0,1.0,11.8,0\r\n", at(start), &mut |_| {});
+    assert!(session.is_anothers() && session.last_will(at(start)).is_empty());
+
+    let history = LinkHistory { is_anothers: true, ..LinkHistory::default() };
+    let open = || {
+        let mut next = FotokiteProSession::open(settings, at(0));
+        next.resume(history);
+        next
+    };
+    let mut next = open();
+    assert_eq!((next.link_state(), next.is_anothers()), (LinkState::Starting, true));
+    assert_eq!(lines_between(&mut next, 0, 5_000), []);
+    next.received(b"!GSStatus 0,6.0,11.8,0\r\n", at(5_000), &mut |_| {});
+    assert_eq!((next.link_state(), next.is_anothers()), (LinkState::Up, true));
+    next.take_control(at(5_000));
+    let lines = lines_between(&mut next, 5_000, 5_200);
+    assert_eq!(lines.first().map(|(_, line)| line.as_str()), Some("Gimbal 0.000000,0.000000"));
+    assert!(!next.is_anothers() && !next.last_will(at(5_200)).is_empty());
+
+    // A station that gives the control back has not been started by this session: the start-up is made first.
+    let mut given = open();
+    given.received(b"!GSStatus 10,1.0,11.8,0\r\n", at(0), &mut |_| {});
+    let lines = lines_between(&mut given, 0, 300);
+    assert_eq!(lines.last().map(|(_, line)| line.as_str()), Some("stop"));
+
+    for mut session in [session, open()] {
+        session.close(at(start));
+        let mut out = Vec::new();
+        assert_eq!((session.poll(at(start), &mut out), out.len()), (NextAction::Closed, 0));
+    }
 }
 
 #[test]

@@ -6,11 +6,14 @@
 //! motor schema's mean under the same model and divided by the largest ratio that is wanted
 //! ([`super::requirements`]). The schema's own cost is therefore above 1, and a law that just meets every limit costs 1.
 //!
+//! [`all_limits`] shows that no policy meets every limit under this model.
+//!
 //! [`dynamic_programming`] finds the policy with the least mean cost. It knows the target's bearing and its rate exactly
 //! and decides ten times a second; the laws see the target's place in thirty pictures a second.
 //!
 //! Not handled: the second axis, sway, errors of the tracker, a target that returns to a mean direction.
 
+mod all_limits;
 mod dynamic_programming;
 mod world;
 
@@ -59,6 +62,7 @@ pub(super) fn print(first_seed: u64, laws: &[(&str, LawUnderTest)]) {
         });
         print_line(&format!("    bearing rate {rate:4.1} rad/s: {start}, {stop}"));
     }
+    all_limits::print(&schema, seeds());
 }
 
 fn law(law: &LawUnderTest) -> Box<dyn Law> {
