@@ -10,17 +10,23 @@ use signal_hook::flag;
 /// The exit code of a program that a second signal ends: that of a shell for a program that Ctrl-C ended.
 const ENDED_BY_SIGNAL: i32 = 130;
 
-/// A flag that Ctrl-C, SIGTERM or SIGHUP sets. The next of them ends the program at once.
+/// A flag that Ctrl-C, SIGTERM or SIGHUP sets. The next Ctrl-C or SIGTERM ends the program at once. (Another SIGHUP may come of the
+/// end itself, from a terminal that the program closes.)
 ///
 /// # Errors
 /// If the signals cannot be caught.
 pub(crate) fn flag_of_signals() -> Result<Arc<AtomicBool>> {
     let asked = Arc::new(AtomicBool::new(false));
-    for signal in [SIGINT, SIGTERM, SIGHUP] {
-        // In this order: the first signal finds the flag unset.
-        flag::register_conditional_shutdown(signal, ENDED_BY_SIGNAL, Arc::clone(&asked))
-            .and_then(|_| flag::register(signal, Arc::clone(&asked)))
-            .context("signals cannot be caught")?;
-    }
+    let catch = || -> std::io::Result<()> {
+        // Before the flag is registered: the first signal finds it unset.
+        for signal in [SIGINT, SIGTERM] {
+            flag::register_conditional_shutdown(signal, ENDED_BY_SIGNAL, Arc::clone(&asked))?;
+        }
+        for signal in [SIGINT, SIGTERM, SIGHUP] {
+            flag::register(signal, Arc::clone(&asked))?;
+        }
+        Ok(())
+    };
+    catch().context("signals cannot be caught")?;
     Ok(asked)
 }

@@ -2,6 +2,7 @@
 
 use std::io::BufWriter;
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 use anyhow::{Context, Result};
 use barrelman_pilot::{CommandPath, Input, Outcome};
@@ -16,6 +17,9 @@ use barrelman_vocab::{EncodedUnit, Timestamp, VehicleProfile, VehicleRates};
 
 use barrelman_host::output::OutputFile;
 use barrelman_overlay::film::Film;
+
+/// Simulated time between two times at which the recording of a drive is written out.
+const FLUSH_INTERVAL: Duration = Duration::from_millis(500);
 
 /// Settings of the recordings of a campaign.
 #[derive(Debug, Clone)]
@@ -45,6 +49,9 @@ pub struct TrialRecorder {
     writer: RecordingWriter<BufWriter<OutputFile>>,
     /// The annotated video, if any.
     film: Option<Film>,
+    /// When the recording of a drive is written out next, so that a killed program leaves what was driven so far. `None`: at the end
+    /// only, as a trial is run again.
+    flush_at: Option<Timestamp>,
     step: u64,
     /// The first error; nothing is written after it.
     error: Option<anyhow::Error>,
@@ -90,9 +97,10 @@ impl TrialRecorder {
             pilot_behaviour: barrelman_pilot::behaviour::NEWEST,
             trial: run.trial,
         };
+        let flush_at = start.trial.is_none().then_some(Timestamp::ZERO);
         let writer =
             RecordingWriter::begin(BufWriter::new(file), &start).with_context(|| cannot_be_written(&path))?;
-        Ok(Self { path, writer, film: None, step: 0, error: None })
+        Ok(Self { path, writer, film: None, flush_at, step: 0, error: None })
     }
 
     /// Finishes both files.
@@ -131,6 +139,10 @@ impl TrialRecorder {
         self.write(&Entry::Outcome(RecordedOutcome::new(step, outcome, rates)))?;
         if let (Input::Frame(frame), Some(film)) = (input, &mut self.film) {
             film.add_outcome(frame, outcome, rates)?;
+        }
+        if self.flush_at.is_some_and(|at| at <= now) {
+            self.flush_at = Some(now.plus(FLUSH_INTERVAL));
+            self.writer.flush().with_context(|| cannot_be_written(&self.path))?;
         }
         Ok(())
     }

@@ -14,14 +14,13 @@ const SIZES: (f64, f64) = (0.85, 1.5);
 /// Smallest box that is drawn by hand: width and height, pixels.
 const MIN_BOX_PX: (f64, f64) = (8.0, 6.0);
 
-/// Smaller targets are selected by a larger box: trackers refuse a box of their size.
-const MIN_TRACKED_PX: (f64, f64) = (6.0, 4.0);
-
 /// How the target is selected.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum SimulatedOperator {
-    /// By its exact bounds, as soon as any part is visible; a very small one by a larger box.
+    /// By its exact bounds, as soon as any part is visible.
     Exact,
+    /// The same with a box that is not too small to be drawn: the tracker has refused the exact one.
+    ExactAgain,
     /// Like a person: when the target is well visible, by a box that is drawn by hand.
     Person(CounterRng),
 }
@@ -36,7 +35,8 @@ impl SimulatedOperator {
     pub(super) fn selection(self, target: &TargetInPicture, picture: PictureSize) -> Option<PixelBox> {
         let bounds = target.bounds?;
         match self {
-            Self::Exact => Some(at_least_trackable(bounds)),
+            Self::Exact => Some(bounds),
+            Self::ExactAgain => Some(at_least_drawable(bounds)),
             Self::Person(rng) if target.visible_share >= MIN_VISIBLE_SHARE => {
                 Some(drawn_by_hand(bounds, picture, rng))
             }
@@ -45,11 +45,8 @@ impl SimulatedOperator {
     }
 }
 
-/// The same bounds, or a box about them that is not too small for a tracker.
-fn at_least_trackable(bounds: PixelBox) -> PixelBox {
-    if bounds.w >= MIN_TRACKED_PX.0 && bounds.h >= MIN_TRACKED_PX.1 {
-        return bounds;
-    }
+/// A box about the bounds that can be drawn by hand.
+fn at_least_drawable(bounds: PixelBox) -> PixelBox {
     let (w, h) = (bounds.w.max(MIN_BOX_PX.0), bounds.h.max(MIN_BOX_PX.1));
     PixelBox { u: bounds.u - 0.5 * (w - bounds.w), v: bounds.v - 0.5 * (h - bounds.h), w, h }
 }
@@ -104,14 +101,14 @@ mod tests {
     }
 
     #[test]
-    fn an_exact_box_is_large_enough_for_a_tracker() {
-        let exact = |w, h| {
-            let bounds = PixelBox { u: 100.0, v: 100.0, w, h };
-            let target = TargetInPicture { bounds: Some(bounds), visible_share: 1.0 };
-            SimulatedOperator::Exact.selection(&target, PICTURE)
+    fn an_exact_box_that_was_refused_is_drawn_larger() {
+        let target = |w, h| TargetInPicture {
+            bounds: Some(PixelBox { u: 100.0, v: 100.0, w, h }),
+            visible_share: 1.0,
         };
-        assert_eq!(exact(6.0, 4.0), Some(PixelBox { u: 100.0, v: 100.0, w: 6.0, h: 4.0 }));
-        assert_eq!(exact(9.0, 3.0), Some(PixelBox { u: 100.0, v: 98.5, w: 9.0, h: 6.0 }));
+        let drawn = |w, h| SimulatedOperator::ExactAgain.selection(&target(w, h), PICTURE);
+        assert_eq!(drawn(9.0, 3.0), Some(PixelBox { u: 100.0, v: 98.5, w: 9.0, h: 6.0 }));
+        assert_eq!(SimulatedOperator::Exact.selection(&target(9.0, 3.0), PICTURE), target(9.0, 3.0).bounds);
     }
 
     #[test]

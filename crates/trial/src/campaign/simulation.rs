@@ -9,7 +9,7 @@
 
 use std::collections::VecDeque;
 
-use barrelman_pilot::{Input, Outcome, Pilot, VesselMode};
+use barrelman_pilot::{Input, Notice, Outcome, Pilot, VesselMode};
 use barrelman_sim::boat::HelmCommand;
 use barrelman_sim::camera_mount::TICKS_PER_TILT_REPORT;
 use barrelman_sim::video_link::{Delivery, VideoLink};
@@ -295,16 +295,21 @@ impl<'a> Simulation<'a> {
             }
             CameraOutput::Frame(captured) => {
                 self.log.selections.get_or_insert(0);
-                if !self.is_selected
-                    && let Some(selection) =
-                        self.operator.selection(&captured.target, captured.frame.picture.size())
-                {
+                let selection = (!self.is_selected)
+                    .then(|| self.operator.selection(&captured.target, captured.frame.picture.size()))
+                    .flatten();
+                if let Some(selection) = selection {
                     self.is_selected = true;
                     self.step_pilot(Input::Request(OperatorRequest::Select(selection)), observer);
                 }
                 let frame =
                     frames.as_mut().map_or_else(|| captured.frame.clone(), |frames| frames.deliver(captured));
                 self.step_pilot(Input::Frame(&frame), observer);
+                let notice = self.outcome.as_ref().and_then(|outcome| outcome.notice.as_ref());
+                let is_refused = matches!(notice, Some(Notice::SelectionRefused(_)));
+                if selection.is_some() && is_refused && self.operator == SimulatedOperator::Exact {
+                    (self.operator, self.is_selected) = (SimulatedOperator::ExactAgain, false);
+                }
             }
         }
         if let (Some(rescue), Some(outcome)) = (&mut self.rescue, &self.outcome) {
