@@ -114,28 +114,28 @@ export function showStatus(state) {
   const delay = video.delay;
   setText(at("path"), words.picturePath(words.paths[video.path], delay ? Math.round(delay.median) : null, delay ? Math.round(delay.p95) : null));
   const can = isConnected && isControlling;
-  const set = (id, isEnabled, why) => {
+  /** Enables a control, or says why not; a page that does not control says that. */
+  const set = (id, isPossible, why) => {
     const element = at(id);
-    element.disabled = !isEnabled;
-    element.title = isEnabled ? "" : why;
+    element.disabled = !(can && isPossible);
+    element.title = !element.disabled ? "" : can ? why : words.reasons.watcher;
   };
-  const watcher = words.reasons.watcher;
-  set("engage", can && !mode.engaged, can ? words.reasons.engaged : watcher);
-  set("disengage", can && mode.name !== "idle", can ? words.reasons.disengaged : watcher);
-  set("reject", can && (track.state === "tracking" || track.state === "coasting"), can ? words.reasons.nothingFollowed : watcher);
-  set("deselect", can && track.state !== "unseeded", can ? words.reasons.nothingFollowed : watcher);
+  set("engage", !mode.engaged, words.reasons.engaged);
+  set("disengage", mode.name !== "idle", words.reasons.disengaged);
+  set("reject", track.state === "tracking" || track.state === "coasting", words.reasons.nothingFollowed);
+  set("deselect", track.state !== "unseeded", words.reasons.nothingFollowed);
   // Offered once the boat is lost; the title says why a search is not possible yet.
   at("search").hidden = track.state !== "lost" && mode.name !== "searching";
-  set("search", can && !snapshot.search_refusal && mode.name !== "searching", can ? snapshot.search_refusal ?? "" : watcher);
+  set("search", !snapshot.search_refusal && mode.name !== "searching", snapshot.search_refusal ?? "");
   at("net-yaw-zero").hidden = Math.abs(snapshot.net_yaw_deg) < SHOWN_NET_YAW_DEG;
-  set("net-yaw-zero", can, watcher);
-  set("law", can && !mode.engaged, can ? words.reasons.law : watcher);
+  set("net-yaw-zero", true);
+  set("law", !mode.engaged, words.reasons.law);
   const obstacle = nudgeObstacle(snapshot);
   for (const direction of ["up", "down", "left", "right"]) {
-    set(`nudge-${direction}`, can && !obstacle, can ? words.reasons[obstacle] : watcher);
-    set(`helm-${direction}`, can && Boolean(snapshot.vessel), can ? words.reasons.noBoat : watcher);
+    set(`nudge-${direction}`, !obstacle, words.reasons[obstacle]);
+    set(`helm-${direction}`, Boolean(snapshot.vessel), words.reasons.noBoat);
   }
-  for (const id of ["pause", "helmsman"]) set(id, can, watcher);
+  for (const id of ["pause", "helmsman"]) set(id, true);
   // A list that the operator has open is left alone.
   // A law that is not in the list leaves it empty.
   const law = snapshot.law ?? "";
@@ -144,12 +144,12 @@ export function showStatus(state) {
   at("drive").hidden = at("boat").hidden = at("marks").hidden = !vessel;
   at("world").hidden = !snapshot.drive;
   at("helmsman").hidden = !vessel;
-  if (vessel) showVessel(vessel, set, can, watcher);
+  if (vessel) showVessel(vessel, set);
   if (snapshot.drive) setText(at("pause"), snapshot.drive.paused ? words.resume : words.pause);
 }
 
 /** The boat's mode, and what can be done with it. */
-function showVessel(vessel, set, can, watcher) {
+function showVessel(vessel, set) {
   const goals = vessel.marks.filter(({ kind }) => kind === "place" || kind === "person");
   const isGuided = vessel.mode === "guided" || vessel.mode === "holding";
   Object.assign(document.documentElement.dataset, {
@@ -157,13 +157,13 @@ function showVessel(vessel, set, can, watcher) {
     distance: vessel.progress?.distance_m.toFixed(2) ?? "", guidance: vessel.guidance ?? "", basis: vessel.basis ?? "",
   });
   setText(at("boat-mode"), words.boatMode(vessel));
-  set("mark", can, watcher);
-  set("mark-kind", can, watcher);
-  set("unmark-all", can && vessel.marks.length > 0, can ? words.reasons.nothingMarked : watcher);
-  set("guide", can && !isGuided && goals.length > 0, can ? words.reasons.nothingMarked : watcher);
-  set("stop-boat", can && vessel.mode !== "stopped", can ? words.reasons.boatStopped : watcher);
-  set("next-mark", can && goals.length > 1, can ? words.reasons.nothingMarked : watcher);
-  set("go-home", can && vessel.marks.some(({ kind }) => kind === "home"), can ? words.reasons.noHome : watcher);
+  set("mark", true);
+  set("mark-kind", true);
+  set("unmark-all", vessel.marks.length > 0, words.reasons.nothingMarked);
+  set("guide", !isGuided && goals.length > 0, words.reasons.nothingMarked);
+  set("stop-boat", vessel.mode !== "stopped", words.reasons.boatStopped);
+  set("next-mark", goals.length > 1, words.reasons.nothingMarked);
+  set("go-home", vessel.marks.some(({ kind }) => kind === "home"), words.reasons.noHome);
 }
 
 /** Shows a message for some seconds. */
