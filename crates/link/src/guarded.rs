@@ -11,9 +11,8 @@ use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use barrelman_host::clock::Clock;
-use barrelman_vocab::telemetry::{ControlState, LinkState, Report};
+use barrelman_vocab::telemetry::{LinkState, Report};
 use barrelman_vocab::{Telemetry, Timestamp, VehicleRates};
-use barrelman_wire::fotokite_pro::session::CONTROL_GRACE;
 use barrelman_wire::{ByteProtocol, LinkHistory, OpenSession, ReportReader};
 use rustix::event::{PollFd, PollFlags};
 
@@ -121,6 +120,8 @@ struct ClientState<C> {
     requested: RequestedCommand<C>,
     /// Whether the operator takes the control back, and the guard was not told so yet.
     takes_control: bool,
+    /// Whether another client has the control, as the guard said last, and the operator has not taken it back since.
+    is_anothers: bool,
     is_closing: bool,
 }
 
@@ -134,7 +135,7 @@ impl<C: Commands> ClientState<C> {
     /// Tells the guard that the operator takes the control back, if that is still to be told.
     fn pass_on_control(&mut self) {
         if self.takes_control && self.send(&ToGuard::TakeControl) {
-            self.takes_control = false;
+            (self.takes_control, self.is_anothers) = (false, false);
         }
     }
 }
@@ -169,8 +170,6 @@ impl<C: Commands> GuardedLink<C> {
             client: shared,
             report,
             state: LinkState::Opening,
-            up_since: None,
-            control: None,
             history: LinkHistory::default(),
             opened: Some(opened),
         };
@@ -280,10 +279,6 @@ struct Supervisor<P: OpenSession, R> {
     report: R,
     reader: ReportReader,
     state: LinkState,
-    /// When the link came up last; `None`: it is not up.
-    up_since: Option<Timestamp>,
-    /// Who has the control, where the vehicle reports it by itself.
-    control: Option<ControlState>,
     /// What the guard before has left.
     history: LinkHistory,
     /// Takes whether the first guard has opened the port.
@@ -315,7 +310,7 @@ where
             }
             let end = self.serve(&served);
             let is_stop_sent = matches!(end, GuardEnd::Ended { is_stop_sent: true });
-            let is_anothers = self.control == Some(ControlState::NotOurs);
+            let is_anothers = self.client.state().is_anothers;
             self.history = LinkHistory::after(is_stop_sent, is_anothers, self.reader.vehicle());
             self.client.state().pipe = None;
             let is_closing = self.client.state().is_closing;
@@ -396,22 +391,11 @@ where
             FromGuard::State(state, at) => self.report_state(state, at),
             FromGuard::Received(at, bytes) => {
                 let report = &self.report;
-                let control = &mut self.control;
-                let is_settled = self.up_since.is_some_and(|since| at.since(since) >= CONTROL_GRACE);
                 self.reader.read(&bytes, |content| {
-                    match content {
-                        Report::Control { control: newest, .. } => *control = Some(newest),
-                        // A station that has not given the control yet reports the same as one that gave it to another client.
-                        Report::Ground { control: newest, .. }
-                            if is_settled || newest == ControlState::Ours =>
-                        {
-                            *control = Some(newest);
-                        }
-                        _ => {}
-                    }
                     report(LinkReport::Telemetry(Telemetry { at, report: content }));
                 });
             }
+            FromGuard::Control { is_anothers } => self.client.state().is_anothers = is_anothers,
             FromGuard::Lost { may_be_turning, reason } => {
                 (self.report)(LinkReport::Lost { reason, may_be_turning });
             }
@@ -440,7 +424,6 @@ where
             }
             self.reader = reader;
         }
-        self.up_since = (state == LinkState::Up).then(|| self.up_since.unwrap_or(at));
         self.state = state;
         let telemetry = Telemetry { at, report: Report::Link(state) };
         // A state must not be lost: the pilot goes by it.

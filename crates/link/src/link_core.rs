@@ -67,6 +67,7 @@ pub struct LinkCore<S: Session + ?Sized> {
     reopen_at: Timestamp,
     closing: Option<Closing>,
     reported_state: Option<LinkState>,
+    reported_anothers: Option<bool>,
     has_fallen_silent: bool,
     /// What the lost sessions have left. The camera may be turning until a session is up, and the control is another client's
     /// until the operator takes it back.
@@ -100,6 +101,7 @@ impl<S: Session + ?Sized> LinkCore<S> {
             reopen_at: Timestamp::ZERO,
             closing: None,
             reported_state: None,
+            reported_anothers: None,
             has_fallen_silent: false,
             history: LinkHistory::default(),
         }
@@ -222,8 +224,10 @@ impl<S: Session + ?Sized> LinkCore<S> {
             out.clear();
         }
         let (state, evidence) = (open.session.link_state(), open.session.rest_evidence(now));
+        let is_anothers = open.session.is_anothers();
         self.history.may_be_turning &= state != LinkState::Up;
         self.report_state(state, now, report);
+        self.report_control(is_anothers, report);
         match next {
             NextAction::Closed => {
                 report(LinkReport::Stopped(evidence));
@@ -278,6 +282,13 @@ impl<S: Session + ?Sized> LinkCore<S> {
         let telemetry = Telemetry { at: now, report: Report::Link(state) };
         if self.reported_state != Some(state) && report(LinkReport::Telemetry(telemetry)) {
             self.reported_state = Some(state);
+        }
+    }
+
+    /// Reports whether another client has the control, if that has changed. A report without room is made again later.
+    fn report_control(&mut self, is_anothers: bool, report: ReportSink<'_>) {
+        if self.reported_anothers != Some(is_anothers) && report(LinkReport::Control { is_anothers }) {
+            self.reported_anothers = Some(is_anothers);
         }
     }
 }
@@ -363,6 +374,30 @@ mod tests {
         core.take_control(now);
         core.opened(now);
         assert_eq!(core.session.as_ref().map(|open| open.session.history.is_anothers), Some(false));
+    }
+
+    #[test]
+    fn whether_another_client_has_the_control_is_reported_at_each_change() {
+        let now = Timestamp::from_secs_f64(1.0);
+        let mut core = core_without_port();
+        let mut out = Vec::new();
+        let mut poll = |core: &mut LinkCore<NoSession>, has_room: bool| {
+            let mut told = Vec::new();
+            core.poll(now, &mut out, &mut |report| {
+                if let LinkReport::Control { is_anothers } = report {
+                    told.push(is_anothers);
+                }
+                has_room
+            });
+            told
+        };
+        core.opened(now);
+        assert_eq!(poll(&mut core, true), [false]);
+        assert_eq!(poll(&mut core, true), [false; 0]);
+        core.received(&[1], now, &mut |_| true);
+        assert_eq!(poll(&mut core, false), [true], "there is no room for it");
+        assert_eq!(poll(&mut core, true), [true]);
+        assert_eq!(poll(&mut core, true), [false; 0]);
     }
 
     #[test]

@@ -17,6 +17,12 @@ pub enum LinkReport {
         /// Whether the vehicle may still be turning the camera.
         may_be_turning: bool,
     },
+    /// Whether another client has the control of the vehicle now, as the session takes it: reported at first and at each
+    /// change.
+    Control {
+        /// Whether it has; the operator has not taken the control back.
+        is_anothers: bool,
+    },
     /// The run loop did not renew its rates in time: the link rests the camera.
     HeldUp,
     /// The machine was suspended for this long: the link rests the camera.

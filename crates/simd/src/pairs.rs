@@ -129,11 +129,12 @@ mod x86 {
         }
     }
 
-    /// A function for one set of vector instructions: the type of a register, the number of pairs in one, and the instructions.
-    /// The loops over the totals have constant bounds, so that the compiler keeps the totals in registers.
+    /// A function for one set of vector instructions: the type of a register, the number of pairs in one, how many outputs are
+    /// summed up at once and over how many registers of a row, and the instructions. A weight is read for each of those
+    /// registers together; as many totals as that takes stay in registers, because their loops have constant bounds.
     macro_rules! level {
         (
-            $features:literal $name:ident: $register:ty, $pairs:literal pairs,
+            $features:literal $name:ident: $register:ty, $pairs:literal pairs, $outputs:literal outputs of $registers:literal,
             $zero:ident, $load:ident, $store:ident, $splat:ident, $accumulate:expr
         ) => {
             #[target_feature(enable = $features)]
@@ -144,26 +145,41 @@ mod x86 {
                 stride: usize,
                 sums: &mut [RowSums],
             ) {
+                const WIDTH: usize = $pairs * $registers;
+                const { assert!(OUTPUTS.is_multiple_of($outputs) && COLUMNS.is_multiple_of(WIDTH)) };
                 for (row, sums) in sums.iter_mut().enumerate() {
-                    for column in (0..COLUMNS).step_by($pairs) {
-                        let first = row * stride + column;
-                        let mut totals = [$zero(); OUTPUTS];
-                        for (weights, &start) in weights.iter().zip(starts) {
-                            let line: &[Pair] = &map[first + start..][..$pairs];
-                            // SAFETY: the slice holds as many bytes as the register; the load needs no alignment.
-                            #[allow(unsafe_code)]
-                            let line: $register = unsafe { $load(line.as_ptr().cast()) };
-                            for k in 0..OUTPUTS {
-                                totals[k] = $accumulate(totals[k], line, $splat(joined(weights[k])));
+                    for column in (0..COLUMNS).step_by(WIDTH) {
+                        let from = row * stride + column;
+                        for first in (0..OUTPUTS).step_by($outputs) {
+                            let mut totals = [[$zero(); $registers]; $outputs];
+                            for (weights, &start) in weights.iter().zip(starts) {
+                                let line = &map[from + start..][..WIDTH];
+                                let parts: &[[Pair; $pairs]] = line.as_chunks().0;
+                                let weights = &weights[first..][..$outputs];
+                                let mut registers = [$zero(); $registers];
+                                for r in 0..$registers {
+                                    // SAFETY: the part holds as many bytes as the register; the load needs no alignment.
+                                    #[allow(unsafe_code)]
+                                    let register: $register = unsafe { $load(parts[r].as_ptr().cast()) };
+                                    registers[r] = register;
+                                }
+                                for k in 0..$outputs {
+                                    let weight = $splat(joined(weights[k]));
+                                    for r in 0..$registers {
+                                        totals[k][r] = $accumulate(totals[k][r], registers[r], weight);
+                                    }
+                                }
                             }
-                        }
-                        for k in 0..OUTPUTS {
-                            let part: &mut [i32] = &mut sums[k][column..][..$pairs];
-                            // SAFETY: as for the load.
-                            #[allow(unsafe_code)]
-                            unsafe {
-                                $store(part.as_mut_ptr().cast(), totals[k])
-                            };
+                            for k in 0..$outputs {
+                                let parts: &mut [[i32; $pairs]] = sums[first + k][column..].as_chunks_mut().0;
+                                for r in 0..$registers {
+                                    // SAFETY: as for the load.
+                                    #[allow(unsafe_code)]
+                                    unsafe {
+                                        $store(parts[r].as_mut_ptr().cast(), totals[k][r])
+                                    };
+                                }
+                            }
                         }
                     }
                 }
@@ -178,27 +194,27 @@ mod x86 {
     }
 
     level! {
-        "sse2" sse2: __m128i, 4 pairs,
+        "sse2" sse2: __m128i, 4 pairs, 8 outputs of 1,
         _mm_setzero_si128, _mm_loadu_si128, _mm_storeu_si128, _mm_set1_epi32,
         |sum, line, weight| _mm_add_epi32(sum, _mm_madd_epi16(line, weight))
     }
     level! {
-        "avx2" avx2: __m256i, 8 pairs,
+        "avx2" avx2: __m256i, 8 pairs, 4 outputs of 2,
         _mm256_setzero_si256, _mm256_loadu_si256, _mm256_storeu_si256, _mm256_set1_epi32,
         |sum, line, weight| _mm256_add_epi32(sum, _mm256_madd_epi16(line, weight))
     }
     level! {
-        "avx2,avxvnni" avx2_vnni: __m256i, 8 pairs,
+        "avx2,avxvnni" avx2_vnni: __m256i, 8 pairs, 4 outputs of 2,
         _mm256_setzero_si256, _mm256_loadu_si256, _mm256_storeu_si256, _mm256_set1_epi32,
         |sum, line, weight| _mm256_dpwssd_avx_epi32(sum, line, weight)
     }
     level! {
-        "avx2,avx512f,avx512bw,avx512dq,avx512vl" avx512: __m512i, 16 pairs,
+        "avx2,avx512f,avx512bw,avx512dq,avx512vl" avx512: __m512i, 16 pairs, 8 outputs of 1,
         _mm512_setzero_si512, _mm512_loadu_si512, _mm512_storeu_si512, _mm512_set1_epi32,
         |sum, line, weight| _mm512_add_epi32(sum, _mm512_madd_epi16(line, weight))
     }
     level! {
-        "avx2,avx512f,avx512bw,avx512dq,avx512vl,avx512vnni" avx512_vnni: __m512i, 16 pairs,
+        "avx2,avx512f,avx512bw,avx512dq,avx512vl,avx512vnni" avx512_vnni: __m512i, 16 pairs, 8 outputs of 1,
         _mm512_setzero_si512, _mm512_loadu_si512, _mm512_storeu_si512, _mm512_set1_epi32,
         |sum, line, weight| _mm512_dpwssd_epi32(sum, line, weight)
     }

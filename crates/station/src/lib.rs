@@ -29,7 +29,6 @@ pub mod demo;
 pub mod emulator;
 
 mod interruption;
-mod jpeg;
 pub mod logging;
 mod png_file;
 pub mod progress;

@@ -25,12 +25,26 @@ pub(super) struct LinkEnd<C = VehicleRates> {
     pub(super) outbox: VecDeque<ToGuard<C>>,
     /// Reports that the run loop has not read yet.
     pub(super) reports: VecDeque<LinkReport>,
+    /// Whether another commander has the control, as the link said last.
+    pub(super) is_anothers: bool,
 }
 
 impl<C: LinkCommand> LinkEnd<C> {
     /// An end that asks for `requested` at first.
     pub(super) const fn new(requested: RequestedCommand<C>) -> Self {
-        Self { requested, sent_at: Timestamp::ZERO, outbox: VecDeque::new(), reports: VecDeque::new() }
+        Self {
+            requested,
+            sent_at: Timestamp::ZERO,
+            outbox: VecDeque::new(),
+            reports: VecDeque::new(),
+            is_anothers: false,
+        }
+    }
+
+    /// The operator takes the control back.
+    pub(super) fn take_control(&mut self) {
+        self.is_anothers = false;
+        self.outbox.push_back(ToGuard::TakeControl);
     }
 
     /// The thread of the link: the sign of life.
@@ -51,6 +65,7 @@ impl<C: LinkCommand> LinkEnd<C> {
                     let report = Report::Link(LinkState::Opening);
                     return Some(LinkEvent::Telemetry(Telemetry { at: now, report }));
                 }
+                LinkReport::Control { is_anothers } => self.is_anothers = is_anothers,
                 LinkReport::Lost { .. }
                 | LinkReport::HeldUp
                 | LinkReport::Stopped(_)

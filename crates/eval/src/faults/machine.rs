@@ -155,14 +155,8 @@ impl<C: GuardedCommand> Machine<C> {
         is_killed
     }
 
-    /// Lets the program look after its link. Returns whether the program runs. `is_control_elsewhere`: whether the vehicle says
-    /// that another commander has the control.
-    pub(super) fn advance_program(
-        &mut self,
-        end: &mut LinkEnd<C>,
-        is_control_elsewhere: bool,
-        moment: Moment,
-    ) -> bool {
+    /// Lets the program look after its link. Returns whether the program runs.
+    pub(super) fn advance_program(&mut self, end: &mut LinkEnd<C>, moment: Moment) -> bool {
         let Moment { now, at_ms, .. } = moment;
         if self.begins(FaultKind::ProgramKilled, at_ms) {
             self.program_gone_at_ms.get_or_insert(at_ms);
@@ -177,7 +171,7 @@ impl<C: GuardedCommand> Machine<C> {
         }
         if self.guard_starts_at_ms.is_some_and(|starts| starts <= at_ms) {
             self.guard_starts_at_ms = None;
-            let history = LinkHistory::after(self.is_stop_sent, is_control_elsewhere, None);
+            let history = LinkHistory::after(self.is_stop_sent, end.is_anothers, None);
             self.link = Some(LinkHost::start(&self.plan, history, now));
             end.reports.push_back(LinkReport::GuardLost("it was killed".to_owned()));
         } else if self.link.is_none() && self.guard_starts_at_ms.is_none() {

@@ -45,11 +45,6 @@ impl Program {
         })
     }
 
-    /// Whether the vehicle says that another commander has the control.
-    pub(super) fn is_control_elsewhere(&self) -> bool {
-        self.control == Some(ControlState::NotOurs)
-    }
-
     /// The run loop: what the link reports, and the pilot's deadline.
     pub(super) fn advance(&mut self, oracle: &mut Oracle, now: Timestamp) {
         while let Some(event) = self.end.next_event(now) {
@@ -129,7 +124,7 @@ impl Program {
     pub(super) fn request(&mut self, request: OperatorRequest, now: Timestamp) {
         self.step(Input::Request(request), now);
         if request == OperatorRequest::Engage {
-            self.end.outbox.push_back(ToGuard::TakeControl);
+            self.end.take_control();
         }
     }
 

@@ -14,7 +14,7 @@ use barrelman_wire::{
 use crate::dead_mans_switch::RequestedCommand;
 
 /// Version of the messages. Program and guard come from one build; another version is refused.
-pub const VERSION: u16 = 5;
+pub const VERSION: u16 = 6;
 /// Largest message, bytes.
 pub const MAX_MESSAGE_BYTES: usize = 4096;
 
@@ -121,6 +121,11 @@ pub enum FromGuard {
         may_be_turning: bool,
         /// The reason.
         reason: String,
+    },
+    /// Whether another client has the control of the vehicle.
+    Control {
+        /// Whether it has.
+        is_anothers: bool,
     },
     /// Rates were not renewed in time.
     HeldUp,
@@ -444,6 +449,7 @@ impl FromGuard {
             Self::Panicked => out.push(9),
             Self::Alive => out.push(10),
             Self::Ended { is_stop_sent } => out.extend_from_slice(&[11, u8::from(*is_stop_sent)]),
+            Self::Control { is_anothers } => out.extend_from_slice(&[12, u8::from(*is_anothers)]),
         }
         out
     }
@@ -479,6 +485,7 @@ impl FromGuard {
             9 => Self::Panicked,
             10 => Self::Alive,
             11 => Self::Ended { is_stop_sent: fields.flag()? },
+            12 => Self::Control { is_anothers: fields.flag()? },
             _ => return Err(MessageError::Malformed),
         };
         fields.end(message)

@@ -134,6 +134,7 @@ fn message_of(report: LinkReport) -> Option<FromGuard> {
         LinkReport::Telemetry(Telemetry { at, report: Report::Link(state) }) => FromGuard::State(state, at),
         LinkReport::Telemetry(_) | LinkReport::GuardLost(_) => return None,
         LinkReport::Lost { reason, may_be_turning } => FromGuard::Lost { may_be_turning, reason },
+        LinkReport::Control { is_anothers } => FromGuard::Control { is_anothers },
         LinkReport::HeldUp => FromGuard::HeldUp,
         LinkReport::Suspended(gap) => FromGuard::Suspended(gap),
         LinkReport::Stopped(evidence) => FromGuard::Stopped(evidence),

@@ -223,7 +223,7 @@ fn serve_with_room(faults: &str, script: &[(u64, Action)], room_from_ms: Option<
                 LinkReport::Telemetry(Telemetry { report: Report::Link(state), .. }) => format!("{state:?}"),
                 LinkReport::Telemetry(_) => return true,
                 LinkReport::Lost { reason, .. } => format!("lost: {reason}"),
-                LinkReport::HeldUp | LinkReport::Stopped(_) => return true,
+                LinkReport::Control { .. } | LinkReport::HeldUp | LinkReport::Stopped(_) => return true,
                 LinkReport::Suspended(_) | LinkReport::GuardLost(_) => panic!("not here"),
                 LinkReport::Panicked => "panicked".to_owned(),
             };

@@ -19,6 +19,7 @@ use axum::http::{HeaderMap, StatusCode, header};
 use axum::middleware::{Next, from_fn_with_state};
 use axum::response::{IntoResponse as _, Response};
 use axum::routing::{get, post};
+use barrelman_video::jpeg;
 use barrelman_vocab::{Picture, PictureSize, PixelBox};
 use bytes::Bytes;
 use serde::Deserialize;
@@ -33,7 +34,6 @@ use super::links::link_for_control;
 use super::routes::{guarded, json_body, may_enter};
 use super::server::serve;
 use super::settings::ConsoleSettings;
-use crate::jpeg;
 
 /// How long the server stays after the box, so that its answer reaches the page.
 const LAST_ANSWER: Duration = Duration::from_millis(250);

@@ -6,13 +6,13 @@ use std::time::Duration;
 
 use barrelman_host::latest::Latest;
 use barrelman_pilot::Input;
+use barrelman_video::jpeg;
 use barrelman_vocab::VideoFrame;
 use barrelman_vocab::unit::Rotation;
 use bytes::Bytes;
 use tokio::sync::watch;
 
 use super::api::{HEAD_BYTES, VideoHead, VideoKind};
-use crate::jpeg;
 use crate::live::run_loop::{LiveStep, LiveStepObserver};
 
 /// Interval at which the thread looks for a page that asks for pictures.

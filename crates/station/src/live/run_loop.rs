@@ -285,6 +285,8 @@ impl RunLoop<'_> {
             LinkReport::Suspended(gap) => self.on_suspension(state, gap),
             // Told where it is reported: the loop may have ended.
             LinkReport::Stopped(_) => {}
+            // The pilot reads it from the telemetry.
+            LinkReport::Control { .. } => {}
             LinkReport::Panicked => return Some(failed("the link thread panicked")),
         }
         None
@@ -314,7 +316,7 @@ impl RunLoop<'_> {
             }
             LinkReport::HeldUp => tracing::error!("the pilot is held up: the link makes the boat neutral"),
             LinkReport::Suspended(gap) => self.on_suspension(state, gap),
-            LinkReport::Stopped(_) => {}
+            LinkReport::Stopped(_) | LinkReport::Control { .. } => {}
             LinkReport::Panicked => return Some(failed("the thread of the boat's link panicked")),
         }
         None

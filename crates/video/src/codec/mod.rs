@@ -1,4 +1,4 @@
-//! Pictures and encoded bytes: H.264 both ways, JPEG and PNG to pictures.
+//! Pictures and encoded bytes: H.264 and JPEG both ways, PNG to pictures.
 
 pub mod decoder;
 
@@ -9,3 +9,4 @@ mod still;
 
 pub mod encoder;
 mod encoder_log;
+pub mod jpeg;

@@ -44,7 +44,6 @@ pub(super) struct VesselProgram {
     wake_at: Option<Timestamp>,
     mode: VesselMode,
     pan_rad_per_s: f64,
-    is_elsewhere: bool,
     truth: Truth,
     /// The pixels of every video frame: the tracker does not read them.
     pixels: Arc<Picture>,
@@ -69,7 +68,6 @@ impl VesselProgram {
             wake_at: None,
             mode: VesselMode::Released,
             pan_rad_per_s: 0.0,
-            is_elsewhere: false,
             truth,
             pixels: Arc::new(Picture::black(PICTURE, ColourEncoding::JPEG)),
             frames: 0,
@@ -77,11 +75,6 @@ impl VesselProgram {
             console: Console::new(),
             end: LinkEnd::new(RequestedCommand { command: VesselOrder::Released, renew_by: None }),
         }
-    }
-
-    /// Whether the boat says that another commander steers it.
-    pub(super) const fn is_control_elsewhere(&self) -> bool {
-        self.is_elsewhere
     }
 
     /// The camera's rate, to the right.
@@ -119,20 +112,11 @@ impl VesselProgram {
     fn on_telemetry(&mut self, telemetry: Telemetry, oracle: &mut VesselOracle, now: Timestamp) {
         match telemetry.report {
             Report::Link(LinkState::Silent) => oracle.withdraw(),
-            Report::Link(state) => {
-                self.is_elsewhere = false;
-                if state != LinkState::Up {
-                    oracle.end_way();
-                }
-            }
-            Report::Acceptance(said) => {
-                self.is_elsewhere = said.is_elsewhere();
-                match said {
-                    Acceptance::Accepted => {}
-                    Acceptance::OtherClient => oracle.withdraw(),
-                    _ => oracle.withdraw_guidance(),
-                }
-            }
+            Report::Link(LinkState::Up) => {}
+            Report::Link(_) => oracle.end_way(),
+            Report::Acceptance(Acceptance::Accepted) => {}
+            Report::Acceptance(Acceptance::OtherClient) => oracle.withdraw(),
+            Report::Acceptance(_) => oracle.withdraw_guidance(),
             _ => {}
         }
         self.step(Input::VesselTelemetry(telemetry), now);
@@ -173,7 +157,7 @@ impl VesselProgram {
         self.console.commands_boat(now);
         let refused = Notice::RequestRefused(Refusal::NoVesselMotion(HoldCause::NoControl));
         if self.request(OperatorRequest::Guide, now) == Some(refused) {
-            self.end.outbox.push_back(ToGuard::TakeControl);
+            self.end.take_control();
         }
     }
 

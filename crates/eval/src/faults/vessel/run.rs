@@ -138,8 +138,7 @@ impl World {
 
     fn advance_program(&mut self, moment: Moment) {
         let Moment { now, at_ms, was_suspended } = moment;
-        let is_elsewhere = self.program.is_control_elsewhere();
-        if !self.machine.advance_program(&mut self.program.end, is_elsewhere, moment) {
+        if !self.machine.advance_program(&mut self.program.end, moment) {
             return;
         }
         if was_suspended {

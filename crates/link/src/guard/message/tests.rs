@@ -66,6 +66,7 @@ fn every_message_is_read_as_it_was_written() {
         FromGuard::NotOpened("no such port".to_owned()),
         FromGuard::Received(at, b"!GSStatus 10".to_vec()),
         FromGuard::Lost { may_be_turning: true, reason: "unplugged".to_owned() },
+        FromGuard::Control { is_anothers: true },
         FromGuard::HeldUp,
         FromGuard::Suspended(Duration::from_millis(1_500)),
         FromGuard::Stopped(RestEvidence::AtRest),

@@ -6,15 +6,21 @@
 use barrelman_vocab::Picture;
 use barrelman_vocab::video::{ColourEncoding, SampleRange};
 use jpeg_encoder::{Encoder, EncodingError, ImageBuffer, JpegColorType, SamplingFactor};
+use thiserror::Error;
 
 /// Quality of the encoder, 1 to 100: sharp pictures of about a tenth of a byte a pixel.
 const QUALITY: u8 = 78;
+
+/// A picture cannot be encoded.
+#[derive(Debug, Error)]
+#[error(transparent)]
+pub struct JpegError(#[from] EncodingError);
 
 /// Encodes a picture as a JPEG file.
 ///
 /// # Errors
 /// If a side of the picture is longer than 65535 pixels.
-pub(crate) fn encode(picture: &Picture) -> Result<Vec<u8>, EncodingError> {
+pub fn encode(picture: &Picture) -> Result<Vec<u8>, JpegError> {
     let mut bytes = Vec::with_capacity(picture.size().area() / 6);
     let mut encoder = Encoder::new(&mut bytes, QUALITY);
     encoder.set_sampling_factor(SamplingFactor::F_2_2);
