@@ -188,7 +188,8 @@ def ports(bench):
 
 
 def outputs(bench):
-    there = bench.file("there", "precious\n")
+    # The name of a film, which every output may have.
+    there = bench.file("there.mp4", "precious\n")
     orange = bench.folder / "orange"
     for name, words in (
         ("a recording", ["run", "--video", f"file:{bench.clip}", "--record", there]),

@@ -56,6 +56,7 @@ fn in_words(said: &str) -> String {
         ("unknown variant `", "there is no choice `"),
         ("missing field `", "a key is missing: `"),
         ("duplicate key", "a key stands there twice"),
+        ("wanted string or table", "expected one of the choices, in quotes"),
     ] {
         if let Some(rest) = said.strip_prefix(parsed) {
             return format!(
@@ -121,6 +122,7 @@ mod tests {
             ),
             ("unknown variant `fast`, expected `a` or `b`", "there is no choice `fast`; use `a` or `b`"),
             ("missing field `name`", "a key is missing: `name`"),
+            ("wanted string or table", "expected one of the choices, in quotes"),
             ("invalid string", "invalid string"),
         ] {
             assert_eq!(in_words(said), expected);

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result, bail, ensure};
 use barrelman_trial::behaviour::VersionDifference;
 use barrelman_trial::campaign::{CampaignEntry, CampaignSettings};
 use barrelman_trial::metrics::TrialEntry;
@@ -61,6 +61,10 @@ pub fn read(path: &Path) -> Result<CampaignFile> {
 /// # Errors
 /// A line is not a trial; the message names the line.
 pub fn parse(bytes: &[u8]) -> Result<CampaignFile> {
+    ensure!(
+        bytes.is_empty() || is_campaign_file(bytes),
+        "it does not begin with a JSON object, as what `barrelman trials --output FILE.jsonl` writes does"
+    );
     let whole = bytes.iter().rposition(|byte| *byte == b'\n').map_or(0, |end| end + 1);
     let text = std::str::from_utf8(&bytes[..whole]).context("it is not text")?;
     let mut entries = Vec::new();

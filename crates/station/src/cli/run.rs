@@ -11,7 +11,7 @@ use crate::config::vessel::GuidanceName;
 use super::connection_options::ConnectionOptions;
 use super::console_options::ConsoleOptions;
 use super::law_options::LawOptions;
-use super::values::parse_box;
+use super::values::{parse_box, parse_mp4_path};
 
 /// `run`.
 #[derive(Debug, Args)]
@@ -90,7 +90,7 @@ pub struct RunArgs {
     #[arg(long, conflicts_with = "record")]
     pub no_record: bool,
     /// Write the annotated video to this file.
-    #[arg(long, value_name = "OUT.mp4")]
+    #[arg(long, value_name = "OUT.mp4", value_parser = parse_mp4_path)]
     pub overlay: Option<PathBuf>,
     /// Overwrite existing output files.
     #[arg(long)]

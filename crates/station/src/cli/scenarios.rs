@@ -6,7 +6,7 @@ use barrelman_simd::SimdLevel;
 use barrelman_vocab::PictureSize;
 use clap::Args;
 
-use super::values::{parse_clip_length, parse_world_size};
+use super::values::{parse_clip_length, parse_mp4_path, parse_world_size};
 
 /// `scenarios`.
 #[derive(Debug, Args)]
@@ -33,7 +33,7 @@ pub struct RenderArgs {
     #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = parse_clip_length)]
     pub seconds: f64,
     /// Write the clip to this file.
-    #[arg(long, value_name = "CLIP.mp4")]
+    #[arg(long, value_name = "CLIP.mp4", value_parser = parse_mp4_path)]
     pub output: PathBuf,
     /// Write the target's place in every frame to this file.
     #[arg(long, value_name = "TRUTH.csv")]

@@ -7,7 +7,7 @@ use barrelman_experiments::tracker_choice::TrackerName;
 use barrelman_vocab::PixelBox;
 use clap::Args;
 
-use super::values::{parse_box, parse_listen};
+use super::values::{parse_box, parse_listen, parse_mp4_path};
 
 /// `track`.
 #[derive(Debug, Args)]
@@ -39,7 +39,7 @@ pub struct TrackArgs {
     #[arg(long, value_enum, value_name = "NAME", default_value_t)]
     pub tracker: TrackerName,
     /// Write the annotated video to this file.
-    #[arg(long, value_name = "OUT.mp4")]
+    #[arg(long, value_name = "OUT.mp4", value_parser = parse_mp4_path)]
     pub overlay: Option<PathBuf>,
     /// Draw the tracker's intermediate results into the annotated video.
     #[arg(long, requires = "overlay")]

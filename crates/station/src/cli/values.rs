@@ -1,6 +1,7 @@
 //! Parsers of option values. Each error says what form or range the value must have.
 
 use std::net::SocketAddr;
+use std::path::PathBuf;
 
 use barrelman_vocab::profile::RegionShares;
 use barrelman_vocab::{PictureSize, PixelBox};
@@ -61,6 +62,16 @@ pub(super) fn parse_listen(text: &str) -> Result<SocketAddr, String> {
          other devices, too)"
             .to_owned()
     })
+}
+
+/// The name of a film that is written.
+pub(super) fn parse_mp4_path(text: &str) -> Result<PathBuf, String> {
+    let path = PathBuf::from(text);
+    if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("mp4")) {
+        Ok(path)
+    } else {
+        Err("the film is an MP4: its name must end in .mp4".to_owned())
+    }
 }
 
 pub(super) fn parse_region(text: &str) -> Result<RegionShares, String> {
@@ -171,6 +182,11 @@ mod tests {
         check(parse_count, &["1", "1024"], &["0", "1025", "two"], "1 to 1024");
         check(parse_shard, &["1/1", "3/10"], &["0/10", "11/10", "3", "3/", "x/y"], "I/N");
         check(parse_rate, &["0.3", "3"], &["0", "3.1", "-1"], "at most 3");
+    }
+
+    #[test]
+    fn a_film_s_name_ends_as_what_it_is() {
+        check(parse_mp4_path, &["a.mp4", "films/B.MP4"], &["a.avi", "a", "mp4", ""], "must end in .mp4");
     }
 
     #[test]

@@ -12,6 +12,7 @@ use barrelman_trial::report::{Report, ReportedTrial, SetKind, TrialSet, TrialTra
 use barrelman_trial::shadow::simulate_motor_schema;
 use barrelman_vocab::VehicleProfile;
 
+use super::summary_table::count_of;
 use super::trial_input::{self, InputFile, LogKind, TrialInput};
 use crate::cli::ReportArgs;
 use crate::config::{self, Configuration};
@@ -58,7 +59,7 @@ pub fn run(args: &ReportArgs) -> Result<ExitCode> {
         }
     }
     write(page, &report.page())?;
-    writeln!(stdout(), "{}: {} trials", args.output.display(), report.trials.len())?;
+    writeln!(stdout(), "{}: {}", args.output.display(), count_of(report.trials.len()))?;
     Ok(if is_truncated { ExitCode::FAILURE } else { ExitCode::SUCCESS })
 }
 

@@ -148,7 +148,7 @@ fn write_rules(text: &mut String, arena: Option<Arena>, trials: &[&TrialEntry]) 
     Ok(())
 }
 
-fn count_of(trials: usize) -> String {
+pub(super) fn count_of(trials: usize) -> String {
     format!("{trials} trial{}", if trials == 1 { "" } else { "s" })
 }
 

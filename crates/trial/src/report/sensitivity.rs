@@ -53,7 +53,12 @@ pub(super) fn figure(name: &str, arena: Option<Arena>, groups: &[TrialGroup<'_>]
         arena.map_or_else(|| "other scenarios".to_owned(), |arena| format!("arena {}", arena.number()));
     let rows = groups.iter().map(|group| {
         let mean = group.summary().pooled.mean_sensitivity;
-        format!("{}: {} trials, mean {}. ", group.set.name, group.trials.len(), number_or_dash(mean, 4))
+        format!(
+            "{}: {}, mean {}. ",
+            group.set.name,
+            count_of(group.trials.len(), "trial"),
+            number_or_dash(mean, 4)
+        )
     });
     let titles = (format!("Sensitivity per trial, {place}"), rows.collect());
     Some(Figure::new(name.to_owned(), titles, (WIDTH, bottom + BELOW), canvas))
