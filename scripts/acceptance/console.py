@@ -70,14 +70,17 @@ WINDOWS = ((1280, 800), (1280, 720), (1280, 600), (1280, 420), (1024, 576), (900
 
 
 def out_of_view(page, names):
-    """The controls that a window of some size does not show whole, without scrolling."""
+    """What a window of some size does not show whole, without scrolling, or shows under something else."""
     hidden = []
     for width, height in WINDOWS:
         page.resize(width, height)
         time.sleep(0.3)
         for name in names:
-            left, top, right, bottom = page.driver.execute_script("const r = document.getElementById(arguments[0]).getBoundingClientRect(); return [r.left, r.top, r.right, r.bottom]", name)
-            if left < 0 or top < 0 or right > width or bottom > height:
+            is_shown = page.driver.execute_script("""
+                const element = document.getElementById(arguments[0]), { left, top, right, bottom } = element.getBoundingClientRect();
+                const isWhole = left >= 0 && top >= 0 && right <= innerWidth && bottom <= innerHeight;
+                return isWhole && element.contains(document.elementFromPoint((left + right) / 2, (top + bottom) / 2));""", name)
+            if not is_shown:
                 hidden.append(f"{name} at {width}x{height}")
     page.resize(1280, 800)
     return hidden
@@ -172,8 +175,8 @@ def demo(table, args, folder):
     table.require("it begins unselected and disengaged", (data["mode"], data["track"]) == ("idle", "unseeded"), f"{data['mode']}, {data['track']}")
     height = page.driver.execute_script("return document.documentElement.scrollHeight")
     table.require("the page fits 1280x800", height <= 800, f"{height} px high", "at most 800")
-    hidden = out_of_view(page, ("stop", "engage", "disengage"))
-    table.require("Stop and Engage are in view in every window, however low", not hidden, ", ".join(hidden) or f"{len(WINDOWS)} sizes")
+    hidden = out_of_view(page, ("stop", "engage", "disengage", "mode"))
+    table.require("Stop, Engage and the mode are in view in every window, however low", not hidden, ", ".join(hidden) or f"{len(WINDOWS)} sizes")
     faults = [f"{width}x{height}: {fault}" for width, height in ((1280, 800), (390, 760), (844, 390)) for fault in stop_beside_dialog(page, width, height)]
     table.require("Stop is taken while the keys are shown, and the keys are readable", not faults, ", ".join(faults) or "by mouse, three sizes")
     select_boat(table, page, folder)
