@@ -371,6 +371,12 @@ def watchers(table, args, folder, program, page):
     watcher.click("stop")
     page.wait(lambda data: data["mode"] == "stopped", 5, "the watcher's stop")
     table.require("  but its Stop is taken", True)
+    # The address differs in what stands behind #, so that the browser by itself loads nothing.
+    may_ask = lambda: watcher.driver.execute_script("const ask = document.getElementById('ask-control'); return ask.checkVisibility() && !ask.disabled")
+    could_ask = may_ask()
+    watcher.driver.get(program.url)
+    common.wait_until(may_ask, 5, "the page with the control link")
+    table.require("  the control link, opened in its tab, makes it a control page", not could_ask)
     watcher.end()
     page.type("r")
     other = Page(program.url, folder, "other")
