@@ -20,6 +20,7 @@ export class HeldControl {
     for (const direction of ["up", "down", "left", "right"]) {
       const button = document.getElementById(`${buttons}-${direction}`);
       button.addEventListener("pointerdown", (event) => {
+        if (event.button !== 0) return;
         button.setPointerCapture(event.pointerId);
         this.#set(direction, event.pointerId, true);
         event.preventDefault();
@@ -27,6 +28,9 @@ export class HeldControl {
       for (const end of ["pointerup", "pointercancel", "lostpointercapture"]) {
         button.addEventListener(end, (event) => this.#set(direction, event.pointerId, false));
       }
+      // A menu would take the release of the button: the hold would go on with nothing held.
+      button.addEventListener("contextmenu", (event) => event.preventDefault());
+      button.addEventListener("pointermove", (event) => event.buttons === 0 && this.#set(direction, event.pointerId, false));
       button.addEventListener("keydown", (event) => {
         if (event.key !== "Enter") return;
         this.#set(direction, "Enter", true);

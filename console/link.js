@@ -7,6 +7,8 @@ const STALE_MS = 1500;
 /** A socket that was silent for so long is given up, and a new one is opened. */
 const GIVEN_UP_MS = 3 * STALE_MS;
 const LONGEST_WAIT_MS = 2000;
+/** Requests that end a motion: they are right also when they come late. */
+const ENDING = new Set(["stop", "stop-boat", "disengage"]);
 /** The program closes the socket with this code where too many pages are open. */
 const TRY_AGAIN_LATER = 1013;
 
@@ -73,10 +75,15 @@ export class Link extends EventTarget {
     if (this.isUp === isUp) return;
     this.isUp = isUp;
     if (!isUp) {
-      for (const resolve of this.#waiting.values()) resolve({ answer: "refused", reason: null, lost: true });
-      this.#waiting.clear();
+      this.#endWaiting();
     }
     this.dispatchEvent(new CustomEvent("up", { detail: isUp }));
+  }
+
+  /** No answer comes any more to what was sent: it may have been done, or may still be. */
+  #endWaiting() {
+    for (const resolve of this.#waiting.values()) resolve({ answer: "refused", reason: null, unanswered: true });
+    this.#waiting.clear();
   }
 
   /** A socket that is open but silent counts as lost. */
@@ -90,6 +97,7 @@ export class Link extends EventTarget {
     // waited for, and ignores this socket from now on.
     this.#socket = null;
     socket.close();
+    this.#endWaiting();
     this.#retry();
   }
 
@@ -113,11 +121,15 @@ export class Link extends EventTarget {
     return true;
   }
 
-  /** Makes a request. The promise gives its answer; `lost` where the connection was lost. */
+  /**
+   * Makes a request. The promise gives its answer: `unsent` where nothing was sent, `unanswered` where the connection was lost
+   * before the answer. Into a silent socket only what ends a motion is sent: the rest would be done when the operator has gone on.
+   */
   request(request) {
     const id = this.#nextId++;
     return new Promise((resolve) => {
-      if (!this.#send({ type: "request", id, request })) return resolve({ answer: "refused", reason: null, lost: true });
+      const isSent = (this.isUp || ENDING.has(request.kind)) && this.#send({ type: "request", id, request });
+      if (!isSent) return resolve({ answer: "refused", reason: null, unsent: true });
       this.#waiting.set(id, resolve);
     });
   }

@@ -35,8 +35,9 @@ const show = () => showStatus({ snapshot, isConnected: link.isUp, isControlling:
 
 /** Makes a request; a refusal is shown with its reason. */
 async function request(wanted) {
-  const { answer, reason, lost } = await link.request(wanted);
-  if (lost) toast(words.reasons.notConnected, true);
+  const { answer, reason, unsent, unanswered } = await link.request(wanted);
+  if (unsent) toast(words.reasons.notConnected, true);
+  else if (unanswered) toast(words.reasons.noAnswer, true);
   else if (answer !== "accepted") toast(`${words.answers[answer]}: ${reason ?? ""}`);
   else if (reason) toast(reason);
 }

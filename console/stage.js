@@ -40,7 +40,8 @@ export class Stage extends EventTarget {
   show(image, quarters, { captured, snapshot }) {
     if (snapshot) this.trail.add(snapshot);
     if (this.isFrozen) return;
-    const [width, height] = [image.displayWidth ?? image.width, image.displayHeight ?? image.height];
+    // Of a video frame the pixels, also where they are not square: boxes are measured in them.
+    const { width, height } = image.visibleRect ?? image;
     const isTurned = quarters % 2 === 1;
     const size = isTurned ? [height, width] : [width, height];
     if (this.#picture.width !== size[0] || this.#picture.height !== size[1]) {

@@ -84,7 +84,7 @@ export default {
   reasons: {
     tap: "Drag a box around the boat, from corner to corner.", small: "The box is too small: zoom in, and draw again.",
     old: "The picture moves again: finish the box on the moving boat.", noPicture: "There is no picture yet.",
-    notConnected: "Not connected.", watcher: "You watch: take the control first.",
+    notConnected: "Not connected.", noAnswer: "No answer: look whether it was done.", watcher: "You watch: take the control first.",
     law: "Disengage before changing the law.", nudge: "Disengage before turning the camera by hand.",
     nudgeDryRun: "A dry run does not move the camera.", nudgeLink: "The link is not up.",
     nudgeControl: "The vehicle does not accept commands.", nudgeFlight: "The vehicle has an emergency or lands.",

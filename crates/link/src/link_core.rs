@@ -226,6 +226,8 @@ impl<S: Session + ?Sized> LinkCore<S> {
         let (state, evidence) = (open.session.link_state(), open.session.rest_evidence(now));
         let is_anothers = open.session.is_anothers();
         self.history.may_be_turning &= state != LinkState::Up;
+        // A silence after this one is another, and may find the camera turning.
+        self.has_fallen_silent &= state != LinkState::Up;
         self.report_state(state, now, report);
         self.report_control(is_anothers, report);
         match next {

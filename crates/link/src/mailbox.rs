@@ -49,6 +49,14 @@ impl<C: LinkCommand> Mailbox<C> {
         }
     }
 
+    /// Requests rest, unless what is requested moves nothing: a boat that is not commanded is left alone.
+    pub fn rest(&self) {
+        let is_at_rest = self.contents().requested.command.is_rest();
+        if !is_at_rest {
+            self.request(RequestedCommand::REST);
+        }
+    }
+
     /// Requests rest and the end of the link.
     pub fn close(&self) {
         {
@@ -94,5 +102,23 @@ impl<C: LinkCommand> Mailbox<C> {
     fn contents(&self) -> MutexGuard<'_, Contents<C>> {
         // Plain data, whole at any time: a panic elsewhere must not silence the link.
         self.contents.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use barrelman_vocab::{VesselCommand, VesselOrder};
+
+    use super::*;
+
+    #[test]
+    fn rest_leaves_a_boat_alone_that_is_not_commanded() {
+        let moving = VesselOrder::Commanded(VesselCommand { throttle: 0.5, rudder: 0.0 });
+        for (before, after) in [(VesselOrder::Released, VesselOrder::Released), (moving, VesselOrder::NEUTRAL)] {
+            let mailbox = Mailbox::new().unwrap();
+            mailbox.request(RequestedCommand { command: before, renew_by: None });
+            mailbox.rest();
+            assert_eq!(mailbox.requested().command.command, after);
+        }
     }
 }

@@ -13,7 +13,6 @@ use rustix::event::{PollFd, PollFlags};
 use super::gate::{Gate, GuardedCommand, HEARTBEAT};
 use super::message::{FromGuard, MessageCommand, ToGuard};
 use super::pipe::{Pipe, PipeRead};
-use crate::dead_mans_switch::RequestedCommand;
 use crate::port::{Port, PortError};
 use crate::port_io::{MachineIo, PortIo, poll_for};
 
@@ -34,7 +33,7 @@ impl<C: GuardedCommand + MessageCommand> PipeIo<C> {
     /// Takes what the program says. The end of the pipe, silence and what cannot be read close the link.
     fn serve_pipe(&self) {
         if let Some(gap) = self.suspend.borrow_mut().check() {
-            self.machine.mailbox.request(RequestedCommand::REST);
+            self.machine.mailbox.rest();
             self.pipe.send(&FromGuard::Suspended(gap).encode());
         }
         while self.is_connected.get() {

@@ -40,9 +40,11 @@ enum Action {
     Plug,
     /// The ground station no longer answers.
     Silence,
+    /// The ground station answers again.
+    Answers,
 }
 
-use Action::{Close, Plug, Request, Silence, Unplug};
+use Action::{Answers, Close, Plug, Request, Silence, Unplug};
 
 /// A ground station behind a port, with the clock and the script of the test.
 struct Bench {
@@ -82,6 +84,7 @@ impl Bench {
                 Unplug => self.is_plugged.set(false),
                 Plug => self.is_plugged.set(true),
                 Silence => self.is_silent.set(true),
+                Answers => self.is_silent.set(false),
             }
         }
         if !self.is_silent.get() {
@@ -300,6 +303,14 @@ fn a_ground_station_that_falls_silent_is_reported_once() {
     let silences = served.reports.iter().filter(|report| report.ends_with("does not answer")).count();
     assert_eq!(silences, 1, "{:?}", served.reports);
     assert!(!served.is_stop_sent, "nothing can be sent on a port that is lost");
+}
+
+#[test]
+fn every_silence_is_reported() {
+    let script = [(UP_MS, Silence), (20_000, Answers), (40_000, Silence), (60_000, Answers), (80_000, Close)];
+    let served = serve("", &script);
+    let silences = served.reports.iter().filter(|report| report.ends_with("does not answer")).count();
+    assert_eq!(silences, 2, "{:?}", served.reports);
 }
 
 #[test]

@@ -109,11 +109,13 @@ fn role_of(console: &Console, headers: &HeaderMap) -> Result<Role, Box<Response>
 /// What the token or the cookie of a request permits; an answer with 401 where it permits nothing.
 pub(super) fn may_enter(access: &Access, headers: &HeaderMap) -> Result<Role, Box<Response>> {
     let text = |name| headers.get(name).and_then(|value| value.to_str().ok());
-    access.role(text(header::AUTHORIZATION), text(header::COOKIE)).ok_or_else(|| {
-        let body =
-            "a token is needed: open the link that the program printed, or send `Authorization: Bearer`\n";
-        Box::new((StatusCode::UNAUTHORIZED, [(header::WWW_AUTHENTICATE, "Bearer")], body).into_response())
-    })
+    access.role(text(header::AUTHORIZATION), text(header::COOKIE)).ok_or_else(refused)
+}
+
+/// The answer to a request that nothing is permitted to.
+fn refused() -> Box<Response> {
+    let body = "a token is needed: open the link that the program printed, or send `Authorization: Bearer`\n";
+    Box::new((StatusCode::UNAUTHORIZED, [(header::WWW_AUTHENTICATE, "Bearer")], body).into_response())
 }
 
 fn json(value: &impl Serialize) -> Response {
@@ -141,10 +143,20 @@ async fn login(State(console): Shared, headers: HeaderMap) -> Response {
 
 /// A cookie for the token of a request.
 pub(super) fn log_in(access: &Access, headers: &HeaderMap) -> Response {
-    let role = match may_enter(access, headers) {
+    let text = |name| headers.get(name).and_then(|value| value.to_str().ok());
+    // A token that is not known is said so, whatever the cookie permits.
+    let role = match (access.tokens(), text(header::AUTHORIZATION)) {
+        (Some(_), Some(token)) => access.bearer_role(token).ok_or_else(refused),
+        _ => may_enter(access, headers),
+    };
+    let role = match role {
         Ok(role) => role,
         Err(response) => return *response,
     };
+    // The watch link, opened in the operator's own browser, does not take the control from the pages that are open there.
+    if role == Role::Watch && access.role(None, text(header::COOKIE)) == Some(Role::Control) {
+        return StatusCode::NO_CONTENT.into_response();
+    }
     match access.new_cookie(role) {
         Ok(cookie) => (StatusCode::NO_CONTENT, [(header::SET_COOKIE, cookie)]).into_response(),
         Err(error) => {

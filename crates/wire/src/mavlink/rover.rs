@@ -176,7 +176,7 @@ impl RoverReader {
         self.link.peers.vehicle.or(self.boat.map(|boat| boat.system))
     }
 
-    /// Passes each change of what the boat says to commands to `each`. Returns what was heard of the boat.
+    /// Passes what the boat says to commands to `each`, with each of its heartbeats. Returns what was heard of the boat.
     pub fn read(&mut self, bytes: &[u8], mut each: impl FnMut(Report)) -> Heard {
         let mut frames = core::mem::take(&mut self.frames);
         let mut heard = Heard::default();
@@ -184,9 +184,9 @@ impl RoverReader {
             heard.is_any |= self.boat == Some(frame.from);
             if let Some(mode) = self.mode_of(frame) {
                 heard = Heard { is_any: true, is_mode: true };
-                if self.mode.replace(mode) != Some(mode) {
-                    each(Report::Acceptance(mode.acceptance()));
-                }
+                self.mode = Some(mode);
+                // Also where nothing has changed: a report may find no room.
+                each(Report::Acceptance(mode.acceptance()));
             }
         });
         self.frames = frames;

@@ -390,6 +390,26 @@ fn a_token_is_exchanged_for_a_cookie_with_the_same_role() {
 }
 
 #[test]
+fn the_watch_link_leaves_the_control_to_a_browser_that_has_it() {
+    let mut session = InMemory::new(LIVE);
+    let cookie = format!("cookie: {}", log_in(&mut session, CONTROL));
+    let (status, text) = call(&mut session, "POST /api/v1/login", &[WATCH, &cookie]);
+    assert!(status == 204 && !text.contains("set-cookie"), "{text}");
+    let watching = format!("cookie: {}", log_in(&mut session, WATCH));
+    let (_, text) = call(&mut session, "POST /api/v1/login", &[CONTROL, &watching]);
+    assert!(text.contains("set-cookie"), "the control link gives the control to a browser that watched\n{text}");
+}
+
+#[test]
+fn a_token_that_is_not_known_is_refused_whatever_the_cookie_permits() {
+    let mut session = InMemory::new(LIVE);
+    let cookie = format!("cookie: {}", log_in(&mut session, CONTROL));
+    let wrong = "authorization: Bearer not-the-token";
+    assert_eq!(call(&mut session, "POST /api/v1/login", &[wrong, &cookie]).0, 401);
+    assert_eq!(call(&mut session, "POST /api/v1/login", &[&cookie]).0, 204, "the cookie alone is enough");
+}
+
+#[test]
 fn a_cookie_is_valid_under_its_own_name_and_on_its_own_server_only() {
     let mut session = InMemory::new(LIVE);
     let cookie = log_in(&mut session, CONTROL);

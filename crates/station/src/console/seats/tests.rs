@@ -39,6 +39,17 @@ fn control_is_asked_for_given_and_taken() {
 }
 
 #[test]
+fn a_boat_is_not_left_while_its_control_is_given() {
+    let mut seats = pages(&[("a", Role::Control), ("b", Role::Control)]);
+    // A page that only looks on is heard once a second.
+    seats.hear(1, at(1000));
+    seats.hear(0, at(1900));
+    assert_eq!(seats.give(0, 1), Ok(()));
+    assert!(!seats.is_boat_left(at(2700)), "the new page has not learned of its boat yet");
+    assert!(seats.is_boat_left(at(2900)), "nor does it stay silent for longer than another");
+}
+
+#[test]
 fn a_reload_keeps_the_seat_and_a_lost_page_frees_it() {
     let mut seats = pages(&[("a", Role::Control), ("b", Role::Control)]);
     seats.leave(0, at(1000));

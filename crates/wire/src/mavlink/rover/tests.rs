@@ -117,7 +117,7 @@ fn another_mode_is_left_alone_until_the_operator_asks() {
     bench.go();
     bench.run_to(1_500);
     assert_eq!(bench.boat.mode(), MANUAL);
-    assert_eq!(bench.reports, [Report::Acceptance(Acceptance::OtherClient)]);
+    assert_eq!(bench.reports, [Report::Acceptance(Acceptance::OtherClient); 2], "with each heartbeat");
     assert_eq!(bench.set_points(0), 0);
     bench.session.take_control(at(1_500));
     bench.run_to(2_500);
@@ -138,7 +138,7 @@ fn a_boat_that_is_not_armed_takes_no_commands_and_is_never_armed() {
     bench.session.take_control(at(500));
     bench.go();
     bench.run_to(2_000);
-    assert_eq!(bench.reports, [Report::Acceptance(Acceptance::NotReady)]);
+    assert_eq!(bench.reports, [Report::Acceptance(Acceptance::NotReady); 2]);
     assert!(bench.boat.command(at(2_000)).is_neutral());
     assert!(bench.heard.iter().all(|(_, text)| !text.starts_with("COMMAND 400")), "no arming");
 }
