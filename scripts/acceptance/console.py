@@ -14,6 +14,8 @@ import time
 import common
 from common import Emulator, Lines, Table
 from console_page import Page, Program, select_boat
+from selenium.webdriver.common.actions.action_builder import ActionBuilder
+from selenium.webdriver.common.actions.mouse_button import MouseButton
 from selenium.webdriver.common.by import By
 from selenium.webdriver.common.keys import Keys
 from selenium.webdriver.support.ui import Select
@@ -179,6 +181,19 @@ def demo(table, args, folder):
     table.require("Stop, Engage and the mode are in view in every window, however low", not hidden, ", ".join(hidden) or f"{len(WINDOWS)} sizes")
     faults = [f"{width}x{height}: {fault}" for width, height in ((1280, 800), (390, 760), (844, 390)) for fault in stop_beside_dialog(page, width, height)]
     table.require("Stop is taken while the keys are shown, and the keys are readable", not faults, ", ".join(faults) or "by mouse, three sizes")
+    thrust = lambda: program.status()["drive"]["thrust"]
+    page.hold("helm-up")
+    common.wait_until(lambda: thrust() > 0, 5, "the thrust")
+    page.let_go()
+    common.wait_until(lambda: thrust() == 0, 5, "the neutral boat")
+    right = ActionBuilder(page.driver)
+    right.pointer_action.move_to(page.element("helm-up")).pointer_down(MouseButton.RIGHT)
+    right.perform()
+    time.sleep(0.4)
+    table.require("a pad is held by the left button alone", thrust() == 0, f"thrust {thrust():.2f}")
+    up = ActionBuilder(page.driver)
+    up.pointer_action.pointer_up(MouseButton.RIGHT)
+    up.perform()
     select_boat(table, page, folder)
     sounds_and_screen(table, page)
     page.click("engage")
