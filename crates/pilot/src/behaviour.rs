@@ -26,7 +26,10 @@ pub const ANSWERING_BOAT: u32 = 6;
 /// over the water waits while a mark that it must regard has none; marks on a picture that is not taken yet are refused.
 pub const PLACED_MARKS: u32 = 7;
 
-/// The version of this pilot. 8: a boat that is guided over the water waits for 5 s at most while it has no place there, and goes
+/// 8: a boat that is guided over the water waits for 5 s at most while it has no place there, and goes
 /// away from a person only where its bow is known; a search goes by the present field of view, and does not begin while a
 /// selection is not confirmed.
-pub const NEWEST: u32 = 8;
+pub const BOW_BEFORE_RETREAT: u32 = 8;
+
+/// The version of this pilot. 9: a person's mark that is moved again within 2 s tells no drift.
+pub const NEWEST: u32 = 9;

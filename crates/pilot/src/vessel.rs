@@ -108,6 +108,8 @@ pub(crate) struct VesselView<'a> {
     /// Whether a boat that is guided over the water waits while it has no place there, and goes away from a person only where its
     /// bow is known. Pilots of before waited without an end, and took an unknown bow to point at the person.
     pub(crate) needs_fix_and_bow: bool,
+    /// Whether the rules of behaviour version 9 hold ([`crate::behaviour::NEWEST`]).
+    pub(crate) has_rules_of_9: bool,
 }
 
 /// What a step observed.
@@ -211,6 +213,7 @@ impl VesselPilot {
     ) -> Result<Option<(u32, MarkKind)>, Refusal> {
         // What the operator wants now is not what the boat went on with.
         self.gate.set_clear(false);
+        self.marks.set_rules_of_9(view.has_rules_of_9);
         match request {
             OperatorRequest::Mark(drawn) => {
                 return self.mark(drawn, picture, view).map(|id| Some((id, drawn.kind)));
@@ -314,6 +317,7 @@ impl VesselPilot {
         view: VesselView<'_>,
     ) -> VesselOutcome {
         let now = view.now;
+        self.marks.set_rules_of_9(view.has_rules_of_9);
         let sight = match (observed, newest) {
             (Observed::Boat(seen), Some((captured, picture))) => {
                 let modelled = self.frame_view_at(captured, picture, view, WaterPoint::default());

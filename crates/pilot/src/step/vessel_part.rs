@@ -48,5 +48,6 @@ fn vessel_view(law: &CameraLaw, version: u32, now: Timestamp) -> VesselView<'_> 
         needs_answer: version > behaviour::DISPLACED_CAMERA,
         needs_places: version > behaviour::ANSWERING_BOAT,
         needs_fix_and_bow: version > behaviour::PLACED_MARKS,
+        has_rules_of_9: version > behaviour::BOW_BEFORE_RETREAT,
     }
 }

@@ -78,6 +78,13 @@ impl Drift {
         }
     }
 
+    /// The place was corrected: the velocity stays as it is.
+    fn correct(&mut self, fix: &WaterFix) {
+        let velocity_variance = self.variances[1];
+        let Self { place, variances: [place_variance, _], .. } = Self::at_rest(fix);
+        (self.place, self.variances, self.covariance) = (place, [place_variance, velocity_variance], 0.0);
+    }
+
     /// Standard deviation of each component of the velocity, m/s.
     fn std_dev_m_per_s(&self) -> f64 {
         libm::sqrt(self.variances[1])
@@ -191,9 +198,16 @@ pub struct Marks {
     destination: Option<u32>,
     /// Changes whenever the way to the destination does.
     route: u32,
+    /// Whether the rules of behaviour version 9 hold.
+    has_rules_of_9: bool,
 }
 
 impl Marks {
+    /// For replays: whether the rules of behaviour version 9 hold ([`crate::behaviour::NEWEST`]).
+    pub(crate) const fn set_rules_of_9(&mut self, has_rules_of_9: bool) {
+        self.has_rules_of_9 = has_rules_of_9;
+    }
+
     /// The marks, oldest first.
     pub fn iter(&self) -> impl Iterator<Item = &Mark> {
         self.marks.iter().flatten()
@@ -289,6 +303,8 @@ impl Marks {
             (MarkKind::Person, Some(fix), Some(drift)) if mark.water.is_some() => {
                 if since >= DRIFT_AFTER {
                     drift.observe(fix.point, since.as_secs_f64(), std_dev_of(&fix));
+                } else if self.has_rules_of_9 {
+                    drift.correct(&fix);
                 }
             }
             (MarkKind::Person, Some(fix), drift) => *drift = Some(Drift::at_rest(&fix)),

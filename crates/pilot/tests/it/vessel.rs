@@ -2,7 +2,7 @@
 
 use core::time::Duration;
 
-use barrelman_pilot::behaviour::{ANSWERING_BOAT, PLACED_MARKS};
+use barrelman_pilot::behaviour::{ANSWERING_BOAT, BOW_BEFORE_RETREAT, NEWEST, PLACED_MARKS};
 use barrelman_pilot::on_earth::NotOnEarth;
 use barrelman_pilot::outcome::HoldCause;
 use barrelman_pilot::vessel::{GuidanceBasis, GuidanceLaw, VesselHold, VesselStop};
@@ -78,6 +78,11 @@ impl Bench {
     pub(crate) fn mark(&mut self, kind: MarkKind, pixel: PixelPoint) -> Outcome {
         let captured = at(self.ms).minus(Duration::from_millis(LATENCY_MS));
         self.ask(OperatorRequest::Mark(DrawnMark { kind, pixel, captured }))
+    }
+
+    fn move_mark(&mut self, id: u32, pixel: PixelPoint) -> Outcome {
+        let captured = at(self.ms).minus(Duration::from_millis(LATENCY_MS));
+        self.ask(OperatorRequest::MoveMark(MovedMark { id, pixel, captured }))
     }
 
     /// The boat is seen and goes to a mark over the water.
@@ -376,9 +381,7 @@ fn the_mark_of_a_person_that_is_moved_drifts_on() {
     let person = |outcome: &Outcome| *outcome.vessel.marks.destination().unwrap();
     let first = person(&bench.see(INSIDE));
     let move_by = |bench: &mut Bench, id: u32, px: f64| {
-        let captured = at(bench.ms).minus(Duration::from_millis(LATENCY_MS));
-        let pixel = PixelPoint { u: TARGET.u + px, ..TARGET };
-        bench.ask(OperatorRequest::MoveMark(MovedMark { id, pixel, captured }))
+        bench.move_mark(id, PixelPoint { u: TARGET.u + px, ..TARGET })
     };
     refused(&move_by(&mut bench, 7, 1.0), Refusal::NoSuchMark);
     for index in 1..=3 {
@@ -405,6 +408,28 @@ fn the_mark_of_a_person_that_is_moved_drifts_on() {
     let after = person(&later).point(later.at).unwrap();
     let expected = vx * later.at.since(outcome.at).as_secs_f64();
     assert!((after.x - before.x - expected).abs() < 1e-9, "{after:?} {before:?}");
+}
+
+#[test]
+fn a_corrected_mark_of_a_person_at_rest_tells_no_drift() {
+    let speed = |version: u32| {
+        let mut bench = Bench::new();
+        bench.pilot = bench.pilot.with_behaviour(version);
+        bench.see_water().see(INSIDE);
+        bench.mark(MarkKind::Person, TARGET);
+        // The hand missed: the mark is corrected a second later, and stays there.
+        for (frames, px) in [(30, 60.0), (90, 60.0)] {
+            for _ in 0..frames {
+                bench.see_water().see(INSIDE);
+            }
+            let moved = bench.move_mark(1, PixelPoint { u: TARGET.u + px, ..TARGET });
+            assert_eq!(moved.notice, None);
+        }
+        let (vx, vy) = bench.see(INSIDE).vessel.marks.destination().unwrap().velocity_m_per_s();
+        vx.hypot(vy)
+    };
+    assert!(speed(NEWEST) < 1e-6, "{}", speed(NEWEST));
+    assert!(speed(BOW_BEFORE_RETREAT) > 0.3, "{}", speed(BOW_BEFORE_RETREAT));
 }
 
 #[test]
