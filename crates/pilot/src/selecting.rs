@@ -6,6 +6,8 @@
 //!                  |                                            |                                    |
 //!                  +-- too old, or the tracker refuses          +-- the track is lost: nothing is followed
 //! ```
+//! A selection that replaces one that is catching up or confirming makes the tracker forget that one.
+//!
 //! Each step processes at most [`MAX_CATCH_UP`] frames of the history, so that the duration of a step stays bounded;
 //! frames that arrive meanwhile join the history. A second of 30 frames takes three steps.
 
@@ -88,6 +90,11 @@ impl PendingSelection {
     /// A selection that was requested now.
     pub(crate) const fn new(selection: DrawnSelection) -> Self {
         Self { state: SelectionState::Requested, selection }
+    }
+
+    /// Whether the tracker follows the selection already, and no longer what was followed before.
+    pub(crate) fn is_followed(&self) -> bool {
+        self.state != SelectionState::Requested
     }
 
     /// Processes the newest frame.

@@ -216,11 +216,13 @@ impl Pilot {
         }
         match request {
             OperatorRequest::Select(selection) => {
+                self.forget_unconfirmed();
                 self.pending_selection = Some(*selection);
                 self.begin_target();
                 None
             }
             OperatorRequest::SelectOn(selection) => {
+                self.forget_unconfirmed();
                 self.begin_target();
                 self.pending_selection = None;
                 self.drawn_selection = Some(PendingSelection::new(*selection));
@@ -277,6 +279,16 @@ impl Pilot {
         self.law.reset_target();
         self.drawn_selection = None;
         self.last_bearing = None;
+    }
+
+    /// The selection that waits for its confirmation is replaced. If the tracker follows it already, the tracker forgets it: a
+    /// selection that is not confirmed is not followed, also where the new one is refused. The track of before it is gone.
+    fn forget_unconfirmed(&mut self) {
+        let is_followed = self.drawn_selection.is_some_and(|pending| pending.is_followed());
+        if is_followed && self.behaviour > behaviour::BOW_BEFORE_RETREAT {
+            self.tracker.forget();
+            self.set_unlocalised(Track::Unseeded);
+        }
     }
 
     /// The target's position is not known.

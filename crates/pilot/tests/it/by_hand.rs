@@ -3,13 +3,14 @@
 
 use core::time::Duration;
 
+use barrelman_pilot::behaviour::{BOW_BEFORE_RETREAT, NEWEST};
 use barrelman_pilot::outcome::{HoldCause, Unconfirmed};
 use barrelman_pilot::{Input, LawSettings, Mode, Notice, Outcome, Pilot, PilotSettings, Refusal};
 use barrelman_vocab::{
     CameraCommand, DrawnSelection, LawId, Nudge, OperatorRequest, PixelBox, StopCause, Timestamp, Track,
 };
 
-use crate::scenes::{Answer, RIGHT, Scripted, at, frame, settings};
+use crate::scenes::{Answer, PICTURE, RIGHT, Scripted, at, frame, settings};
 
 const FRAME_MS: u64 = 33;
 const NUDGE_RIGHT: OperatorRequest = OperatorRequest::Nudge(Nudge { pan: 1.0, tilt: 0.0 });
@@ -65,6 +66,44 @@ fn a_selection_on_an_earlier_frame_is_brought_up_to_date_and_confirmed() {
         }
     }
     assert_eq!(steps[0].track, Track::Unseeded, "a track in the past is not reported");
+}
+
+#[test]
+fn a_refused_selection_does_not_confirm_the_one_that_it_replaced() {
+    let after = |version: u32, replacement: OperatorRequest| {
+        let mut pilot = pilot(1, vec![Answer::Tracking(RIGHT); 120]).with_behaviour(version);
+        request(&mut pilot, OperatorRequest::Engage, 900);
+        frames(&mut pilot, 0..60);
+        let first = 1000 + 60 * FRAME_MS;
+        request(&mut pilot, select_on(59), first - 5);
+        assert!(frames(&mut pilot, 60..61)[0].is_confirming);
+        request(&mut pilot, replacement, first + 5);
+        let steps = frames(&mut pilot, 61..90);
+        assert!(steps[0].notice.is_some(), "refused: {:?}", steps[0]);
+        let is_at_rest = steps.iter().all(|step| step.command.is_rest());
+        (is_at_rest, steps[0].track)
+    };
+    // Too old, and one that the tracker refuses.
+    for replacement in [select_on(1), select_on(60), OperatorRequest::Select(PICTURE.bounds())] {
+        assert_eq!(after(NEWEST, replacement), (true, Track::Unseeded), "{replacement:?}");
+        assert!(!after(BOW_BEFORE_RETREAT, replacement).0, "{replacement:?}");
+    }
+}
+
+#[test]
+fn a_refused_selection_before_the_tracker_took_the_one_of_before_keeps_the_track() {
+    let mut pilot = pilot(1, vec![Answer::Tracking(RIGHT); 120]);
+    request(&mut pilot, OperatorRequest::Engage, 900);
+    frames(&mut pilot, 0..3);
+    request(&mut pilot, select_on(2), 1000 + 3 * FRAME_MS - 5);
+    let steps = frames(&mut pilot, 3..60);
+    assert!(steps.iter().any(|step| matches!(step.notice, Some(Notice::SelectionConfirmed(_)))));
+    let next = 1000 + 60 * FRAME_MS;
+    request(&mut pilot, select_on(59), next - 6);
+    request(&mut pilot, select_on(1), next - 5);
+    let refused = &frames(&mut pilot, 60..61)[0];
+    assert!(matches!(refused.notice, Some(Notice::RequestRefused(Refusal::SelectionTooOld { .. }))));
+    assert_eq!(refused.mode, Mode::Servoing);
 }
 
 #[test]
