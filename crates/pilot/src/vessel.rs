@@ -220,7 +220,7 @@ impl VesselPilot {
             }
             OperatorRequest::MoveMark(moved) => {
                 let frame_view = self.view_of(moved.captured, picture, view)?;
-                self.marks.move_to(moved, &frame_view).map_err(refusal_of)?;
+                self.marks.move_to(moved, &frame_view, self.is_tilt_known()).map_err(refusal_of)?;
                 self.guide.anchor();
             }
             OperatorRequest::Unmark(id) if !self.marks.remove(*id) => return Err(Refusal::NoSuchMark),
@@ -268,7 +268,7 @@ impl VesselPilot {
         view: VesselView<'_>,
     ) -> Result<u32, Refusal> {
         let frame_view = self.view_of(drawn.captured, picture, view)?;
-        let id = self.marks.add(drawn, &frame_view).map_err(refusal_of)?;
+        let id = self.marks.add(drawn, &frame_view, self.is_tilt_known()).map_err(refusal_of)?;
         self.guide.anchor();
         Ok(id)
     }
@@ -289,6 +289,11 @@ impl VesselPilot {
             return Err(Refusal::NotYetCaptured);
         }
         Ok(self.frame_view_at(captured, picture, view, self.guide.displacement_at(captured)))
+    }
+
+    /// Whether a tilt was ever reported: before, the camera's model has that of the profile.
+    const fn is_tilt_known(&self) -> bool {
+        self.tilt_reported_at.is_some()
     }
 
     /// Height of the camera, where height and tilt are known now.

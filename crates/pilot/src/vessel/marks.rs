@@ -47,6 +47,9 @@ pub struct Mark {
     pub direction: [f64; 3],
     /// Where it is on the water; `None`: height or tilt were not known since it was set.
     pub water: Option<WaterFix>,
+    /// Whether a tilt of the camera had been reported when the mark was set or moved. Without one, the direction is that of the
+    /// tilt in the profile.
+    has_tilt: bool,
     /// Time of capture of its video frame.
     pub marked: Timestamp,
     /// How the marked person drifts; `None`: no person, or no place on the water.
@@ -225,7 +228,12 @@ impl Marks {
 
     /// Sets a mark in the view of its video frame. The first place or person is the destination, and so is each one that is
     /// set while the one before is a place: a person that is being approached stays the destination.
-    pub fn add(&mut self, drawn: &DrawnMark, frame_view: &FrameView) -> Result<u32, MarkRefusal> {
+    pub fn add(
+        &mut self,
+        drawn: &DrawnMark,
+        frame_view: &FrameView,
+        is_tilt_known: bool,
+    ) -> Result<u32, MarkRefusal> {
         if self.count == MAX_MARKS {
             return Err(MarkRefusal::TooMany);
         }
@@ -240,6 +248,7 @@ impl Marks {
             kind: drawn.kind,
             direction,
             water,
+            has_tilt: is_tilt_known,
             marked: drawn.captured,
             drift: water.filter(|_| drawn.kind == MarkKind::Person).map(|fix| Drift::at_rest(&fix)),
         });
@@ -255,9 +264,11 @@ impl Marks {
     }
 
     /// Places the marks without a place on the water that the camera's view now has one for: height or tilt were not known when
-    /// they were set.
+    /// they were set. A mark that was set before any tilt was reported gets none: its line of sight was not known.
     pub fn place_on_water(&mut self, frame_view: &FrameView) {
-        for mark in self.marks.iter_mut().flatten().filter(|mark| mark.water.is_none()) {
+        let needs_tilt = self.has_rules_of_9;
+        let can_be_placed = |mark: &&mut Mark| mark.water.is_none() && (mark.has_tilt || !needs_tilt);
+        for mark in self.marks.iter_mut().flatten().filter(can_be_placed) {
             let Some(fix) = frame_view.view.pixel_of(mark.direction).and_then(|pixel| frame_view.fix(pixel))
             else {
                 continue;
@@ -292,7 +303,12 @@ impl Marks {
 
     /// Moves a mark to a pixel in the view of its video frame. The mark of a person drifts on as it was moved. Where height or
     /// tilt are not known, the moved mark has no place on the water until they are.
-    pub fn move_to(&mut self, moved: &MovedMark, frame_view: &FrameView) -> Result<(), MarkRefusal> {
+    pub fn move_to(
+        &mut self,
+        moved: &MovedMark,
+        frame_view: &FrameView,
+        is_tilt_known: bool,
+    ) -> Result<(), MarkRefusal> {
         let (direction, water) = place(moved.pixel, frame_view)?;
         let mark = self.marks.iter_mut().flatten().find(|mark| mark.id == moved.id);
         let mark = mark.ok_or(MarkRefusal::NoSuchMark)?;
@@ -311,6 +327,7 @@ impl Marks {
             _ => mark.drift = None,
         }
         (mark.direction, mark.water, mark.marked) = (direction, water, moved.captured);
+        mark.has_tilt = is_tilt_known;
         // A boat that rests at its destination goes on to where the destination is now.
         if is_on_route {
             self.route += 1;

@@ -11,7 +11,7 @@ use barrelman_vocab::earth::GeoPoint;
 use barrelman_vocab::telemetry::{LinkState, Report};
 use barrelman_vocab::{
     Angle, BoatStop, DrawnMark, FailSafe, ImagePoint, KeepWay, MarkKind, MovedMark, Nudge, OperatorRequest,
-    PixelPoint, StopCause, Telemetry, Timestamp, Track, VesselCommand, VesselProfile,
+    PixelPoint, StopCause, Telemetry, Timestamp, Track, VesselCommand, VesselProfile, WaterPoint,
 };
 use proptest::prelude::*;
 
@@ -274,6 +274,7 @@ fn marks_at_the_horizon_too_many_and_too_old_ones_are_refused() {
 #[test]
 fn a_person_who_was_marked_before_the_height_was_known_has_a_circle_when_it_is() {
     let mut bench = Bench::new();
+    bench.tell(Report::CameraTilt(Angle::from_degrees(-40.0)));
     bench.see(INSIDE);
     bench.mark(MarkKind::Person, PixelPoint { u: 400.0, v: 260.0 });
     bench.mark(MarkKind::Place, TARGET);
@@ -296,6 +297,35 @@ fn a_person_who_was_marked_before_the_height_was_known_has_a_circle_when_it_is()
     bench.mark(MarkKind::Person, TARGET);
     bench.see_water();
     assert!(marks(&bench.see(INSIDE))[0].water.is_none());
+}
+
+#[test]
+fn a_mark_that_was_set_before_any_tilt_was_reported_gets_no_place_until_it_is_moved() {
+    let marked = |version: u32| {
+        let mut bench = Bench::new();
+        bench.pilot = bench.pilot.with_behaviour(version);
+        bench.see(INSIDE);
+        bench.mark(MarkKind::Person, TARGET);
+        bench.see_water().see(INSIDE);
+        bench.ask(OperatorRequest::Guide);
+        bench
+    };
+    let distance_m = |outcome: &Outcome| {
+        let point = outcome.vessel.marks.destination().unwrap().point(outcome.at)?;
+        Some(point.distance_to(WaterPoint { x: 0.0, y: 0.0 }))
+    };
+    let mut bench = marked(NEWEST);
+    let unplaced = bench.see(INSIDE);
+    assert_eq!(distance_m(&unplaced), None);
+    assert_eq!(unplaced.vessel.mode, VesselMode::Holding(VesselHold::UnplacedMark));
+    assert_eq!(bench.move_mark(1, TARGET).notice, None);
+    let placed = bench.see(INSIDE);
+    assert_eq!(placed.vessel.mode, VesselMode::Guided);
+    // Pilots of before placed the mark by the profile's tilt.
+    let assumed = marked(BOW_BEFORE_RETREAT).see(INSIDE);
+    assert_eq!(assumed.vessel.mode, VesselMode::Guided);
+    let (right, wrong) = (distance_m(&placed).unwrap(), distance_m(&assumed).unwrap());
+    assert!((right - wrong).abs() > 2.0, "{right} {wrong}");
 }
 
 #[test]
@@ -380,9 +410,8 @@ fn the_mark_of_a_person_that_is_moved_drifts_on() {
     bench.mark(MarkKind::Person, TARGET);
     let person = |outcome: &Outcome| *outcome.vessel.marks.destination().unwrap();
     let first = person(&bench.see(INSIDE));
-    let move_by = |bench: &mut Bench, id: u32, px: f64| {
-        bench.move_mark(id, PixelPoint { u: TARGET.u + px, ..TARGET })
-    };
+    let move_by =
+        |bench: &mut Bench, id: u32, px: f64| bench.move_mark(id, PixelPoint { u: TARGET.u + px, ..TARGET });
     refused(&move_by(&mut bench, 7, 1.0), Refusal::NoSuchMark);
     for index in 1..=3 {
         for _ in 0..151 {
