@@ -255,7 +255,9 @@ impl fmt::Display for VesselMode {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let held = |hold: &VesselHold| match hold {
             VesselHold::NoDestination => "no destination",
-            VesselHold::NoPlace => "the boat is too near to the horizon to have a place on the water",
+            VesselHold::NoPlace => {
+                "the boat is too near to the horizon, or its destination behind the camera"
+            }
             VesselHold::UnplacedMark => "a mark has no place on the water: move or remove it",
             VesselHold::Cause(cause) => cause.text(),
         };

@@ -335,6 +335,7 @@ impl VesselPilot {
                     is_commanded: view.sways && self.gate.is_commanding(),
                     needs_places: view.needs_places,
                     needs_fix_and_bow: view.needs_fix_and_bow,
+                    has_rules_of_9: view.has_rules_of_9,
                 };
                 let advice = self.guide.step(seen, guide_view, &self.marks, &self.profile, now);
                 self.gate.set_clear(self.guide.has_room());

@@ -76,7 +76,8 @@ pub enum VesselHold {
     NoDestination,
     /// A mark that the boat must regard has no place on the water.
     UnplacedMark,
-    /// The boat has no place on the water: its line of sight is too near to the horizon, or beyond the lens.
+    /// The boat has no place on the water: its line of sight is too near to the horizon, or beyond the lens. Or the boat is guided in
+    /// the picture, and its destination has no pixel: it is behind the camera.
     NoPlace,
     /// For want of a boat in the picture, of video, or of a link.
     Cause(HoldCause),

@@ -76,6 +76,8 @@ pub struct GuideView<'a> {
     pub needs_places: bool,
     /// Whether the boat waits while it has no place on the water itself, and goes away from a person only where its bow is known.
     pub needs_fix_and_bow: bool,
+    /// Whether the rules of behaviour version 9 hold ([`crate::behaviour::NEWEST`]).
+    pub has_rules_of_9: bool,
 }
 
 impl Guide {
@@ -158,11 +160,13 @@ impl Guide {
     pub fn step(
         &mut self,
         seen: &Localisation,
-        GuideView { camera: frame_view, is_commanded, needs_places, needs_fix_and_bow }: GuideView<'_>,
+        guide_view: GuideView<'_>,
         marks: &Marks,
         profile: &VesselProfile,
         now: Timestamp,
     ) -> Result<VesselCommand, VesselHold> {
+        let GuideView { camera: frame_view, is_commanded, needs_places, needs_fix_and_bow, has_rules_of_9 } =
+            guide_view;
         let is_over_water = self.law == GuidanceLaw::LineOfSight && frame_view.sees_water;
         if is_over_water && needs_places && marks.have_unplaced(profile) {
             (self.newest, self.has_room) = (None, false);
@@ -177,6 +181,10 @@ impl Guide {
         self.newest = Some(guidance);
         self.has_room = self.finds_room(marks, profile, now);
         match guidance.state {
+            // There is a destination, but the camera has turned away from it.
+            GuidanceState::NoDestination if has_rules_of_9 && marks.destination().is_some() => {
+                Err(VesselHold::NoPlace)
+            }
             GuidanceState::NoDestination => Err(VesselHold::NoDestination),
             GuidanceState::NoFix if needs_fix_and_bow => Err(VesselHold::NoPlace),
             _ => Ok(command),

@@ -389,6 +389,37 @@ fn a_guided_boat_without_a_place_on_the_water_waits_and_does_not_start_again_by_
 }
 
 #[test]
+fn a_boat_guided_in_the_picture_does_not_start_by_itself_long_after_its_destination_was_behind_the_camera() {
+    let after = |version: u32, frames: u32| {
+        let mut bench = Bench::new();
+        bench.pilot = bench.pilot.with_behaviour(version);
+        bench.tell(Report::CameraTilt(Angle::from_degrees(-80.0)));
+        bench.see(INSIDE);
+        bench.mark(MarkKind::Place, PixelPoint { u: 480.0, v: 470.0 });
+        bench.ask(OperatorRequest::Guide);
+        assert_eq!(bench.see(INSIDE).vessel.mode, VesselMode::Guided);
+        let mut away = bench.see(INSIDE);
+        for _ in 0..frames {
+            // The camera looks up and back.
+            bench.tell(Report::CameraTilt(Angle::from_degrees(20.0)));
+            away = bench.see(INSIDE);
+        }
+        for _ in 0..90 {
+            bench.tell(Report::CameraTilt(Angle::from_degrees(-80.0)));
+            bench.see(INSIDE);
+        }
+        (away.vessel.mode, bench.see(INSIDE).vessel.mode)
+    };
+    let stopped = VesselMode::Stopped(VesselStop::HeldTooLong(VesselHold::NoPlace));
+    assert_eq!(after(NEWEST, 300), (stopped, stopped));
+    let held = VesselMode::Holding(VesselHold::NoPlace);
+    assert_eq!(after(NEWEST, 90), (held, VesselMode::Guided), "after a short wait it goes on");
+    // Pilots of before waited without an end.
+    let waits = VesselMode::Holding(VesselHold::NoDestination);
+    assert_eq!(after(BOW_BEFORE_RETREAT, 300), (waits, VesselMode::Guided));
+}
+
+#[test]
 fn a_person_stays_the_destination_and_a_place_gives_way() {
     let mut bench = Bench::new();
     bench.see_water().see(INSIDE);
