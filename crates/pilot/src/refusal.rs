@@ -24,7 +24,7 @@ pub enum Refusal {
     Engaged,
     /// A nudge while the pilot is stopped.
     Stopped,
-    /// A nudge without fresh video: the operator cannot see what the camera looks at.
+    /// A nudge, a helm, Go or a mark without fresh video: the operator cannot see what the camera looks at.
     NoFreshVideo,
     /// No object is followed that could be rejected.
     NothingToReject,
@@ -101,7 +101,7 @@ impl fmt::Display for Refusal {
             ),
             Self::Engaged => f.write_str("the camera is engaged: disengage first"),
             Self::Stopped => f.write_str("the camera is stopped: disengage first"),
-            Self::NoFreshVideo => f.write_str("there is no fresh video: the camera is not turned blindly"),
+            Self::NoFreshVideo => f.write_str("there is no fresh video: nothing is moved blindly"),
             Self::NothingToReject => f.write_str("no object is followed"),
             Self::Busy(purpose) => {
                 let now = match purpose {

@@ -228,11 +228,11 @@ impl VesselPilot {
             OperatorRequest::NextMark => {
                 self.marks.choose_next().ok_or(Refusal::NothingMarked)?;
             }
-            OperatorRequest::Guide => self.engage(is_boat_seen, view.now)?,
+            OperatorRequest::Guide => self.engage(is_boat_seen, view)?,
             OperatorRequest::GoHome => {
                 let before = self.marks;
                 self.marks.choose_home().ok_or(Refusal::NoHome)?;
-                self.engage(is_boat_seen, view.now).inspect_err(|_| self.marks = before)?;
+                self.engage(is_boat_seen, view).inspect_err(|_| self.marks = before)?;
             }
             OperatorRequest::Steer(command) => self.gate.steer(*command, view.now)?,
             OperatorRequest::StopBoat(by) => self.gate.stop_boat(*by),
@@ -242,7 +242,7 @@ impl VesselPilot {
         Ok(None)
     }
 
-    fn engage(&mut self, is_boat_seen: bool, now: Timestamp) -> Result<(), Refusal> {
+    fn engage(&mut self, is_boat_seen: bool, view: VesselView<'_>) -> Result<(), Refusal> {
         if self.guide.law() == GuidanceLaw::ByHand {
             return Err(Refusal::ByHandOnly);
         }
@@ -253,7 +253,7 @@ impl VesselPilot {
             return Err(Refusal::BoatNotSeen);
         }
         let was_guiding = self.gate.is_guiding();
-        self.gate.guide(now)?;
+        self.gate.guide(view.now, view.has_rules_of_9)?;
         if !was_guiding {
             self.guide.expect_answer();
             self.marks.begin_route();

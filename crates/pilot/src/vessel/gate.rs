@@ -16,7 +16,7 @@
 //!
 //! 1. A stop outranks everything. After a stop, a helm that is still held does nothing until it was let go, also one that was
 //!    without effect at the stop (for want of video or of a link); guidance takes another request.
-//! 2. Guidance moves the boat only while fresh localisations of the boat arrive. The last command lasts at most
+//! 2. Guidance starts with fresh video only, and moves the boat only while fresh localisations of the boat arrive. The last command lasts at most
 //!    [`GUIDED_LASTS`] after the last one, then the boat is neutral. A hold of more than [`HOLD_LASTS`] ends the guidance.
 //!    So does a boat that does not answer ([`VesselStop::NoAnswer`]): the wrong object may be followed.
 //! 3. A helm that is held lasts [`STEERED_LASTS`] after its last renewal, and needs fresh video: the operator steers by the
@@ -43,7 +43,7 @@ pub const GUIDED_LASTS: Duration = Duration::from_millis(250);
 pub const STEERED_LASTS: Duration = Duration::from_millis(500);
 /// How long the guidance may wait for the boat before it ends.
 pub const HOLD_LASTS: Duration = Duration::from_secs(5);
-/// A helm needs a video frame that arrived within this time.
+/// A helm, and the start of the guidance, need a video frame that arrived within this time.
 const NEEDS_VIDEO: Duration = Duration::from_millis(250);
 /// Longest time for which the throttle grows in one step.
 const LONGEST_RISE: Duration = Duration::from_millis(200);
@@ -260,12 +260,16 @@ impl VesselGate {
         self.holder = Holder::Released;
     }
 
-    /// The operator engages the guidance of a boat that is seen.
+    /// The operator engages the guidance of a boat that is seen. `needs_video`: only with fresh video. Without it, a boat that was
+    /// seen long ago would set off when the video comes back. Pilots of before version 9 did not ask.
     ///
     /// # Errors
     /// The reason, if the boat cannot be commanded now.
-    pub fn guide(&mut self, now: Timestamp) -> Result<(), Refusal> {
+    pub fn guide(&mut self, now: Timestamp, needs_video: bool) -> Result<(), Refusal> {
         self.refuse_without_way()?;
+        if needs_video && !self.has_video(now) {
+            return Err(Refusal::NoFreshVideo);
+        }
         if !self.is_guiding() {
             // Neutral until the next localisation, which has to come in time.
             self.holder =

@@ -228,6 +228,34 @@ fn guidance_needs_a_mark_and_a_boat_that_is_seen() {
 }
 
 #[test]
+fn guidance_needs_fresh_video() {
+    let asked_after = |version: u32, ms: u64, request: OperatorRequest| {
+        let mut bench = Bench::new();
+        bench.pilot = bench.pilot.with_behaviour(version);
+        bench.see_water().see(INSIDE);
+        bench.mark(MarkKind::Home, TARGET);
+        bench.mark(MarkKind::Place, TARGET);
+        bench.ms += ms;
+        let asked = bench.ask(request).notice;
+        // The video is back.
+        bench.see_water().see(INSIDE);
+        (asked, bench.see(INSIDE).vessel.mode)
+    };
+    let refused = Some(Notice::RequestRefused(Refusal::NoFreshVideo));
+    for request in [OperatorRequest::Guide, OperatorRequest::GoHome] {
+        assert_eq!(asked_after(NEWEST, 249, request), (None, VesselMode::Guided), "{request:?}");
+        for ms in [250, 60_000] {
+            assert_eq!(
+                asked_after(NEWEST, ms, request),
+                (refused.clone(), VesselMode::Released),
+                "{request:?}"
+            );
+        }
+        assert_eq!(asked_after(BOW_BEFORE_RETREAT, 60_000, request), (None, VesselMode::Guided));
+    }
+}
+
+#[test]
 fn a_mark_stays_on_the_water_while_the_camera_turns() {
     let mut bench = Bench::new();
     bench.see_water().see(INSIDE);
