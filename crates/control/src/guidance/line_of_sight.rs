@@ -13,7 +13,7 @@
 //!
 //! While neither course nor heading is known, the boat goes straight on gently; the throttle rises, because a
 //! head current may hold a slow boat in its place. At a place the boat drifts within [`LineOfSightTuning::hold_m`], and goes
-//! back from there. Before a person it stays outside of the stand-off, astern if need be.
+//! back from there. Before a person it stays outside of the stand-off, astern if need be, as far as the circles let it.
 //!
 //! What the law cannot do: keep away from a person who comes nearer faster than the boat goes astern, or hold its place in a
 //! current faster than the boat.
@@ -78,6 +78,8 @@ pub struct LineOfSight {
     backs_off: bool,
     /// Whether a boat whose bow is not known goes astern before a person that is too close.
     retreats_blindly: bool,
+    /// Whether a boat that goes away from a person disregards the circles.
+    retreats_into_circles: bool,
     rudder: f64,
     way_since: Option<Timestamp>,
     last_step: Option<Timestamp>,
@@ -105,6 +107,7 @@ impl LineOfSight {
             side: None,
             backs_off: false,
             retreats_blindly: false,
+            retreats_into_circles: false,
             rudder: 0.0,
             way_since: None,
             last_step: None,
@@ -114,6 +117,11 @@ impl LineOfSight {
     /// For replays: whether a boat whose bow is not known goes astern before a person that is too close, as it once did.
     pub const fn set_retreats_blindly(&mut self, retreats_blindly: bool) {
         self.retreats_blindly = retreats_blindly;
+    }
+
+    /// For replays: whether a boat that goes away from a person disregards the circles, as it once did.
+    pub const fn set_retreats_into_circles(&mut self, retreats_into_circles: bool) {
+        self.retreats_into_circles = retreats_into_circles;
     }
 
     /// The estimate of the boat.
@@ -248,7 +256,7 @@ impl LineOfSight {
         self.update_phase(destination, boat, leg, stop, route);
         if self.phase == Phase::Resting {
             self.way_since = None;
-            return self.rest(destination, boat, stop, limits);
+            return self.rest(input, destination, boat, stop);
         }
         let (sin, cos) = libm::sincos(leg.course);
         let clear = clear_course(
@@ -331,16 +339,29 @@ impl LineOfSight {
     /// The command of a boat at its destination.
     fn rest(
         &self,
+        input: &GuidanceInput<'_>,
         destination: Destination,
         boat: &BoatState,
         stop: Option<Stop>,
-        limits: &VesselLimits,
     ) -> (VesselCommand, GuidanceState) {
         let Destination::Person { at, velocity_m_per_s, .. } = destination else {
             return (VesselCommand::NEUTRAL, GuidanceState::Holding);
         };
         let left_m = stop.map_or(0.0, |stop| stop.left_m);
-        (self.retreat(boat, (at, velocity_m_per_s), left_m, limits), GuidanceState::StandingOff)
+        let away = self.retreat(boat, (at, velocity_m_per_s), left_m, &input.limits);
+        let may_go = self.retreats_into_circles || self.can_coast_to_rest(boat, away.throttle, input);
+        (if may_go { away } else { VesselCommand::NEUTRAL }, GuidanceState::StandingOff)
+    }
+
+    /// Whether a boat under this thrust, ahead or astern, still comes to rest before every circle when the thrust ends.
+    fn can_coast_to_rest(&self, boat: &BoatState, throttle: f64, input: &GuidanceInput<'_>) -> bool {
+        let Some(heading) = boat.heading else { return false };
+        let (sin, cos) = libm::sincos(heading.radians());
+        let sign = if throttle < 0.0 { -1.0 } else { 1.0 };
+        let direction = (sign * sin, sign * cos);
+        let Some(free_m) = free_distance(boat.point, direction, input.keep_outs, EDGE_M) else { return true };
+        let speed = boat.velocity.0 * direction.0 + boat.velocity.1 * direction.1;
+        speed.max(0.0) < self.stopping_speed(free_m, self.model.coasting_m_per_s2)
     }
 
     /// The command of a boat at rest before a person: away from the person where it is too close. A boat that points at the person

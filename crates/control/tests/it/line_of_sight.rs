@@ -311,6 +311,36 @@ fn a_person_who_drifts_towards_the_boat_is_given_way() {
 }
 
 #[test]
+fn a_boat_that_gives_way_to_a_person_stays_out_of_the_circles() {
+    // The person drifts towards the boat; beyond the boat is a circle. The boat points at the person, or away.
+    let least_m = |heading_deg: f64, into_circles: bool| {
+        let mut scene = Scene { gives_heading: true, ..Scene::new(heading_deg) };
+        scene.law.set_retreats_into_circles(into_circles);
+        let circle = KeepOut { centre: WaterPoint { x: 0.0, y: -7.0 }, radius_m: 3.0 };
+        scene.keep_outs.push(circle);
+        let (mut least_m, mut retreats) = (f64::INFINITY, false);
+        for frame in 0..450 {
+            let y = 3.6 - 0.35 * f64::from(frame) * FRAME_S;
+            let at = WaterPoint { x: 0.0, y };
+            let velocity_m_per_s = (0.0, -0.35);
+            let drifting = Destination::Person { at, velocity_m_per_s, stand_off_m: 2.0, uncertainty_m: 0.3 };
+            let step = scene.step(Some(drifting), true);
+            retreats |= step.state == GuidanceState::StandingOff && !step.command.is_neutral();
+            // Until the person has reached the boat.
+            if y > scene.at.y {
+                least_m = least_m.min(scene.at.distance_to(circle.centre) - circle.radius_m);
+            }
+        }
+        assert!(retreats, "{heading_deg}");
+        least_m
+    };
+    for heading_deg in [0.0, 180.0] {
+        assert!(least_m(heading_deg, false) > 0.5, "{heading_deg}: {}", least_m(heading_deg, false));
+        assert!(least_m(heading_deg, true) < 0.0, "{heading_deg}: {}", least_m(heading_deg, true));
+    }
+}
+
+#[test]
 fn without_a_destination_or_a_fresh_fix_the_vessel_is_neutral() {
     let mut scene = Scene::new(0.0);
     let first = scene.step(Some(place(0.0, 20.0)), true);

@@ -173,6 +173,7 @@ impl Guide {
             return Err(VesselHold::UnplacedMark);
         }
         self.line_of_sight.set_retreats_blindly(!needs_fix_and_bow);
+        self.line_of_sight.set_retreats_into_circles(!has_rules_of_9);
         let (command, guidance) = if is_over_water {
             self.step_over_water(frame_view.boat(seen, is_commanded), marks, profile, now)
         } else {
