@@ -34,5 +34,6 @@ pub const BOW_BEFORE_RETREAT: u32 = 8;
 /// The version of this pilot. 9: a person's mark that is moved again within 2 s tells no drift; after a selection
 /// that replaced an unconfirmed one is refused, nothing is followed; a mark that was set or moved before any tilt was reported gets
 /// no place on the water; a boat that is guided in the picture waits for 5 s at most while its destination is behind the camera;
-/// Go needs fresh video; a boat at rest before a person goes away from the person only where it can stop before every circle.
+/// Go needs fresh video; a boat at rest before a person goes away from the person only where it can stop before every circle;
+/// the way-points begin anew only where one of them, or which mark is the destination, changes.
 pub const NEWEST: u32 = 9;

@@ -36,7 +36,7 @@ pub use marks::{Mark, Marks};
 
 use gate::{GateInput, VesselGate};
 use guiding::{Guide, GuideView};
-use marks::MarkRefusal;
+use marks::{MarkRefusal, RouteChange};
 
 /// A reported height holds for this time.
 const HEIGHT_LASTS: Duration = Duration::from_secs(10);
@@ -220,7 +220,10 @@ impl VesselPilot {
             }
             OperatorRequest::MoveMark(moved) => {
                 let frame_view = self.view_of(moved.captured, picture, view)?;
-                self.marks.move_to(moved, &frame_view, self.is_tilt_known()).map_err(refusal_of)?;
+                let has_moved = self.marks.move_to(moved, &frame_view, self.is_tilt_known());
+                if has_moved.map_err(refusal_of)? == RouteChange::DestinationMoved {
+                    self.guide.move_destination();
+                }
                 self.guide.anchor();
             }
             OperatorRequest::Unmark(id) if !self.marks.remove(*id) => return Err(Refusal::NoSuchMark),
@@ -328,7 +331,10 @@ impl VesselPilot {
                 let modelled = self.frame_view_at(captured, picture, view, WaterPoint::default());
                 if view.needs_places && !self.marks.are_placed() {
                     let below = self.guide.displacement_at(captured);
-                    self.marks.place_on_water(&self.frame_view_at(captured, picture, view, below));
+                    let frame_view = self.frame_view_at(captured, picture, view, below);
+                    if self.marks.place_on_water(&frame_view) == RouteChange::DestinationMoved {
+                        self.guide.move_destination();
+                    }
                 }
                 let guide_view = GuideView {
                     camera: &modelled,

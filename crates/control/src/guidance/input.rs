@@ -11,7 +11,8 @@ pub struct GuidanceInput<'a> {
     pub fix: Option<BoatFix>,
     /// Where the boat shall go; `None`: nowhere.
     pub destination: Option<Destination>,
-    /// Number of the operator's selection: a change starts a new route from where the boat is.
+    /// Number of the operator's selection: a change starts a new route from where the boat is, with all way-points. A destination
+    /// that is moved is told by [`super::LineOfSight::move_destination`].
     pub route: u32,
     /// Points to pass before the destination, in their order.
     pub way_points: &'a [WaterPoint],

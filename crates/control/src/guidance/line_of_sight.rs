@@ -72,6 +72,8 @@ pub struct LineOfSight {
     track: BoatTrack,
     approach: ApproachCheck,
     route: Option<Route>,
+    /// Whether the destination was moved since the last step.
+    is_destination_moved: bool,
     phase: Phase,
     side: Option<Side>,
     /// Whether the boat goes astern from a circle.
@@ -103,6 +105,7 @@ impl LineOfSight {
             tuning,
             model,
             route: None,
+            is_destination_moved: false,
             phase: Phase::Going,
             side: None,
             backs_off: false,
@@ -133,6 +136,12 @@ impl LineOfSight {
     pub fn anchor(&mut self) {
         self.track.anchor();
         self.approach.move_end();
+    }
+
+    /// The destination is moved now. The route stays: a boat that has passed way-points does not go back to them. On the last leg,
+    /// another line begins where the boat is, and a boat that rests goes on.
+    pub const fn move_destination(&mut self) {
+        self.is_destination_moved = true;
     }
 
     /// Expects an answer of the boat to its commands from now on.
@@ -181,16 +190,19 @@ impl LineOfSight {
             return self.neutral(GuidanceState::NoFix, None);
         };
         let mut route = match self.route {
-            Some(route) if route.id() == input.route => route,
+            Some(mut route) if route.id() == input.route => {
+                if self.is_destination_moved && route.leg() >= input.way_points.len() {
+                    self.begin_line();
+                    route.re_anchor(boat.point);
+                }
+                route
+            }
             _ => {
-                self.phase = Phase::Going;
-                self.side = None;
-                self.backs_off = false;
-                self.way_since = None;
-                self.approach.move_end();
+                self.begin_line();
                 Route::new(input.route, boat.point)
             }
         };
+        self.is_destination_moved = false;
         let leg = route.guidance(
             boat.point,
             input.way_points,
@@ -211,6 +223,15 @@ impl LineOfSight {
         self.route = Some(route);
         self.rudder = command.rudder;
         GuidanceStep { command: command.clamped(), state, progress: Some(progress) }
+    }
+
+    /// Another line begins, which the boat goes along.
+    fn begin_line(&mut self) {
+        self.phase = Phase::Going;
+        self.side = None;
+        self.backs_off = false;
+        self.way_since = None;
+        self.approach.move_end();
     }
 
     /// Whether the boat answers is asked only while it goes: a boat that keeps its place in a current goes through the water,

@@ -401,6 +401,38 @@ fn a_new_selection_starts_a_new_route() {
 }
 
 #[test]
+fn a_destination_that_is_moved_begins_another_line_and_sends_no_boat_back_to_a_way_point() {
+    let mut scene = Scene { way_points: vec![WaterPoint { x: 0.0, y: 6.0 }], ..Scene::new(0.0) };
+    scene.run(place(0.0, 20.0), 40.0, |_, _| {});
+    let resting = scene.step(Some(place(0.0, 20.0)), true);
+    assert_eq!((resting.state, resting.progress.unwrap().leg), (GuidanceState::Holding, 1));
+    // Not as far as the boat may drift at a place: without word of the move, it stays.
+    let near = place(scene.at.x + 1.7, scene.at.y);
+    let stays = scene.step(Some(near), true);
+    assert_eq!(stays.state, GuidanceState::Holding);
+    scene.law.move_destination();
+    let goes_on = scene.step(Some(near), true);
+    let progress = goes_on.progress.unwrap();
+    assert!(matches!(goes_on.state, GuidanceState::UnderWay | GuidanceState::GettingWay), "{goes_on:?}");
+    assert_eq!(progress.leg, 1);
+    assert!(progress.cross_track_m.abs() < 0.3, "the line starts at the boat: {progress:?}");
+}
+
+#[test]
+fn a_destination_that_is_moved_leaves_the_line_to_a_way_point_as_it_is() {
+    let mut scene = Scene { way_points: vec![WaterPoint { x: 0.0, y: 20.0 }], ..Scene::new(0.0) };
+    scene.run(place(0.0, 40.0), 2.0, |_, _| {});
+    // The boat is pushed aside.
+    scene.at.x += 1.5;
+    scene.run(place(0.0, 40.0), 1.0, |_, _| {});
+    let before = scene.step(Some(place(0.0, 40.0)), true).progress.unwrap();
+    scene.law.move_destination();
+    let after = scene.step(Some(place(9.0, 40.0)), true).progress.unwrap();
+    assert!(before.cross_track_m > 0.5, "{before:?}");
+    assert!((after.cross_track_m - before.cross_track_m).abs() < 0.2, "{before:?} {after:?}");
+}
+
+#[test]
 fn the_same_inputs_give_the_same_bits_and_no_step_allocates() {
     let run = || {
         let mut scene = Scene { current: (0.2, 0.1), ..Scene::new(60.0) };

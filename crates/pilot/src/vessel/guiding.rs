@@ -146,6 +146,11 @@ impl Guide {
         marks.are_beyond(progress.boat, speed * time_s, profile, now)
     }
 
+    /// The destination is moved now.
+    pub const fn move_destination(&mut self) {
+        self.line_of_sight.move_destination();
+    }
+
     /// A mark is set or moved now.
     pub fn anchor(&mut self) {
         self.line_of_sight.anchor();

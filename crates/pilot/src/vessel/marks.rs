@@ -173,6 +173,15 @@ pub enum MarkRefusal {
     NoSuchMark,
 }
 
+/// What a mark that is moved, or gets its place on the water, does to the way on the present route.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum RouteChange {
+    /// Nothing, or another route begins.
+    None,
+    /// The last leg ends elsewhere.
+    DestinationMoved,
+}
+
 /// The line of sight of a pixel, and the point on the water, where it can be known.
 fn place(pixel: PixelPoint, frame_view: &FrameView) -> Result<([f64; 3], Option<WaterFix>), MarkRefusal> {
     let direction = frame_view.view.direction_of(pixel).ok_or(MarkRefusal::NotOnWater)?;
@@ -199,7 +208,7 @@ pub struct Marks {
     newest_id: u32,
     /// Number of the mark that is the destination.
     destination: Option<u32>,
-    /// Changes whenever the way to the destination does.
+    /// Changes whenever the way-points begin anew.
     route: u32,
     /// Whether the rules of behaviour version 9 hold.
     has_rules_of_9: bool,
@@ -221,7 +230,8 @@ impl Marks {
         self.iter().find(|mark| Some(mark.id) == self.destination)
     }
 
-    /// Number of the route: another one begins when destination or way-points change.
+    /// Number of the route: another one, with all way-points, begins when a way-point changes, or which mark is the destination. A
+    /// destination that is moved stays on its route.
     pub const fn route(&self) -> u32 {
         self.route
     }
@@ -256,16 +266,20 @@ impl Marks {
         let is_goal = matches!(drawn.kind, MarkKind::Place | MarkKind::Person);
         let replaces =
             self.destination().is_none_or(|mark| mark.kind == MarkKind::Place || mark.kind == MarkKind::Home);
-        if is_goal && replaces {
+        let is_destination = is_goal && replaces;
+        if is_destination {
             self.destination = Some(id);
         }
-        self.route += 1;
+        if is_destination || drawn.kind == MarkKind::WayPoint || !self.has_rules_of_9 {
+            self.route += 1;
+        }
         Ok(id)
     }
 
     /// Places the marks without a place on the water that the camera's view now has one for: height or tilt were not known when
     /// they were set. A mark that was set before any tilt was reported gets none: its line of sight was not known.
-    pub fn place_on_water(&mut self, frame_view: &FrameView) {
+    pub fn place_on_water(&mut self, frame_view: &FrameView) -> RouteChange {
+        let mut change = RouteChange::None;
         let needs_tilt = self.has_rules_of_9;
         let can_be_placed = |mark: &&mut Mark| mark.water.is_none() && (mark.has_tilt || !needs_tilt);
         for mark in self.marks.iter_mut().flatten().filter(can_be_placed) {
@@ -277,10 +291,13 @@ impl Marks {
             if mark.kind == MarkKind::Person {
                 mark.drift = Some(Drift::at_rest(&fix));
             }
-            if mark.is_on_route(self.destination) {
+            if self.destination == Some(mark.id) && self.has_rules_of_9 {
+                change = RouteChange::DestinationMoved;
+            } else if mark.is_on_route(self.destination) {
                 self.route += 1;
             }
         }
+        change
     }
 
     /// Whether all marks have a place on the water.
@@ -308,7 +325,7 @@ impl Marks {
         moved: &MovedMark,
         frame_view: &FrameView,
         is_tilt_known: bool,
-    ) -> Result<(), MarkRefusal> {
+    ) -> Result<RouteChange, MarkRefusal> {
         let (direction, water) = place(moved.pixel, frame_view)?;
         let mark = self.marks.iter_mut().flatten().find(|mark| mark.id == moved.id);
         let mark = mark.ok_or(MarkRefusal::NoSuchMark)?;
@@ -329,10 +346,13 @@ impl Marks {
         (mark.direction, mark.water, mark.marked) = (direction, water, moved.captured);
         mark.has_tilt = is_tilt_known;
         // A boat that rests at its destination goes on to where the destination is now.
+        if self.destination == Some(moved.id) && self.has_rules_of_9 {
+            return Ok(RouteChange::DestinationMoved);
+        }
         if is_on_route {
             self.route += 1;
         }
-        Ok(())
+        Ok(RouteChange::None)
     }
 
     /// Removes a mark. Returns whether there was one. Another destination is not chosen: the operator does.
@@ -347,6 +367,9 @@ impl Marks {
 
     fn remove_if(&mut self, is_removed: impl Fn(&Mark) -> bool) -> bool {
         let before = self.count;
+        let changes_route = self
+            .iter()
+            .any(|mark| is_removed(mark) && (mark.is_on_route(self.destination) || !self.has_rules_of_9));
         let mut kept = [None; MAX_MARKS];
         let left = self.marks.iter().flatten().filter(|mark| !is_removed(mark));
         self.count = kept.iter_mut().zip(left).map(|(slot, mark)| *slot = Some(*mark)).count();
@@ -354,7 +377,7 @@ impl Marks {
         if self.destination().is_none() {
             self.destination = None;
         }
-        if self.count != before {
+        if changes_route {
             self.route += 1;
         }
         self.count != before

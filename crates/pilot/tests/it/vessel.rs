@@ -15,7 +15,7 @@ use barrelman_vocab::{
 };
 use proptest::prelude::*;
 
-use crate::scenes::{INSIDE, LATENCY_MS, SceneInput, at, localisation_pilot, seen};
+use crate::scenes::{INSIDE, LATENCY_MS, PICTURE, SceneInput, at, localisation_pilot, seen};
 
 /// A point of the water below the horizon, right of the boat.
 pub(crate) const TARGET: PixelPoint = PixelPoint { u: 480.0, v: 330.0 };
@@ -414,6 +414,53 @@ fn a_guided_boat_without_a_place_on_the_water_waits_and_does_not_start_again_by_
     bench.pilot = bench.pilot.with_behaviour(PLACED_MARKS);
     let modes = without_place_for(&mut bench, 8_000);
     assert_eq!(modes.last(), Some(&(VesselMode::Guided, true)));
+}
+
+#[test]
+fn marks_that_change_no_way_point_do_not_send_the_boat_back_to_the_first() {
+    let aside = PixelPoint { u: 560.0, v: 330.0 };
+    let leg_after = |version: u32, change: &dyn Fn(&mut Bench)| {
+        let mut bench = Bench::new();
+        bench.pilot = bench.pilot.with_behaviour(version);
+        bench.see_water().see(INSIDE);
+        // The boat lies at the first way-point.
+        bench.mark(MarkKind::WayPoint, INSIDE.in_pixels(PICTURE));
+        bench.mark(MarkKind::WayPoint, PixelPoint { u: 600.0, v: 200.0 });
+        bench.mark(MarkKind::Person, TARGET);
+        bench.mark(MarkKind::Forbidden, PixelPoint { u: 60.0, v: 200.0 });
+        bench.mark(MarkKind::Person, PixelPoint { u: 80.0, v: 400.0 });
+        bench.ask(OperatorRequest::Guide);
+        let mut x = INSIDE.x;
+        let mut leg = |bench: &mut Bench| {
+            let mut leg = None;
+            for _ in 0..60 {
+                // Then it goes on to the right.
+                x = (x + 2.0).min(140.0);
+                let outcome = bench.see_water().see(ImagePoint { x, ..INSIDE });
+                leg = outcome.vessel.guidance.and_then(|guidance| guidance.progress).map(|way| way.leg);
+            }
+            leg
+        };
+        assert_eq!(leg(&mut bench), Some(1));
+        change(&mut bench);
+        leg(&mut bench).unwrap()
+    };
+    let expected: [(&str, usize, &dyn Fn(&mut Bench)); 9] = [
+        ("the destination is moved", 1, &|bench| drop(bench.move_mark(3, aside))),
+        ("a person is marked", 1, &|bench| drop(bench.mark(MarkKind::Person, aside))),
+        ("an area is marked", 1, &|bench| drop(bench.mark(MarkKind::Forbidden, aside))),
+        ("home is marked", 1, &|bench| drop(bench.mark(MarkKind::Home, aside))),
+        ("an area is removed", 1, &|bench| drop(bench.ask(OperatorRequest::Unmark(4)))),
+        ("a person is removed", 1, &|bench| drop(bench.ask(OperatorRequest::Unmark(5)))),
+        ("a way-point is marked", 0, &|bench| drop(bench.mark(MarkKind::WayPoint, aside))),
+        ("a way-point is moved", 0, &|bench| drop(bench.move_mark(2, aside))),
+        ("another destination is chosen", 0, &|bench| drop(bench.ask(OperatorRequest::NextMark))),
+    ];
+    for (what, leg, change) in expected {
+        assert_eq!(leg_after(NEWEST, change), leg, "{what}");
+        // Pilots of before went back with each of these.
+        assert_eq!(leg_after(BOW_BEFORE_RETREAT, change), 0, "{what}");
+    }
 }
 
 #[test]
