@@ -26,14 +26,17 @@ pub const ANSWERING_BOAT: u32 = 6;
 /// over the water waits while a mark that it must regard has none; marks on a picture that is not taken yet are refused.
 pub const PLACED_MARKS: u32 = 7;
 
-/// 8: a boat that is guided over the water waits for 5 s at most while it has no place there, and goes
-/// away from a person only where its bow is known; a search goes by the present field of view, and does not begin while a
-/// selection is not confirmed.
+/// 8: a boat that is guided over the water waits for 5 s at most while it has no place there, and goes away from a person only where
+/// its bow is known; a search goes by the present field of view, and does not begin while a selection is not confirmed.
 pub const BOW_BEFORE_RETREAT: u32 = 8;
 
-/// The version of this pilot. 9: a person's mark that is moved again within 2 s tells no drift; after a selection
-/// that replaced an unconfirmed one is refused, nothing is followed; a mark that was set or moved before any tilt was reported gets
-/// no place on the water; a boat that is guided in the picture waits for 5 s at most while its destination is behind the camera;
-/// Go needs fresh video; a boat at rest before a person goes away from the person only where it can stop before every circle;
-/// the way-points begin anew only where one of them, or which mark is the destination, changes.
+/// The version of this pilot. 9:
+///
+/// - A person's mark that is moved again within 2 s tells no drift.
+/// - Where a selection replaces one that the tracker follows already and that is not confirmed, and is refused, nothing is followed.
+/// - A mark that was set or moved before any tilt was reported gets no place on the water.
+/// - A boat that is guided in the picture waits for 5 s at most while its destination is behind the camera.
+/// - Go needs fresh video.
+/// - A boat at rest before a person goes away from the person only where it can come to rest before every circle.
+/// - The way-points begin anew only where one of them changes, or which mark is the destination.
 pub const NEWEST: u32 = 9;

@@ -418,8 +418,9 @@ fn a_guided_boat_without_a_place_on_the_water_waits_and_does_not_start_again_by_
 
 #[test]
 fn marks_that_change_no_way_point_do_not_send_the_boat_back_to_the_first() {
+    type Change<'a> = &'a dyn Fn(&mut Bench) -> Outcome;
     let aside = PixelPoint { u: 560.0, v: 330.0 };
-    let leg_after = |version: u32, change: &dyn Fn(&mut Bench)| {
+    let leg_after = |version: u32, change: Change<'_>| {
         let mut bench = Bench::new();
         bench.pilot = bench.pilot.with_behaviour(version);
         bench.see_water().see(INSIDE);
@@ -445,16 +446,16 @@ fn marks_that_change_no_way_point_do_not_send_the_boat_back_to_the_first() {
         change(&mut bench);
         leg(&mut bench).unwrap()
     };
-    let expected: [(&str, usize, &dyn Fn(&mut Bench)); 9] = [
-        ("the destination is moved", 1, &|bench| drop(bench.move_mark(3, aside))),
-        ("a person is marked", 1, &|bench| drop(bench.mark(MarkKind::Person, aside))),
-        ("an area is marked", 1, &|bench| drop(bench.mark(MarkKind::Forbidden, aside))),
-        ("home is marked", 1, &|bench| drop(bench.mark(MarkKind::Home, aside))),
-        ("an area is removed", 1, &|bench| drop(bench.ask(OperatorRequest::Unmark(4)))),
-        ("a person is removed", 1, &|bench| drop(bench.ask(OperatorRequest::Unmark(5)))),
-        ("a way-point is marked", 0, &|bench| drop(bench.mark(MarkKind::WayPoint, aside))),
-        ("a way-point is moved", 0, &|bench| drop(bench.move_mark(2, aside))),
-        ("another destination is chosen", 0, &|bench| drop(bench.ask(OperatorRequest::NextMark))),
+    let expected: [(&str, usize, Change<'_>); 9] = [
+        ("the destination is moved", 1, &|bench| bench.move_mark(3, aside)),
+        ("a person is marked", 1, &|bench| bench.mark(MarkKind::Person, aside)),
+        ("an area is marked", 1, &|bench| bench.mark(MarkKind::Forbidden, aside)),
+        ("home is marked", 1, &|bench| bench.mark(MarkKind::Home, aside)),
+        ("an area is removed", 1, &|bench| bench.ask(OperatorRequest::Unmark(4))),
+        ("a person is removed", 1, &|bench| bench.ask(OperatorRequest::Unmark(5))),
+        ("a way-point is marked", 0, &|bench| bench.mark(MarkKind::WayPoint, aside)),
+        ("a way-point is moved", 0, &|bench| bench.move_mark(2, aside)),
+        ("another destination is chosen", 0, &|bench| bench.ask(OperatorRequest::NextMark)),
     ];
     for (what, leg, change) in expected {
         assert_eq!(leg_after(NEWEST, change), leg, "{what}");
@@ -561,7 +562,7 @@ fn a_corrected_mark_of_a_person_at_rest_tells_no_drift() {
             assert_eq!(moved.notice, None);
         }
         let (vx, vy) = bench.see(INSIDE).vessel.marks.destination().unwrap().velocity_m_per_s();
-        vx.hypot(vy)
+        libm::hypot(vx, vy)
     };
     assert!(speed(NEWEST) < 1e-6, "{}", speed(NEWEST));
     assert!(speed(BOW_BEFORE_RETREAT) > 0.3, "{}", speed(BOW_BEFORE_RETREAT));
