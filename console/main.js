@@ -70,8 +70,23 @@ stage.addEventListener("select", ({ detail }) => {
   request({ kind: "select", ...detail });
 });
 
+/** The loop of a live run takes a turn every 0.2 s at least: one that has taken none for so long hangs, whatever else is still sent. */
+const HANGS_MS = 1500;
+let beatAt = 0;
+let isHung = false;
+
+/** Says whether the program can be heard, and whether it still decides. */
+function showLoss() {
+  const loss = !link.isUp ? (link.isDismissed ? words.dismissed : words.connectionLost) : isHung ? words.hangs : "";
+  at("lost").hidden = loss === "";
+  at("lost").textContent = loss;
+  at("stage").classList.toggle("stale", loss !== "");
+  if (loss !== "") sounds.play("alarm");
+}
+
 let lastMode = null;
 link.addEventListener("snapshot", ({ detail }) => {
+  if (detail.beat !== snapshot?.beat) beatAt = performance.now();
   snapshot = detail;
   strips.add(snapshot, video.delay?.median ?? null);
   const { vessel } = snapshot;
@@ -89,17 +104,19 @@ link.addEventListener("hello", ({ detail }) => {
 });
 link.addEventListener("events", ({ detail }) => events.reset(detail.events));
 link.addEventListener("event", ({ detail }) => events.add(detail));
-link.addEventListener("up", ({ detail: isUp }) => {
-  at("lost").hidden = isUp;
-  at("lost").textContent = isUp ? "" : link.isDismissed ? words.dismissed : words.connectionLost;
-  at("stage").classList.toggle("stale", !isUp);
-  if (!isUp) sounds.play("alarm");
+link.addEventListener("up", () => {
+  beatAt = performance.now();
+  showLoss();
 });
 // A program that was started anew does not know the cookie: the page begins anew, and asks for a token.
 link.addEventListener("refused", () => location.reload());
 let wasOverdue = false;
 setInterval(() => {
   stage.tick();
+  // A demo that is paused rests.
+  const wasHung = isHung;
+  isHung = link.isUp && snapshot !== null && !snapshot.drive && performance.now() - beatAt > HANGS_MS;
+  if (isHung !== wasHung) showLoss();
   show();
   if (stopper.isOverdue && !wasOverdue) {
     toast(words.reasons.unacknowledged, true);

@@ -29,6 +29,7 @@ export default {
   pickBox: (box) => `Box ${box.join(",")}`, pickDone: "The program goes on with this box. This page can be closed.", pickDoneConsole: "The run begins with this box. The console opens here.",
   // State
   connecting: "Connecting.", connectionLost: "CONNECTION LOST - retrying. The camera can be stopped at the ground station.",
+  hangs: "THE PROGRAM HANGS - what stands here is old. The link rests the camera; look at the ground station.",
   dismissed: "TOO MANY PAGES ARE OPEN - this one was disconnected. Close others, then reload.",
   youControl: "You control", youWatch: (page) => `Page ${page} controls; you watch`, nobodyControls: "Nobody controls",
   mayWatch: "You watch (watch link)", holderLost: (page) => `Page ${page} controls, but is not connected`,

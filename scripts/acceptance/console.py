@@ -354,6 +354,20 @@ def run(table, args, folder):
     table.require("the recording replays bit for bit, with every request", replayed.returncode == 0 and "bit for bit" in replayed.stdout, replayed.stdout.splitlines()[0] if replayed.stdout else replayed.stderr[-300:])
 
 
+def hanging_pilot(table, args, folder):
+    print("\nrun, with a pilot that hangs", flush=True)
+    program = Program(args, "run", "--video", f"sim:open?size={SIZE}", "--link", "sim:", "--no-record", "--fault", "pilot:hang@12")
+    page = Page(program.url, folder, "hang")
+    page.ready()
+    said = lambda: page.element("lost").text
+    before = said()
+    common.wait_until(lambda: said(), 20, "what the page says of a program that hangs")
+    table.require("a program that hangs is not shown as one that decides", before == "" and "HANGS" in said(), said())
+    page.end()
+    program.child.kill()
+    program.child.wait()
+
+
 def recorded_file(table, args, folder):
     """A run on a file: the page holds the first picture until the box is drawn, and becomes the console."""
     clip, truth = common.practice_clip(args, folder)
@@ -451,6 +465,7 @@ def main():
     if args.only != "demo":
         recorded_file(table, args, folder)
         run(table, args, folder)
+        hanging_pilot(table, args, folder)
     return table.finish(args)
 
 

@@ -114,7 +114,9 @@ mod tests {
     #[test]
     fn rest_leaves_a_boat_alone_that_is_not_commanded() {
         let moving = VesselOrder::Commanded(VesselCommand { throttle: 0.5, rudder: 0.0 });
-        for (before, after) in [(VesselOrder::Released, VesselOrder::Released), (moving, VesselOrder::NEUTRAL)] {
+        for (before, after) in
+            [(VesselOrder::Released, VesselOrder::Released), (moving, VesselOrder::NEUTRAL)]
+        {
             let mailbox = Mailbox::new().unwrap();
             mailbox.request(RequestedCommand { command: before, renew_by: None });
             mailbox.rest();

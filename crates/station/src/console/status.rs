@@ -21,6 +21,7 @@ pub(super) fn status_of(snapshot: &Snapshot, h264: bool) -> StatusSnapshot {
     StatusSnapshot {
         step: snapshot.steps,
         at_ns: outcome.map_or(0, |outcome| outcome.at.as_nanos()),
+        beat: snapshot.beats,
         mode: mode_of(outcome.map_or(Mode::Idle, |outcome| outcome.mode)),
         track: outcome.map_or(NO_TRACK, track_of),
         region: outcome

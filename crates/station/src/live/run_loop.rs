@@ -160,8 +160,11 @@ impl RunLoop<'_> {
                 self.handle(state, event)
             }
             Err(RecvTimeoutError::Timeout) => {
-                if state.wake_at.is_some_and(|at| at <= self.events.now()) {
+                let now = self.events.now();
+                if state.wake_at.is_some_and(|at| at <= now) {
                     self.step(state, Input::Tick);
+                } else {
+                    self.publisher.on_idle_turn(now);
                 }
                 None
             }

@@ -64,6 +64,8 @@ pub struct Snapshot {
     pub alarms: Vec<Alarm>,
     /// Presses of Stop that the pilot has taken.
     pub stops_taken: u64,
+    /// Steps, and turns of a live run's loop without one.
+    pub beats: u64,
     /// The simulated boat and world of a demo.
     pub drive: Option<DriveState>,
 }

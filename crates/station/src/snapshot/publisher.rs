@@ -99,10 +99,17 @@ impl Publisher {
         self.log_outcome(outcome);
         self.state.boat = self.boat.find(outcome.track, &self.state.vehicle, outcome.earth);
         self.state.steps += 1;
+        self.state.beats += 1;
         self.state.outcome = Some(outcome.clone());
         self.state.rates = rates;
         self.state.law = law;
         self.publish(outcome.at);
+    }
+
+    /// The loop took a turn in which the pilot had nothing to decide.
+    pub fn on_idle_turn(&mut self, now: Timestamp) {
+        self.state.beats += 1;
+        self.publish(now);
     }
 
     /// The link to the boat that is commanded. Published with the next step.

@@ -24,6 +24,9 @@ pub struct StatusSnapshot {
     pub step: u64,
     /// Time of the newest step.
     pub at_ns: u64,
+    /// Grows with each step, and in a live run every 0.2 s where there is none: a program in which it rests hangs. (A demo that is
+    /// paused rests, too.)
+    pub beat: u64,
     /// The pilot's mode.
     pub mode: ModeStatus,
     /// The track.

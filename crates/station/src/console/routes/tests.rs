@@ -397,7 +397,10 @@ fn the_watch_link_leaves_the_control_to_a_browser_that_has_it() {
     assert!(status == 204 && !text.contains("set-cookie"), "{text}");
     let watching = format!("cookie: {}", log_in(&mut session, WATCH));
     let (_, text) = call(&mut session, "POST /api/v1/login", &[CONTROL, &watching]);
-    assert!(text.contains("set-cookie"), "the control link gives the control to a browser that watched\n{text}");
+    assert!(
+        text.contains("set-cookie"),
+        "the control link gives the control to a browser that watched\n{text}"
+    );
 }
 
 #[test]
