@@ -6,7 +6,7 @@
 //! leaves every result as it was (speed, names, structure) does not raise the version. `CHANGELOG.md` names each rise.
 
 /// Behaviour version of [`FusedTracker`](crate::FusedTracker).
-pub const FUSED: u32 = 20;
+pub const FUSED: u32 = 21;
 
 /// Behaviour version of [`CamShift`](crate::CamShift).
 pub const CAMSHIFT: u32 = 1;

@@ -5,6 +5,9 @@
 //! not by frames, so that the result does not depend on the frame rate. If the last leg is long enough, its direction
 //! votes for one end of the axis; the votes are summed and bounded. A boat that stops keeps its heading; a boat that
 //! was never under way has none.
+//!
+//! Bow and stern do not change places. Where the camera's motion is only measured in the picture, which on water may take the
+//! camera's motion for the boat's, votes against a bow that was known make it unknown, and not the other end the bow.
 
 use std::collections::VecDeque;
 
@@ -40,11 +43,23 @@ pub(crate) struct HeadingEstimator {
     position: (f64, f64),
     /// Positive for the given end of the axis, negative for the other.
     votes: f64,
+    /// Whether the bow that was known last is at the given end of the axis.
+    known: Option<bool>,
+}
+
+/// How the camera's motion is known, which is not in the boat's motion over the water.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub(crate) enum CameraMotionSource {
+    /// The vehicle tells it, or confirms what was measured.
+    #[default]
+    Told,
+    /// It is measured in the picture alone.
+    Measured,
 }
 
 impl Default for HeadingEstimator {
     fn default() -> Self {
-        Self { path: VecDeque::with_capacity(MAX_POINTS + 1), position: (0.0, 0.0), votes: 0.0 }
+        Self { path: VecDeque::with_capacity(MAX_POINTS + 1), position: (0.0, 0.0), votes: 0.0, known: None }
     }
 }
 
@@ -57,12 +72,12 @@ impl HeadingEstimator {
     /// Discards path and votes.
     pub(crate) fn reset(&mut self) {
         self.path.clear();
-        self.votes = 0.0;
+        (self.votes, self.known) = (0.0, None);
     }
 
     /// Adds the motion since the last frame: `(du, dv)` pixels over stationary water in `seconds`, ending at `at_s`.
     /// `axis` is one end of the axis, radians clockwise from image right, the same end as in the last frame. `length`
-    /// is the boat's length, pixels.
+    /// is the boat's length, pixels. `source`: how the camera's motion is known.
     pub(crate) fn add_motion(
         &mut self,
         at_s: f64,
@@ -70,6 +85,7 @@ impl HeadingEstimator {
         (du, dv): (f64, f64),
         axis: f64,
         length: f64,
+        source: CameraMotionSource,
     ) {
         self.position = (self.position.0 + du, self.position.1 + dv);
         if self.path.back().is_none_or(|last| at_s - last.at_s >= MIN_POINT_INTERVAL_S) {
@@ -87,7 +103,13 @@ impl HeadingEstimator {
             return;
         }
         let along = (leg_u * libm::cos(axis) + leg_v * libm::sin(axis)) / leg_length;
-        self.votes = (self.votes + VOTES_PER_S * seconds * along).clamp(-MAX_VOTES, MAX_VOTES);
+        let (least, most) = match (source, self.known) {
+            (CameraMotionSource::Measured, Some(true)) => (0.0, MAX_VOTES),
+            (CameraMotionSource::Measured, Some(false)) => (-MAX_VOTES, 0.0),
+            _ => (-MAX_VOTES, MAX_VOTES),
+        };
+        self.votes = (self.votes + VOTES_PER_S * seconds * along).clamp(least, most);
+        self.known = self.is_bow_at_axis_end().or(self.known);
     }
 
     /// Whether the bow is at the given end of the axis (`true`) or at the other (`false`); `None` while it is unknown.
@@ -142,6 +164,7 @@ mod tests {
     struct Boat {
         heading: HeadingEstimator,
         now_s: f64,
+        source: CameraMotionSource,
     }
 
     impl Boat {
@@ -152,7 +175,7 @@ mod tests {
                 let pixels = lengths_per_s * LENGTH_PX * FRAME_S;
                 let direction = direction_deg.to_radians();
                 let moved = (pixels * libm::cos(direction), pixels * libm::sin(direction));
-                self.heading.add_motion(self.now_s, FRAME_S, moved, 0.0, LENGTH_PX);
+                self.heading.add_motion(self.now_s, FRAME_S, moved, 0.0, LENGTH_PX, self.source);
             }
             self.heading.is_bow_at_axis_end()
         }
@@ -204,6 +227,16 @@ mod tests {
     }
 
     #[test]
+    fn a_camera_motion_that_is_only_measured_does_not_turn_the_bow_round() {
+        let mut boat = Boat { source: CameraMotionSource::Measured, ..Boat::default() };
+        assert_eq!(boat.move_for(2.0, 1.0, 0.0), Some(true));
+        assert_eq!(boat.move_for(10.0, 1.0, 180.0), None);
+        assert_eq!(boat.move_for(1.5, 1.0, 0.0), Some(true));
+        boat.source = CameraMotionSource::Told;
+        assert_eq!(boat.move_for(5.0, 1.0, 180.0), Some(false));
+    }
+
+    #[test]
     fn a_boat_that_stops_keeps_its_bow() {
         let mut boat = Boat::default();
         boat.move_for(2.0, 1.0, 0.0);
@@ -221,7 +254,14 @@ mod tests {
             let mut now_s = 0.0;
             while heading.is_bow_at_axis_end().is_none() {
                 now_s += frame_s;
-                heading.add_motion(now_s, frame_s, (LENGTH_PX * frame_s, 0.0), 0.0, LENGTH_PX);
+                heading.add_motion(
+                    now_s,
+                    frame_s,
+                    (LENGTH_PX * frame_s, 0.0),
+                    0.0,
+                    LENGTH_PX,
+                    CameraMotionSource::Told,
+                );
                 assert!(now_s < 2.0, "{frame_s}");
             }
             // A quarter of the length and two votes at six per second: 0.25 + 0.33 s, and a frame or two.
@@ -235,7 +275,14 @@ mod tests {
         for step in 0..300 {
             let phase = 0.3 * f64::from(step);
             let moved = (1.5 * libm::cos(phase), 1.5 * libm::sin(phase));
-            heading.add_motion(f64::from(step) * FRAME_S, FRAME_S, moved, 0.0, LENGTH_PX);
+            heading.add_motion(
+                f64::from(step) * FRAME_S,
+                FRAME_S,
+                moved,
+                0.0,
+                LENGTH_PX,
+                CameraMotionSource::Told,
+            );
         }
         assert_eq!(heading.is_bow_at_axis_end(), None);
     }

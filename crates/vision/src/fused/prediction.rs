@@ -35,6 +35,8 @@ pub(super) struct TargetMotion {
     coarse_prior: Option<MotionPrior>,
     /// Whether `camera_shift` comes from a precise prior or was measured.
     pub(super) is_camera_shift_known: bool,
+    /// Whether a prior, precise or coarse, tells of the camera's motion in this frame.
+    pub(super) is_camera_motion_told: bool,
     /// Shift of the picture caused by the camera since the last frame, pixels; zero where nothing is known of it.
     pub(super) camera_shift: (f32, f32),
 }
@@ -50,6 +52,7 @@ impl TargetMotion {
             has_precise_prior: false,
             coarse_prior: None,
             is_camera_shift_known: false,
+            is_camera_motion_told: false,
             camera_shift: (0.0, 0.0),
         }
     }
@@ -90,6 +93,7 @@ impl TargetMotion {
         let is_precise = |p: &&MotionPrior| p.std_dev_px <= PRECISE_PRIOR_STD_DEV_PX;
         // A prior whose standard deviation exceeds the target's size carries no information.
         self.coarse_prior = prior.filter(|p| !is_precise(p) && p.std_dev_px <= size_px).copied();
+        self.is_camera_motion_told = self.coarse_prior.is_some() || prior.as_ref().is_some_and(is_precise);
         let prior = prior.filter(is_precise);
         self.has_precise_prior = prior.is_some();
         let (u, v, std_dev) = prior.map_or((0.0, 0.0, 0.0), |p| (p.shift_u_px, p.shift_v_px, p.std_dev_px));

@@ -10,6 +10,7 @@ use super::workspace::Workspace;
 use crate::correlation::parabola_vertex;
 use crate::crop::ColourContrast;
 use crate::features::PatchPose;
+use crate::heading::CameraMotionSource;
 use crate::silhouette::Silhouette;
 
 /// Standard deviation of a measured position, in sizes of the target.
@@ -264,5 +265,10 @@ fn update_heading(target: &mut Target, before: (f32, f32), at_s: f64, seconds: f
     let half = geometry.half_axes();
     let length = 2.0 * f64::from(half.0.max(half.1));
     let moved = (f64::from(du), f64::from(dv));
-    target.heading.add_motion(at_s, seconds, moved, f64::from(geometry.axis), length);
+    let source = if target.motion.is_camera_motion_told {
+        CameraMotionSource::Told
+    } else {
+        CameraMotionSource::Measured
+    };
+    target.heading.add_motion(at_s, seconds, moved, f64::from(geometry.axis), length, source);
 }
