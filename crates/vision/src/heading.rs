@@ -48,10 +48,9 @@ pub(crate) struct HeadingEstimator {
 }
 
 /// How the camera's motion is known, which is not in the boat's motion over the water.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum CameraMotionSource {
     /// The vehicle tells it, or confirms what was measured.
-    #[default]
     Told,
     /// It is measured in the picture alone.
     Measured,
@@ -160,11 +159,16 @@ mod tests {
     const FRAME_S: f64 = 1.0 / 30.0;
 
     /// A boat and its time.
-    #[derive(Default)]
     struct Boat {
         heading: HeadingEstimator,
         now_s: f64,
         source: CameraMotionSource,
+    }
+
+    impl Default for Boat {
+        fn default() -> Self {
+            Self { heading: HeadingEstimator::default(), now_s: 0.0, source: CameraMotionSource::Told }
+        }
     }
 
     impl Boat {

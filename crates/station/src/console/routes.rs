@@ -90,7 +90,7 @@ pub(super) async fn guarded(hosts: &Hosts, request: Request, next: Next) -> Resp
 }
 
 fn provenance(request: &Request) -> Provenance<'_> {
-    let text = |name: &str| request.headers().get(name).and_then(|value| value.to_str().ok());
+    let text = |name: &str| text_of(request.headers(), name);
     let is_navigation =
         text("sec-fetch-mode") == Some("navigate") && text("sec-fetch-dest") == Some("document");
     Provenance {
@@ -108,8 +108,12 @@ fn role_of(console: &Console, headers: &HeaderMap) -> Result<Role, Box<Response>
 
 /// What the token or the cookie of a request permits; an answer with 401 where it permits nothing.
 pub(super) fn may_enter(access: &Access, headers: &HeaderMap) -> Result<Role, Box<Response>> {
-    let text = |name| headers.get(name).and_then(|value| value.to_str().ok());
-    access.role(text(header::AUTHORIZATION), text(header::COOKIE)).ok_or_else(refused)
+    access.role(text_of(headers, header::AUTHORIZATION), text_of(headers, header::COOKIE)).ok_or_else(refused)
+}
+
+/// The text of a header; `None` where it is missing, or no text.
+fn text_of(headers: &HeaderMap, name: impl header::AsHeaderName) -> Option<&str> {
+    headers.get(name).and_then(|value| value.to_str().ok())
 }
 
 /// The answer to a request that nothing is permitted to.
@@ -143,9 +147,8 @@ async fn login(State(console): Shared, headers: HeaderMap) -> Response {
 
 /// A cookie for the token of a request.
 pub(super) fn log_in(access: &Access, headers: &HeaderMap) -> Response {
-    let text = |name| headers.get(name).and_then(|value| value.to_str().ok());
     // A token that is not known is said so, whatever the cookie permits.
-    let role = match (access.tokens(), text(header::AUTHORIZATION)) {
+    let role = match (access.tokens(), text_of(headers, header::AUTHORIZATION)) {
         (Some(_), Some(token)) => access.bearer_role(token).ok_or_else(refused),
         _ => may_enter(access, headers),
     };
@@ -154,7 +157,7 @@ pub(super) fn log_in(access: &Access, headers: &HeaderMap) -> Response {
         Err(response) => return *response,
     };
     // The watch link, opened in the operator's own browser, does not take the control from the pages that are open there.
-    if role == Role::Watch && access.role(None, text(header::COOKIE)) == Some(Role::Control) {
+    if role == Role::Watch && access.role(None, text_of(headers, header::COOKIE)) == Some(Role::Control) {
         return StatusCode::NO_CONTENT.into_response();
     }
     match access.new_cookie(role) {
@@ -183,7 +186,7 @@ async fn metrics(State(console): Shared, headers: HeaderMap) -> Response {
 
 /// Requires a body of JSON: a page of another origin can send text without asking first, but not JSON.
 fn require_json(headers: &HeaderMap) -> Result<(), Box<Response>> {
-    let kind = headers.get(header::CONTENT_TYPE).and_then(|value| value.to_str().ok()).unwrap_or_default();
+    let kind = text_of(headers, header::CONTENT_TYPE).unwrap_or_default();
     if kind.starts_with("application/json") {
         return Ok(());
     }

@@ -93,9 +93,9 @@ impl TargetMotion {
         let is_precise = |p: &&MotionPrior| p.std_dev_px <= PRECISE_PRIOR_STD_DEV_PX;
         // A prior whose standard deviation exceeds the target's size carries no information.
         self.coarse_prior = prior.filter(|p| !is_precise(p) && p.std_dev_px <= size_px).copied();
-        self.is_camera_motion_told = self.coarse_prior.is_some() || prior.as_ref().is_some_and(is_precise);
         let prior = prior.filter(is_precise);
         self.has_precise_prior = prior.is_some();
+        self.is_camera_motion_told = self.has_precise_prior || self.coarse_prior.is_some();
         let (u, v, std_dev) = prior.map_or((0.0, 0.0, 0.0), |p| (p.shift_u_px, p.shift_v_px, p.std_dev_px));
         self.camera_shift = (u as f32, v as f32);
         self.is_camera_shift_known = self.has_precise_prior;
