@@ -15,6 +15,7 @@ export function nextAction({ isConnected, isStopOverdue, isControlling, snapshot
   if (drive?.paused) return "paused";
   if (video.state !== "up" || alarms.includes("no-video")) return "video";
   if (alarms.includes("camera-may-turn")) return "mayTurn";
+  if (alarms.includes("stale-video")) return "late";
   if (alarms.includes("link-down")) return "link";
   if (alarms.includes("control-lost")) return "vehicle";
   if (alarms.includes("emergency") || mode.cause === "emergency" || mode.cause === "landing") return "emergency";

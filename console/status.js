@@ -40,7 +40,7 @@ function factsOf(snapshot) {
     [words.facts.p, `${number(percept?.p)}${work.schema_p === null ? "" : `  (${words.facts.schemaP}: ${number(work.schema_p)})`}`],
     [words.facts.confidence, number(track.confidence)],
     [words.facts.camera, rateText(snapshot.command)],
-    [words.facts.video, words.videoText(words.videos[video.state], video.fps, video.dropped)],
+    [words.facts.video, words.videoText(words.videos[video.state], video.fps, video.dropped) + (video.reason ? `: ${video.reason}` : "")],
     [words.facts.link, words.links[link.state] + (link.battery_v === null ? "" : `, ${link.battery_v.toFixed(1)} V`)],
     [words.facts.recording, words.recordings[recording.state] + (recording.path ? `: ${recording.path.split("/").at(-1)}` : "")],
     [words.facts.work, words.workText(work.camera)],
@@ -75,14 +75,16 @@ function showFacts(list, facts) {
 }
 
 /** Shows the alarms in force. */
-function showAlarms(alarms) {
+function showAlarms({ alarms, video }) {
   const list = at("alarms");
-  const text = alarms.join();
+  const detail = { "stale-video": video.reason };
+  const texts = alarms.map((key) => `⚠ ${words.alarmTexts[key] ?? key}${detail[key] ? `: ${detail[key]}` : ""}`);
+  const text = texts.join();
   if (list.dataset.alarms === text) return;
   list.dataset.alarms = text;
-  list.replaceChildren(...alarms.map((key) => {
+  list.replaceChildren(...texts.map((alarm) => {
     const item = document.createElement("li");
-    item.textContent = `⚠ ${words.alarmTexts[key] ?? key}`;
+    item.textContent = alarm;
     return item;
   }));
 }
@@ -109,7 +111,7 @@ export function showStatus(state) {
   });
   setText(at("mode"), modeText(snapshot));
   at("mode").dataset.mode = mode.name;
-  showAlarms(snapshot.alarms);
+  showAlarms(snapshot);
   showFacts(at("facts"), factsOf(snapshot));
   const delay = video.delay;
   setText(at("path"), words.picturePath(words.paths[video.path], delay ? Math.round(delay.median) : null, delay ? Math.round(delay.p95) : null));

@@ -61,6 +61,7 @@ export default {
     stopUnacknowledged: "Stop was not acknowledged: use the ground station's own stop.",
     watch: "You watch. Only Stop works here. Take the control to do more.",
     video: "Wait for video: check the camera and the network.",
+    late: "The video is late: the camera rests. Check the network, or restart the camera's stream.",
     mayTurn: "Nothing reaches the camera, which may be turning: stop it at the ground station.",
     link: "The link is down: check the cable or the ground station.",
     dryRun: "Dry run: the camera is not moved. Start with --link to move it.",

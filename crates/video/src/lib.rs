@@ -28,4 +28,4 @@ pub use source::file::FileFrames;
 pub use source::live::{StopError, VideoHandle, spawn};
 pub use source::sink::{VideoSink, VideoState};
 pub use source::url::{VideoUrl, VideoUrlError};
-pub use source::{demux, feed, file, live, sink, supervision, url};
+pub use source::{demux, feed, file, live, sender_clock, sink, supervision, url};

@@ -7,6 +7,9 @@ use crate::rng::Rng;
 pub(super) enum FaultKind {
     VideoStalls,
     VideoLate,
+    VideoDelayStands,
+    VideoDelayCreeps,
+    VideoClockJumps,
     TrackLost,
     TrackCoasts,
     PilotHangs,
@@ -40,15 +43,17 @@ pub(super) enum FaultKind {
     BoatReleased,
     ConsoleClosed,
     ConsoleSilent,
-    VideoClockJumps,
     BoatDisarmed,
 }
 
 impl FaultKind {
     /// Every kind.
-    pub(super) const ALL: [Self; 37] = [
+    pub(super) const ALL: [Self; 39] = [
         Self::VideoStalls,
         Self::VideoLate,
+        Self::VideoDelayStands,
+        Self::VideoDelayCreeps,
+        Self::VideoClockJumps,
         Self::TrackLost,
         Self::TrackCoasts,
         Self::PilotHangs,
@@ -82,7 +87,6 @@ impl FaultKind {
         Self::BoatReleased,
         Self::ConsoleClosed,
         Self::ConsoleSilent,
-        Self::VideoClockJumps,
         Self::BoatDisarmed,
     ];
 
@@ -91,6 +95,8 @@ impl FaultKind {
         match self {
             Self::VideoStalls => "video stalls",
             Self::VideoLate => "video late",
+            Self::VideoDelayStands => "video delay stands (3 s)",
+            Self::VideoDelayCreeps => "video delay creeps",
             Self::TrackLost => "track lost",
             Self::TrackCoasts => "track coasts",
             Self::PilotHangs => "pilot hangs",
@@ -147,7 +153,6 @@ impl FaultKind {
                 | Self::BoatReleased
                 | Self::ConsoleClosed
                 | Self::ConsoleSilent
-                | Self::VideoClockJumps
                 | Self::BoatDisarmed
         )
     }

@@ -24,6 +24,7 @@ mod vessel;
 mod program;
 
 mod picture;
+mod video_path;
 
 mod machine;
 

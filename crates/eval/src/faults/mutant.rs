@@ -17,6 +17,8 @@ pub(super) enum Mutant {
     NoZerosFirst,
     /// The vehicle's commands last ten seconds.
     CommandsLast,
+    /// A late picture counts as a fresh one.
+    ForgetsDelays,
     /// A boat whose console is gone is not stopped.
     NoConsoleTimeOut,
 }

@@ -12,7 +12,7 @@ use barrelman_vocab::{OperatorRequest, StopCause, Telemetry, Timestamp, Track, V
 
 use super::link_end::{LinkEnd, LinkEvent};
 use super::oracle::Oracle;
-use super::picture::SeenPicture;
+use super::video_path::Arrived;
 
 /// The program.
 pub(super) struct Program {
@@ -108,14 +108,13 @@ impl Program {
     }
 
     /// A picture has arrived.
-    pub(super) fn see(&mut self, picture: SeenPicture, oracle: &mut Oracle, now: Timestamp, at_ms: u64) {
-        let track = picture.track(self.lost_since.unwrap_or(picture.captured));
+    pub(super) fn see(&mut self, arrived: Arrived, oracle: &mut Oracle, now: Timestamp, at_ms: u64) {
+        let track = arrived.picture.track(arrived.captured, self.lost_since);
         self.lost_since = match track {
             Track::Lost { since, .. } => Some(since),
             _ => None,
         };
-        let age = now.since(picture.captured);
-        let is_fresh = age <= self.profile.video_latency + self.profile.stale_after;
+        let is_fresh = arrived.delay <= self.profile.video_latency + self.profile.stale_after;
         oracle.saw(at_ms, is_fresh && matches!(track, Track::Tracking(_)));
         self.step(Input::Localisation(track), now);
     }

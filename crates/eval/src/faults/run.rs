@@ -1,7 +1,5 @@
 //! One run of the campaign: thirteen seconds of the world, millisecond by millisecond.
 
-use std::collections::VecDeque;
-
 use anyhow::Result;
 use barrelman_control::{OptimalMode, OptimalSettings};
 use barrelman_pilot::LawSettings;
@@ -11,10 +9,11 @@ use super::fault::{self, FaultKind};
 use super::machine::{Machine, Moment};
 use super::mutant::Mutant;
 use super::oracle::{Licence, Oracle};
-use super::picture::{FRAME_MS, SeenPicture, Underway, boat_bearing_rad, latency_ms, take_newest};
+use super::picture::{FRAME_MS, SeenPicture, boat_bearing_rad};
 use super::program::Program;
 use super::run_result::RunResult;
 use super::station::Station;
+use super::video_path::VideoPath;
 use crate::rng::Rng;
 use crate::vehicle::Vehicle;
 
@@ -42,7 +41,7 @@ struct World {
     /// Since when another commander has commanded the camera, on a line without faults.
     elsewhere_since_ms: Option<u64>,
     program: Program,
-    pictures: VecDeque<Underway>,
+    video: VideoPath,
     oracle: Oracle,
 }
 
@@ -80,7 +79,7 @@ pub(super) fn run(
         program: Program::new(vehicle.profile(), law)?,
         elsewhere_since_ms: None,
         machine: Machine::start(vehicle.link_plan(mutant)?, faults, Rng::from_name("line", number ^ seed)),
-        pictures: VecDeque::new(),
+        video: VideoPath::new(mutant),
         oracle: Oracle::new(vehicle.rest_limit_ms()),
     };
     for at_ms in 0..LASTS_MS {
@@ -119,12 +118,10 @@ impl World {
         let is_out_of_sight = self.licence == Licence::Search && at_ms >= LOST_FROM_MS;
         let is_found = !is_out_of_sight && !self.machine.is_active(FaultKind::TrackLost, at_ms);
         let picture = SeenPicture {
-            captured: self.machine.now(at_ms),
             bearing_rad: is_found.then_some(boat_rad - self.station.pan_rad()),
             is_coasting: self.machine.is_active(FaultKind::TrackCoasts, at_ms),
         };
-        let due_ms = at_ms + latency_ms(&self.machine.faults, at_ms);
-        self.pictures.push_back(Underway { captured_ms: at_ms, due_ms, picture });
+        self.video.send(picture, &self.machine.faults, at_ms);
     }
 
     fn advance_program(&mut self, moment: Moment) {
@@ -133,13 +130,13 @@ impl World {
             return;
         }
         if was_suspended {
-            self.pictures.clear();
+            self.video.clear();
             self.program.on_suspension(&mut self.oracle, now);
         }
         self.ask(now, at_ms);
         self.program.advance(&mut self.oracle, now);
-        if let Some(Underway { picture, .. }) = take_newest(&mut self.pictures, at_ms) {
-            self.program.see(picture, &mut self.oracle, now, at_ms);
+        if let Some(arrived) = self.video.receive(at_ms, now) {
+            self.program.see(arrived, &mut self.oracle, now, at_ms);
         }
     }
 

@@ -89,10 +89,16 @@ impl Vehicle {
     /// What can be taken out for this vehicle.
     pub(super) const fn mutants(self) -> &'static [Mutant] {
         match self {
-            Self::FotokitePro | Self::MavlinkGimbal => {
-                &[Mutant::NoTimeToLive, Mutant::NoLatch, Mutant::NoGuard, Mutant::NoZerosFirst]
+            Self::FotokitePro | Self::MavlinkGimbal => &[
+                Mutant::NoTimeToLive,
+                Mutant::NoLatch,
+                Mutant::NoGuard,
+                Mutant::NoZerosFirst,
+                Mutant::ForgetsDelays,
+            ],
+            Self::FotokiteSigma => {
+                &[Mutant::NoTimeToLive, Mutant::NoLatch, Mutant::CommandsLast, Mutant::ForgetsDelays]
             }
-            Self::FotokiteSigma => &[Mutant::NoTimeToLive, Mutant::NoLatch, Mutant::CommandsLast],
         }
     }
 

@@ -66,12 +66,25 @@ pub struct VideoSection {
     /// Name of the environment variable that holds the camera's `user:password`, only for `rtsp://`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub login_env: Option<String>,
+    /// Which clock gives the times of capture of a stream at `rtsp://` or `rtsps://`; default: `auto`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub clock: Option<VideoClock>,
     /// SHA-256 fingerprint of the certificate of a camera at `rtsps://`, 64 hexadecimal digits: no other one is accepted.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub certificate_sha256: Option<String>,
     /// File of authorities (PEM) that sign the certificate of a camera at `rtsps://`; default: the well-known ones.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub ca_file: Option<PathBuf>,
+}
+
+/// The clock that gives the times of capture of a stream.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum VideoClock {
+    /// The sender's, as long as it can be a clock.
+    Auto,
+    /// Times of arrival.
+    Arrival,
 }
 
 /// The vehicle's link.

@@ -6,13 +6,16 @@ use std::time::Duration;
 
 use anyhow::{Context, Result, bail};
 use barrelman_pilot::NUDGE_RATE_RAD_PER_S;
+use barrelman_video::sender_clock::ClockChoice;
 use barrelman_vocab::profile::{AxisRates, AxisSigns, MAX_COAST_MOTION, RegionShares, Sign};
 use barrelman_vocab::{AngularRate, VehicleProfile};
 use barrelman_wire::Framing;
 
 use super::camera::CameraSection;
 use super::console::{ConsoleConfig, ConsoleSection, RecordingConfig, RecordingSection};
-use super::file::{ConfigFile, LawSection, LineEnding, LinkSection, SignName, VehicleSection, VideoSection};
+use super::file::{
+    ConfigFile, LawSection, LineEnding, LinkSection, SignName, VehicleSection, VideoClock, VideoSection,
+};
 use super::mavlink;
 use super::range::within;
 use super::tracker::TrackerSection;
@@ -28,6 +31,8 @@ use barrelman_experiments::tracker_choice::{TrackerName, TrackerSettings};
 pub struct Configuration {
     /// Address of the video source, if it is given.
     pub video: Option<String>,
+    /// Which clock gives the times of capture of a live stream.
+    pub video_clock: ClockChoice,
     /// Where the video's login is kept, if it is not in the address.
     pub video_login: Option<LoginSource>,
     /// Which certificate of a video in TLS is accepted.
@@ -135,6 +140,10 @@ impl Configuration {
         }
         Ok(Self {
             video: file.video.url.clone(),
+            video_clock: match file.video.clock {
+                None | Some(VideoClock::Auto) => ClockChoice::Auto,
+                Some(VideoClock::Arrival) => ClockChoice::Arrival,
+            },
             video_login: login_source(&file.video)?,
             video_trust: trust_files("video", &file.video.certificate_sha256, &file.video.ca_file)?,
             link: file.link.url.clone(),
@@ -186,6 +195,10 @@ impl Configuration {
         ConfigFile {
             video: VideoSection {
                 url: self.video.clone(),
+                clock: Some(match self.video_clock {
+                    ClockChoice::Auto => VideoClock::Auto,
+                    ClockChoice::Arrival => VideoClock::Arrival,
+                }),
                 login_file: match &self.video_login {
                     Some(LoginSource::File(path)) => Some(path.clone()),
                     Some(LoginSource::Environment(_)) | None => None,

@@ -170,7 +170,7 @@ fn axes_of(command: CameraCommand) -> AxisPair {
 fn video_of(video: &VideoSnapshot, h264: bool) -> VideoStatus {
     let (state, reason) = match &video.state {
         VideoSourceState::Connecting => ("connecting", None),
-        VideoSourceState::Up => ("up", None),
+        VideoSourceState::Up => ("up", video.timing_text.as_deref().map(str::to_owned)),
         VideoSourceState::Lost(reason) => ("lost", Some(reason.clone())),
         VideoSourceState::Ended => ("ended", None),
     };

@@ -112,6 +112,7 @@ impl LiveDrive<'_> {
             Event::Operator
             | Event::Frame
             | Event::Video(_)
+            | Event::VideoTiming(_)
             | Event::Link(_)
             | Event::Boat(_)
             | Event::RecordingFailed { .. } => {}

@@ -6,6 +6,7 @@ use std::time::Duration;
 use barrelman_host::clock::Clock;
 use barrelman_host::suspend::SuspendWatch;
 use barrelman_video::VideoState;
+use barrelman_video::sender_clock::VideoTiming;
 use barrelman_vocab::Timestamp;
 
 use crate::link::LinkReport;
@@ -17,6 +18,8 @@ pub enum Event {
     Frame,
     /// The video source changed its state.
     Video(VideoState),
+    /// What the times of the pictures tell has changed.
+    VideoTiming(VideoTiming),
     /// The link reports something.
     Link(LinkReport),
     /// A report of the link to the boat.

@@ -232,6 +232,7 @@ impl RunLoop<'_> {
             Event::Link(report) => return self.on_link_report(state, report),
             Event::Boat(report) => return self.on_boat_report(state, report),
             Event::Video(video) => return self.on_video_state(state, video),
+            Event::VideoTiming(timing) => self.publisher.set_video_timing(timing, self.events.now()),
             Event::Quit(cause) => return Some((StopCause::Ending, RunEnd::Requested(cause.to_string()))),
             Event::ThreadPanicked { thread } => return Some(failed(format!("the {thread} thread panicked"))),
             Event::RecordingFailed { reason } => {

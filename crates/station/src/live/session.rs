@@ -226,7 +226,7 @@ impl Session<'_> {
             selects_target: self.selection.is_none() && !self.waits_for_selection,
             damaged_units: 0,
         };
-        let source = source.start(profile, is_recorded, clock, sink)?;
+        let source = source.start(configuration, is_recorded, clock, sink)?;
         let is_headless = console.is_none();
         let pictures = Arc::new(PictureSlot::default());
         let facts = SessionFacts {

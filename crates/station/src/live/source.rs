@@ -3,11 +3,13 @@
 use anyhow::Result;
 use barrelman_host::clock::Clock;
 use barrelman_link_http::Trust;
+use barrelman_video::sender_clock::TimingSettings;
 use barrelman_video::url::VideoSource;
 use barrelman_video::{VideoHandle, VideoUrl};
 use barrelman_vocab::VehicleProfile;
 
 use super::video_sink::LiveVideoSink;
+use crate::config::Configuration;
 use crate::encrypted_video;
 use crate::simulated_source::{self, LiveWorld};
 use crate::source_url::{SimulatedUrl, SourceUrl};
@@ -78,17 +80,22 @@ impl Source {
     /// If the system has no more threads.
     pub(super) fn start(
         self,
-        profile: &VehicleProfile,
+        configuration: &Configuration,
         is_recorded: bool,
         clock: Clock,
         sink: LiveVideoSink,
     ) -> Result<VideoHandle> {
         Ok(match self {
             Self::Simulated(url, world) => {
-                let world = (*world).with_profile(profile).with_encoding(is_recorded);
+                let world = (*world).with_profile(&configuration.profile).with_encoding(is_recorded);
                 simulated_source::spawn_world(world, &url, clock, sink)?
             }
-            Self::Video(url, trust) => encrypted_video::spawn(url, &trust, clock, sink)?,
+            Self::Video(mut url, trust) => {
+                let VehicleProfile { video_latency, stale_after, .. } = configuration.profile;
+                let late_after = video_latency.saturating_add(stale_after);
+                url.timing = TimingSettings { clock: configuration.video_clock, late_after };
+                encrypted_video::spawn(url, &trust, clock, sink)?
+            }
         })
     }
 }

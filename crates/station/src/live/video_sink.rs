@@ -4,6 +4,7 @@ use std::sync::Arc;
 use std::sync::mpsc::SyncSender;
 
 use barrelman_host::latest::Latest;
+use barrelman_video::sender_clock::VideoTiming;
 use barrelman_video::{DecodeError, VideoSink, VideoState};
 use barrelman_vocab::{EncodedUnit, OperatorRequest, PixelBox, VideoFrame};
 
@@ -50,6 +51,10 @@ impl VideoSink for LiveVideoSink {
 
     fn on_state(&mut self, state: VideoState) {
         let _ = self.events.send(Event::Video(state));
+    }
+
+    fn on_timing(&mut self, timing: VideoTiming) {
+        let _ = self.events.send(Event::VideoTiming(timing));
     }
 
     fn on_damage(&mut self, error: &DecodeError) {

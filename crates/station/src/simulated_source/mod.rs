@@ -22,6 +22,7 @@ mod rendering;
 use barrelman_host::clock::Clock;
 use barrelman_video::decoder::DecodeMode;
 use barrelman_video::feed::{Feed, FeedSettings};
+use barrelman_video::sender_clock::TimingSettings;
 use barrelman_video::{VideoError, VideoHandle, VideoSink};
 
 pub use live_world::LiveWorld;
@@ -62,5 +63,10 @@ pub fn spawn_world(
 }
 
 fn feed_settings(url: &SimulatedUrl) -> FeedSettings {
-    FeedSettings { address: url.to_string(), faults: url.faults.clone(), mode: DecodeMode::Live }
+    FeedSettings {
+        address: url.to_string(),
+        faults: url.faults.clone(),
+        mode: DecodeMode::Live,
+        timing: TimingSettings::default(),
+    }
 }

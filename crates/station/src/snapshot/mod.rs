@@ -18,12 +18,14 @@ mod drive_state;
 mod event_log;
 mod frame_rate;
 mod step_time;
+mod timing_text;
 mod vehicle;
 
 use std::sync::Arc;
 use std::time::Duration;
 
 use barrelman_pilot::Outcome;
+use barrelman_video::sender_clock::VideoTiming;
 use barrelman_vocab::{LawId, PictureSize, Timestamp, VehicleRates};
 
 pub use alarm::Alarm;
@@ -75,6 +77,10 @@ pub struct Snapshot {
 pub struct VideoSnapshot {
     /// The state of the source.
     pub state: VideoSourceState,
+    /// What the times of the pictures tell.
+    pub timing: VideoTiming,
+    /// The same in words, where the pictures are not in time.
+    pub timing_text: Option<Arc<str>>,
     /// The newest video frame that the pilot processed: time of capture and size.
     pub frame: Option<(Timestamp, PictureSize)>,
     /// Age of that frame when the pilot had processed it.

@@ -4,9 +4,11 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use barrelman_pilot::{Input, Notice, Outcome, VesselMode};
+use barrelman_video::sender_clock::VideoTiming;
 use barrelman_vocab::acceptance::Acceptance;
 use barrelman_vocab::telemetry::{ControlState, FlightState, LinkState};
 use barrelman_vocab::{Angle, LawId, Timestamp, Track, VehicleProfile, VehicleRates};
+use jiff::Zoned;
 use tokio::sync::watch;
 
 use super::alarm::Alarm;
@@ -15,6 +17,7 @@ use super::camera_work::CameraWorkMeter;
 use super::event_log::{EventLog, Level};
 use super::frame_rate::FrameRate;
 use super::step_time::StepTime;
+use super::timing_text::timing_text;
 use super::vehicle::LinkStatus;
 use super::{DriveState, RecordingState, SharedSnapshot, Snapshot, VideoSourceState};
 use barrelman_pilot::Mode;
@@ -179,6 +182,26 @@ impl Publisher {
         self.publish(now);
     }
 
+    /// What the times of the pictures tell. The log gets the beginning and the end of a delay.
+    pub fn set_video_timing(&mut self, timing: VideoTiming, now: Timestamp) {
+        let before = std::mem::replace(&mut self.state.video.timing, timing);
+        let text = timing_text(timing, now, &Zoned::now());
+        let is_told = match (before, timing) {
+            (VideoTiming::Late { since, .. }, VideoTiming::Late { since: new_since, .. }) => {
+                since == new_since
+            }
+            _ => before == timing,
+        };
+        if !is_told {
+            let level = if timing == VideoTiming::InTime { Level::Info } else { Level::Warning };
+            let text = text.as_deref().unwrap_or("the video is in time again");
+            tracing::warn!("{text}");
+            self.events.add(now, level, "video-timing", text);
+        }
+        self.state.video.timing_text = text.map(Into::into);
+        self.publish(now);
+    }
+
     /// The state of the recording.
     pub fn set_recording(&mut self, recording: RecordingState, now: Timestamp) {
         if let RecordingState::Failed(reason) = &recording {
@@ -224,7 +247,11 @@ impl Publisher {
         let is_link_down = matches!(vehicle.link, LinkStatus::Link(link) if link != LinkState::Up);
         [
             (Alarm::TrackLost, is_lost),
-            (Alarm::StaleVideo, mode == Some(Mode::Holding(HoldCause::VideoStale))),
+            (
+                Alarm::StaleVideo,
+                mode == Some(Mode::Holding(HoldCause::VideoStale))
+                    || matches!(state.video.timing, VideoTiming::Late { .. }),
+            ),
             (
                 Alarm::NoVideo,
                 mode == Some(Mode::Holding(HoldCause::VideoSilent))

@@ -8,6 +8,7 @@ use barrelman_vocab::unit::EncodedUnit;
 use barrelman_vocab::video::VideoFrame;
 
 use super::fault_filter::FaultFilter;
+use super::sender_clock::TimingSettings;
 use super::sink::{VideoSink, VideoState};
 use crate::codec::decoder::{DecodeMode, UnitDecoder};
 use crate::error::{DecodeError, VideoError};
@@ -51,6 +52,8 @@ pub struct FeedSettings {
     pub faults: FaultPlan,
     /// Whether the decoder delivers each picture at once or in the order of display.
     pub mode: DecodeMode,
+    /// How the times of a live stream are judged.
+    pub timing: TimingSettings,
 }
 
 /// Passes units through the deliberate faults and the decoder to the sink.
@@ -62,6 +65,7 @@ pub struct Feed<S> {
     pub(super) address: String,
     pub(super) faults: FaultFilter,
     pub(super) decoder: UnitDecoder,
+    pub(super) timing: TimingSettings,
 }
 
 /// The result of one call of [`Feed::decode`].
@@ -78,9 +82,9 @@ pub struct DecodedUnits {
 impl<S: VideoSink> Feed<S> {
     /// A feed that starts now.
     pub fn new(settings: FeedSettings, clock: Clock, sink: S) -> Self {
-        let FeedSettings { address, faults, mode } = settings;
+        let FeedSettings { address, faults, mode, timing } = settings;
         let faults = FaultFilter::new(faults);
-        Self { sink, clock, address, faults, decoder: UnitDecoder::new(mode) }
+        Self { sink, clock, address, faults, decoder: UnitDecoder::new(mode), timing }
     }
 
     /// Passes a unit through the faults and decodes what is left. Without a unit: decodes the delayed units that are

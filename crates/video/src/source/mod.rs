@@ -16,6 +16,6 @@ mod fault_filter;
 
 pub mod demux;
 
-mod rtp_clock;
 mod rtsp;
+pub mod sender_clock;
 pub mod supervision;

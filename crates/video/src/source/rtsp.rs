@@ -5,7 +5,7 @@
 //! TLS, other codecs, several video streams in one session (the first H.264 stream is used).
 
 use std::pin::{Pin, pin};
-use std::time::Duration;
+use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
 use bytes::Bytes;
 use futures_util::StreamExt;
@@ -13,16 +13,18 @@ use retina::client::{
     Credentials, Demuxed, PlayOptions, Session, SessionOptions, SetupOptions, TcpTransportOptions, Transport,
 };
 use retina::codec::{CodecItem, FrameFormat};
+use retina::rtcp::ReceivedCompoundPacket;
 use tokio::runtime::{Builder, Runtime};
 use tokio::time::{Instant, timeout_at};
 use url::Url;
 
 use super::feed::{Feed, StopSignal};
-use super::rtp_clock::RtpClock;
+use super::sender_clock::{ArrivedPicture, SenderClock, SenderReport, VideoTiming};
 use super::sink::{VideoSink, VideoState};
 use super::supervision::{Action, Event, Loss, State, Supervision};
 use super::url::Login;
 use crate::error::VideoError;
+use barrelman_host::clock::Clock;
 use barrelman_vocab::unit::{EncodedUnit, Rotation, UnitCodec};
 
 /// Interval of the checks for the stop signal and for due faults.
@@ -34,7 +36,9 @@ const TEARDOWN_TIMEOUT: Duration = Duration::from_millis(100);
 /// Receives until the stop signal, or until the stream turns out to be unusable.
 pub(super) fn run<S: VideoSink>(address: &Url, login: Option<&Login>, feed: Feed<S>, stop: &StopSignal) {
     let supervision = Supervision::new(feed.clock.now());
-    let mut receiver = Receiver { feed, supervision, stop, epoch: 0, units: 0, was_up: false };
+    let clock = SenderClock::new(CLOCK_RATE, feed.timing);
+    let timing = VideoTiming::default();
+    let mut receiver = Receiver { feed, supervision, clock, timing, stop, epoch: 0, units: 0, was_up: false };
     loop {
         let wake_at = receiver.feed.clock.instant(receiver.supervision.wake_at());
         if stop.wait_until(wake_at) {
@@ -79,7 +83,7 @@ enum End {
 /// A connection, or an attempt to connect.
 enum Connection<'a> {
     Connecting(Pin<&'a mut dyn Future<Output = Result<Demuxed, ConnectError>>>),
-    Up(Box<Demuxed>, RtpClock),
+    Up(Box<Demuxed>),
 }
 
 /// A failed attempt to connect, or a broken connection.
@@ -102,6 +106,9 @@ enum ConnectionEvent {
 struct Receiver<'a, S> {
     feed: Feed<S>,
     supervision: Supervision,
+    clock: SenderClock,
+    /// What the sink knows of the times.
+    timing: VideoTiming,
     stop: &'a StopSignal,
     epoch: u32,
     units: u64,
@@ -136,11 +143,12 @@ impl<S: VideoSink> Receiver<'_, S> {
                     Err(end) => return end,
                 },
                 ConnectionEvent::Connected(session) => {
-                    connection = Connection::Up(session, RtpClock::new(CLOCK_RATE));
+                    connection = Connection::Up(session);
+                    self.clock.on_connected();
                     self.notify(Event::Connected)
                 }
-                ConnectionEvent::Item(item) => match self.on_item(item, &mut connection) {
-                    Ok(()) => self.notify(Event::Tick),
+                ConnectionEvent::Item(item) => match self.on_item(item) {
+                    Ok(()) => self.judge_times(),
                     Err(end) => return end,
                 },
                 ConnectionEvent::Broken(ConnectError::Permanent(error)) => return End::Final(error),
@@ -155,15 +163,15 @@ impl<S: VideoSink> Receiver<'_, S> {
         }
     }
 
-    fn on_item(&mut self, item: CodecItem, connection: &mut Connection<'_>) -> Result<(), End> {
-        let Connection::Up(_, rtp_clock) = connection else { return Ok(()) };
+    fn on_item(&mut self, item: CodecItem) -> Result<(), End> {
         match item {
             CodecItem::VideoFrame(video) => {
                 // The sender's RTP time is in the low 32 bits.
                 let rtp = video.timestamp().timestamp() as u32;
                 // The arrival of the first packet of a picture is nearest to its capture.
                 let arrival = self.feed.clock.at(video.start_ctx().received());
-                let capture = rtp_clock.capture(rtp, arrival);
+                let bytes = video.data().len();
+                let capture = self.clock.capture(ArrivedPicture { rtp, bytes, arrival });
                 let unit = EncodedUnit {
                     epoch: self.epoch,
                     index: self.units,
@@ -178,13 +186,25 @@ impl<S: VideoSink> Receiver<'_, S> {
                 self.deliver(Some(unit))
             }
             CodecItem::Rtcp(report) => {
-                if let Some(timestamp) = report.rtp_timestamp() {
-                    let arrival = self.feed.clock.at(report.ctx().received());
-                    rtp_clock.on_sender_report(timestamp.timestamp() as u32, arrival);
+                for report in sender_reports(&report, self.feed.clock) {
+                    self.clock.on_sender_report(report);
                 }
                 Ok(())
             }
             _ => Ok(()),
+        }
+    }
+
+    /// Tells the sink what the times of the pictures say, where that changed. A delay that stays ends the connection.
+    fn judge_times(&mut self) -> Option<Action> {
+        let timing = self.clock.timing();
+        if timing.differs_from(self.timing) {
+            self.timing = timing;
+            self.feed.sink.on_timing(timing);
+        }
+        match timing {
+            VideoTiming::Late { since, .. } => self.notify(Event::Late { since }),
+            VideoTiming::InTime | VideoTiming::ClockWrong(_) => self.notify(Event::Tick),
         }
     }
 
@@ -220,6 +240,28 @@ impl<S: VideoSink> Receiver<'_, S> {
 /// Ticks of RTP time per second of an H.264 stream (RFC 6184, 8.2.1).
 const CLOCK_RATE: u32 = 90_000;
 
+/// Nanoseconds from 1900, where NTP time begins (RFC 5905), to 1970, where Unix time begins.
+const UNIX_EPOCH_SINCE_1900_NS: i128 = 2_208_988_800 * 1_000_000_000;
+
+/// The sender reports of a packet.
+fn sender_reports(packet: &ReceivedCompoundPacket, clock: Clock) -> impl Iterator<Item = SenderReport> {
+    let received = packet.ctx().received();
+    let arrival = clock.at(received);
+    let unix = SystemTime::now().checked_sub(received.elapsed()).unwrap_or(UNIX_EPOCH);
+    let unix_ns = unix.duration_since(UNIX_EPOCH).map_or(0, |unix| unix.as_nanos() as i128);
+    packet.pkts().filter_map(|packet| packet.as_sender_report().ok().flatten()).map(move |report| {
+        // Seconds in the upper half, fractions of 2^-32 s in the lower. 0: the sender has no wall clock.
+        let ntp = report.ntp_timestamp().0;
+        let ntp_ns = (i128::from(ntp) * 1_000_000_000) >> 32;
+        SenderReport {
+            rtp: report.rtp_timestamp(),
+            sender_wall_ns: (ntp != 0).then_some(ntp_ns),
+            arrival,
+            wall_ns: unix_ns + UNIX_EPOCH_SINCE_1900_NS,
+        }
+    })
+}
+
 impl Connection<'_> {
     async fn next(&mut self, until: Instant) -> ConnectionEvent {
         match self {
@@ -228,7 +270,7 @@ impl Connection<'_> {
                 Ok(Ok(session)) => ConnectionEvent::Connected(Box::new(session)),
                 Ok(Err(error)) => ConnectionEvent::Broken(error),
             },
-            Self::Up(session, _) => match timeout_at(until, session.next()).await {
+            Self::Up(session) => match timeout_at(until, session.next()).await {
                 Err(_) => ConnectionEvent::Timeout,
                 Ok(Some(Ok(item))) => ConnectionEvent::Item(item),
                 Ok(Some(Err(error))) => ConnectionEvent::Broken(ConnectError::Temporary(error.to_string())),

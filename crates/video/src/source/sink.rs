@@ -4,6 +4,7 @@ use barrelman_vocab::PixelBox;
 use barrelman_vocab::unit::EncodedUnit;
 use barrelman_vocab::video::VideoFrame;
 
+use super::sender_clock::VideoTiming;
 use crate::error::{DecodeError, VideoError};
 
 /// Receives the output of a video source. The methods are called on the video thread and must not block.
@@ -14,6 +15,8 @@ pub trait VideoSink: Send {
     fn on_frame(&mut self, frame: VideoFrame);
     /// A new state of the source.
     fn on_state(&mut self, state: VideoState);
+    /// What the times of the pictures tell has changed. Sources with exact times never call this.
+    fn on_timing(&mut self, _timing: VideoTiming) {}
     /// The target's bounds in the next frame. A simulated world calls this once, before the first frame that shows the
     /// target.
     fn on_target(&mut self, _target: PixelBox) {}

@@ -21,6 +21,17 @@ pub const KEY_FRAME_TIMEOUT: Duration = Duration::from_secs(12);
 /// First pause before a new attempt. The pause doubles with each attempt without a picture.
 pub const MIN_RETRY_PAUSE: Duration = Duration::from_millis(250);
 
+/// Pictures that are late for this long come out of a queue that a new connection drops. A burst after a gap is over
+/// by then.
+pub const MAX_LATENESS: Duration = Duration::from_secs(4);
+
+/// Minimum time from one disconnection for late pictures to the next: the delay may lie before the server. It doubles
+/// with each of them, up to the maximum, and begins anew after a longer time without.
+pub const MIN_LATE_PAUSE: Duration = Duration::from_secs(30);
+
+/// Maximum of the same.
+pub const MAX_LATE_PAUSE: Duration = Duration::from_secs(600);
+
 /// Maximum pause before a new attempt.
 pub const MAX_RETRY_PAUSE: Duration = Duration::from_secs(1);
 
@@ -33,6 +44,7 @@ pub const MAX_RETRY_PAUSE: Duration = Duration::from_secs(1);
 ///    | | +---- broken, or tick --------+                     picture |  |   |
 ///    | |       at since + 5 s: Disconnect                            v  |   |
 ///    | +------ broken, or tick at last_picture + 2 s: Disconnect ---- Up    |
+///    | +------ late for 4 s, once: Disconnect --------------------- Up      |
 ///    |                                             Up -- key needed --> AwaitingKey
 ///    +---- broken, or tick at last_unit + 2 s or since + 12 s: Disconnect --+
 /// ```
@@ -77,6 +89,11 @@ pub enum Event {
     Picture,
     /// A unit was damaged: the next picture needs a key frame.
     KeyNeeded,
+    /// Every picture since then has been late.
+    Late {
+        /// Arrival of the first of them.
+        since: Timestamp,
+    },
     /// The stream ended, or failed.
     Broken,
 }
@@ -99,6 +116,8 @@ pub enum Loss {
     NoKey,
     /// No unit arrives.
     Silence,
+    /// The pictures are late.
+    Late,
     /// The stream ended, or failed.
     Broken,
 }
@@ -108,12 +127,21 @@ pub enum Loss {
 pub struct Supervision {
     state: State,
     pause: Duration,
+    /// The newest disconnection for late pictures.
+    late: Option<LateDisconnection>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct LateDisconnection {
+    at: Timestamp,
+    /// Minimum time to the next.
+    pause: Duration,
 }
 
 impl Supervision {
     /// A source to connect at once.
     pub const fn new(now: Timestamp) -> Self {
-        Self { state: State::Resting { until: now }, pause: MIN_RETRY_PAUSE }
+        Self { state: State::Resting { until: now }, pause: MIN_RETRY_PAUSE, late: None }
     }
 
     /// The current state.
@@ -166,9 +194,29 @@ impl Supervision {
                 self.state = State::AwaitingKey { since: now, last_unit: now };
                 None
             }
-            (State::Up { .. }, Event::Tick) if now >= self.wake_at() => Some(self.rest(Loss::Silence, now)),
+            (State::Up { .. }, Event::Late { since })
+                if now.since(since) >= MAX_LATENESS && self.may_drop_queue(now) =>
+            {
+                Some(self.rest(Loss::Late, now))
+            }
+            (State::Up { .. }, Event::Tick | Event::Late { .. }) if now >= self.wake_at() => {
+                Some(self.rest(Loss::Silence, now))
+            }
             _ => None,
         }
+    }
+
+    /// Whether late pictures may end the connection now. If so, the next time is later.
+    fn may_drop_queue(&mut self, now: Timestamp) -> bool {
+        let pause = match self.late {
+            Some(LateDisconnection { at, pause }) if now.since(at) < pause => return false,
+            Some(LateDisconnection { at, pause }) if now.since(at) < MAX_LATE_PAUSE => {
+                MAX_LATE_PAUSE.min(pause * 2)
+            }
+            _ => MIN_LATE_PAUSE,
+        };
+        self.late = Some(LateDisconnection { at: now, pause });
+        true
     }
 
     fn rest(&mut self, loss: Loss, now: Timestamp) -> Action {
@@ -184,6 +232,7 @@ impl std::fmt::Display for Loss {
             Self::NoAnswer => "it does not answer",
             Self::NoKey => "it sends no key frame (set the camera to one each second)",
             Self::Silence => "nothing comes any more",
+            Self::Late => "the pictures are late: a new connection drops a queue",
             Self::Broken => "the stream ended",
         })
     }
@@ -203,7 +252,7 @@ mod tests {
 
     /// From a state that was entered at 0, one event at `millis`.
     fn check(from: State, event: Event, millis: u64, expected: State, action: Option<Action>) {
-        let mut supervision = Supervision { state: from, pause: MIN_RETRY_PAUSE };
+        let mut supervision = Supervision { state: from, pause: MIN_RETRY_PAUSE, late: None };
         assert_eq!(supervision.handle(event, at(millis)), action, "{from:?} {event:?} at {millis} ms");
         assert_eq!(supervision.state, expected, "{from:?} {event:?} at {millis} ms");
     }
@@ -247,6 +296,29 @@ mod tests {
         check(UP, Event::Tick, 1999, UP, None);
         check(UP, Event::Tick, 2000, resting(2250), Some(Action::Disconnect(Loss::Silence)));
         check(UP, Event::Broken, 10, resting(260), Some(Action::Disconnect(Loss::Broken)));
+    }
+
+    #[test]
+    fn pictures_that_stay_late_end_the_connection_once() {
+        let up = State::Up { last_picture: at(9000) };
+        let late = Event::Late { since: at(5000) };
+        check(up, late, 8999, up, None);
+        check(up, late, 9000, resting(9250), Some(Action::Disconnect(Loss::Late)));
+        check(AWAITING, late, 1000, AWAITING, None);
+    }
+
+    #[test]
+    fn the_next_connection_with_late_pictures_lasts_longer() {
+        let mut supervision = Supervision::new(at(0));
+        let mut ends_s = Vec::new();
+        for second in 0..4000 {
+            supervision.state = State::Up { last_picture: at(second * 1000) };
+            let event = Event::Late { since: at(0) };
+            if supervision.handle(event, at(second * 1000)) == Some(Action::Disconnect(Loss::Late)) {
+                ends_s.push(second);
+            }
+        }
+        assert_eq!(ends_s[..7], [4, 34, 94, 214, 454, 934, 1534]);
     }
 
     #[test]

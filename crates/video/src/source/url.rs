@@ -11,6 +11,7 @@ use std::path::{Path, PathBuf};
 use url::{Position, Url};
 
 use super::feed::FeedSettings;
+use super::sender_clock::TimingSettings;
 use crate::codec::decoder::DecodeMode;
 use barrelman_host::fault::{FaultPlan, FaultPlanError};
 use barrelman_host::redaction::without_logins;
@@ -24,6 +25,8 @@ pub struct VideoUrl {
     pub fps: Option<f64>,
     /// Deliberate faults.
     pub faults: FaultPlan,
+    /// How the times of a live stream are judged.
+    pub timing: TimingSettings,
     /// Where a relay takes what goes to a server that speaks TLS (`rtsps://`).
     relay: Option<SocketAddr>,
 }
@@ -159,7 +162,13 @@ impl VideoUrl {
 
     /// A file or a folder, without options.
     pub fn file(path: impl Into<PathBuf>) -> Self {
-        Self { source: VideoSource::File(path.into()), fps: None, faults: FaultPlan::default(), relay: None }
+        Self {
+            source: VideoSource::File(path.into()),
+            fps: None,
+            faults: FaultPlan::default(),
+            timing: TimingSettings::default(),
+            relay: None,
+        }
     }
 
     /// The source with this login.
@@ -214,7 +223,7 @@ impl VideoUrl {
     /// The settings of the feed of this source.
     pub(super) fn feed_settings(&self) -> FeedSettings {
         let mode = if self.is_live() { DecodeMode::Live } else { DecodeMode::File };
-        FeedSettings { address: self.to_string(), faults: self.faults.clone(), mode }
+        FeedSettings { address: self.to_string(), faults: self.faults.clone(), mode, timing: self.timing }
     }
 
     fn parse_path(path: &str) -> Result<Self, VideoUrlError> {

@@ -21,7 +21,8 @@ use barrelman_vocab::{
 
 use super::super::link_end::{LinkEnd, LinkEvent};
 use super::super::mutant::Mutant;
-use super::super::picture::{PICTURE, SeenPicture};
+use super::super::picture::PICTURE;
+use super::super::video_path::Arrived;
 use super::console::Console;
 use super::oracle::{VesselOracle, VideoArrival};
 use super::truth_tracker::{Truth, TruthTracker};
@@ -129,19 +130,20 @@ impl VesselProgram {
         }
     }
 
-    /// A picture has arrived, `age` after it was captured.
-    pub(super) fn see(&mut self, picture: SeenPicture, age: Duration, now: Timestamp) -> VideoArrival {
+    /// A picture has arrived.
+    pub(super) fn see(&mut self, arrived: Arrived, now: Timestamp) -> VideoArrival {
+        let Arrived { captured, delay, picture } = arrived;
         *self.truth.lock().unwrap_or_else(PoisonError::into_inner) = Some(picture);
         let frame = VideoFrame {
             sequence: self.frames,
-            capture: Capture { at: picture.captured, quality: CaptureQuality::Sensor },
+            capture: Capture { at: captured, quality: CaptureQuality::Sensor },
             picture: Arc::clone(&self.pixels),
         };
         self.frames += 1;
         self.step(Input::Frame(&frame), now);
-        let track = picture.track(picture.captured);
+        let track = picture.track(captured, None);
         VideoArrival {
-            is_fresh: age <= self.profile.video_latency + self.profile.stale_after,
+            is_fresh: delay <= self.profile.video_latency + self.profile.stale_after,
             is_boat_found: matches!(track, Track::Tracking(_)),
         }
     }

@@ -1,8 +1,5 @@
 //! One run with a boat: thirteen seconds of the world, millisecond by millisecond.
 
-use core::time::Duration;
-use std::collections::VecDeque;
-
 use anyhow::Result;
 use barrelman_pilot::vessel::GuidanceLaw;
 use barrelman_vocab::VesselOrder;
@@ -10,10 +7,11 @@ use barrelman_vocab::VesselOrder;
 use super::super::fault::{self, FaultKind};
 use super::super::machine::{Machine, Moment};
 use super::super::mutant::Mutant;
-use super::super::picture::{FRAME_MS, SeenPicture, Underway, boat_bearing_rad, latency_ms, take_newest};
+use super::super::picture::{FRAME_MS, SeenPicture, boat_bearing_rad};
 use super::super::run::LASTS_MS;
 use super::super::run_result::RunResult;
 use super::super::station::TICK_S;
+use super::super::video_path::VideoPath;
 use super::boat::Boat;
 use super::oracle::{VesselLicence, VesselOracle};
 use super::program::VesselProgram;
@@ -21,8 +19,6 @@ use super::script::{Desk, Script};
 use super::vessel_kind::Vessel;
 use crate::rng::Rng;
 
-/// By how much the clock of the video jumps back; in half of the faults it jumps ahead.
-const CLOCK_JUMP: Duration = Duration::from_secs(3);
 /// Interval between two reports of height and tilt, ms.
 const HEIGHT_INTERVAL_MS: u64 = 200;
 /// A boat that another commander steers is left alone after this time on a line without faults, ms.
@@ -37,7 +33,7 @@ struct World {
     oracle: VesselOracle,
     phase: f64,
     pan_rad: f64,
-    pictures: VecDeque<Underway>,
+    video: VideoPath,
     /// Until when line and guard are not whole, ms.
     disturbed_until_ms: u64,
     /// Since when another commander has steered the boat, on a line without faults, ms.
@@ -76,7 +72,7 @@ pub(crate) fn run(
         phase: rng.uniform(0.0, core::f64::consts::TAU),
         machine: Machine::start(vessel.link_plan(mutant)?, faults, Rng::from_name("line", number ^ seed)),
         pan_rad: 0.0,
-        pictures: VecDeque::new(),
+        video: VideoPath::new(mutant),
         disturbed_until_ms: 0,
         elsewhere_since_ms: None,
     };
@@ -115,25 +111,11 @@ impl World {
         }
         let boat_rad = self.vessel.swing() * boat_bearing_rad(self.phase, at_ms);
         let is_found = !self.machine.is_active(FaultKind::TrackLost, at_ms);
-        let now = self.machine.now(at_ms);
-        let jump = fault::active(&self.machine.faults, FaultKind::VideoClockJumps, at_ms);
-        let latency_ms = latency_ms(&self.machine.faults, at_ms);
-        let due_ms = at_ms + latency_ms;
-        // A time of capture after the arrival counts as the arrival, as it does in the program's own clock of the video: nothing
-        // else is known then.
-        let (captured, captured_ms) = match jump {
-            Some(fault) if fault.from_ms.is_multiple_of(2) => {
-                (now.plus(Duration::from_millis(latency_ms)), due_ms)
-            }
-            Some(_) => (now.minus(CLOCK_JUMP), at_ms),
-            None => (now, at_ms),
-        };
         let picture = SeenPicture {
-            captured,
             bearing_rad: is_found.then_some(boat_rad - self.pan_rad),
             is_coasting: self.machine.is_active(FaultKind::TrackCoasts, at_ms),
         };
-        self.pictures.push_back(Underway { captured_ms, due_ms, picture });
+        self.video.send(picture, &self.machine.faults, at_ms);
     }
 
     fn advance_program(&mut self, moment: Moment) {
@@ -142,7 +124,7 @@ impl World {
             return;
         }
         if was_suspended {
-            self.pictures.clear();
+            self.video.clear();
             self.program.on_suspension(&mut self.oracle, now);
         }
         if self.machine.begins(FaultKind::ProgramEnds, at_ms) && !self.machine.is_closing {
@@ -161,9 +143,8 @@ impl World {
         if !self.machine.is_closing {
             self.oracle.program_runs(at_ms);
         }
-        if let Some(Underway { captured_ms, picture, .. }) = take_newest(&mut self.pictures, at_ms) {
-            let age = Duration::from_millis(at_ms - captured_ms);
-            let arrival = self.program.see(picture, age, now);
+        if let Some(arrived) = self.video.receive(at_ms, now) {
+            let arrival = self.program.see(arrived, now);
             self.oracle.saw(arrival, at_ms);
         }
     }

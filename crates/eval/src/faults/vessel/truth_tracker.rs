@@ -31,8 +31,7 @@ impl Tracker for TruthTracker {
 
     fn track(&mut self, frame: &VideoFrame, _: Option<&MotionPrior>) -> Track {
         let seen = *self.truth.lock().unwrap_or_else(PoisonError::into_inner);
-        let lost_since = self.lost_since.unwrap_or(frame.capture.at);
-        let track = seen.map_or(Track::Unseeded, |picture| picture.track(lost_since));
+        let track = seen.map_or(Track::Unseeded, |picture| picture.track(frame.capture.at, self.lost_since));
         self.lost_since = match track {
             Track::Lost { since, .. } => Some(since),
             _ => None,

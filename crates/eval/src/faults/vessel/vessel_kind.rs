@@ -125,6 +125,9 @@ impl Vessel {
             }
             FaultKind::VideoStalls
             | FaultKind::VideoLate
+            | FaultKind::VideoDelayStands
+            | FaultKind::VideoDelayCreeps
+            | FaultKind::VideoClockJumps
             | FaultKind::TrackLost
             | FaultKind::TrackCoasts
             | FaultKind::PilotHangs
@@ -157,6 +160,7 @@ impl Vessel {
             Mutant::NoGuard,
             Mutant::NoConsoleTimeOut,
             Mutant::CommandsLast,
+            Mutant::ForgetsDelays,
         ]
     }
 

@@ -140,7 +140,7 @@ pub struct PerceptStatus {
 pub struct VideoStatus {
     /// `connecting`, `up`, `lost` or `ended`.
     pub state: &'static str,
-    /// Why the video was lost.
+    /// Why the video was lost; of video that is up: that it is late, or that the camera's clock is wrong.
     pub reason: Option<String>,
     /// Width and height of the displayed picture, pixels.
     pub size: Option<[u32; 2]>,

@@ -5,6 +5,7 @@ use std::time::Duration;
 
 use barrelman_control::{Percept, Region};
 use barrelman_pilot::Advice;
+use barrelman_video::sender_clock::VideoTiming;
 use barrelman_vocab::earth::{GeoPoint, WaterOnEarth};
 use barrelman_vocab::telemetry::{ControlState, LinkState};
 use barrelman_vocab::track::Shape;
@@ -170,14 +171,17 @@ fn laws_have_the_names_by_which_they_are_requested() {
 #[test]
 fn the_video_is_given_in_milliseconds_and_frames_a_second() {
     let lost = VideoSourceState::Lost("timeout".to_owned());
-    for (state, name, reason) in [
-        (VideoSourceState::Connecting, "connecting", None),
-        (VideoSourceState::Up, "up", None),
-        (lost, "lost", Some("timeout")),
-        (VideoSourceState::Ended, "ended", None),
+    for (state, timing_text, name, reason) in [
+        (VideoSourceState::Connecting, None, "connecting", None),
+        (VideoSourceState::Up, None, "up", None),
+        (VideoSourceState::Up, Some("late"), "up", Some("late")),
+        (lost, Some("late"), "lost", Some("timeout")),
+        (VideoSourceState::Ended, None, "ended", None),
     ] {
         let video = VideoSnapshot {
             state,
+            timing: VideoTiming::InTime,
+            timing_text: timing_text.map(Into::into),
             frame: Some((at(40), PICTURE)),
             age: Some(Duration::from_micros(12_500)),
             fps: 25.0,

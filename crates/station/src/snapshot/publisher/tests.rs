@@ -59,6 +59,24 @@ fn a_snapshot_holds_the_newest_step() {
 }
 
 #[test]
+fn late_video_is_an_alarm_whether_engaged_or_not_and_is_logged_once() {
+    let mut publisher = publisher();
+    let readers = publisher.subscribe();
+    for by_ms in [1500, 2000, 3000] {
+        let timing = VideoTiming::Late { by: Duration::from_millis(by_ms), since: at(0) };
+        publisher.set_video_timing(timing, at(by_ms));
+    }
+    let newest = readers.borrow().clone();
+    assert_eq!(newest.alarms, [Alarm::StaleVideo]);
+    let text = newest.video.timing_text.as_deref().unwrap();
+    assert!(text.starts_with("video 3.0 s late since ") && text.ends_with("; reconnect"), "{text}");
+    publisher.set_video_timing(VideoTiming::InTime, at(4000));
+    assert_eq!(readers.borrow().alarms, []);
+    assert_eq!(readers.borrow().video.timing_text, None);
+    assert_eq!(keys(&publisher), ["video-timing", "stale-video", "video-timing"]);
+}
+
+#[test]
 fn steps_are_numbered_and_a_reader_gets_the_newest() {
     let mut publisher = publisher();
     let mut reader = publisher.subscribe();

@@ -1,0 +1,111 @@
+//! The way of the pictures from the camera to the program, with its faults, and the program's clock of the video.
+
+use std::collections::VecDeque;
+use std::time::Duration;
+
+use barrelman_video::sender_clock::{ArrivedPicture, SenderClock, TimingSettings};
+use barrelman_vocab::Timestamp;
+
+use super::fault::{self, Fault, FaultKind};
+use super::mutant::Mutant;
+use super::picture::SeenPicture;
+
+/// From the capture of a picture to its arrival, ms. The program does not know it.
+const LATENCY_MS: u64 = 120;
+/// Added to it while the video is late, ms.
+const LATE_MS: u64 = 700;
+/// A standing delay, ms, and the time in which it grows.
+const STANDING_MS: u64 = 3_000;
+const GROWS_MS: u64 = 1_500;
+/// A creeping delay grows by this for each millisecond.
+const CREEP: f64 = 0.12;
+/// By how much the sender's clock jumps back; in half of the faults it jumps ahead, ms.
+const CLOCK_JUMP_MS: i64 = 3_000;
+/// RTP time of the start of the world, ms.
+const RTP_START_MS: i64 = 47_000_000;
+const TICKS_PER_SECOND: u32 = 90_000;
+/// How much younger than it is a picture may seem: two clocks may drift by 200 ppm in a run of 13 s.
+const DRIFT_ALLOWANCE: Duration = Duration::from_millis(4);
+
+/// A picture on its way to the program.
+#[derive(Debug, Clone, Copy)]
+struct Underway {
+    captured_ms: u64,
+    rtp: u32,
+    due_ms: u64,
+    picture: SeenPicture,
+}
+
+/// A picture that has arrived.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Arrived {
+    /// The time of capture, as the program takes it.
+    pub(super) captured: Timestamp,
+    /// The age beyond the latency of video in time, in truth.
+    pub(super) delay: Duration,
+    pub(super) picture: SeenPicture,
+}
+
+/// The way of the pictures.
+pub(super) struct VideoPath {
+    clock: SenderClock,
+    underway: VecDeque<Underway>,
+    /// Whether late pictures are taken for fresh ones.
+    forgets_delays: bool,
+}
+
+impl VideoPath {
+    pub(super) fn new(mutant: Mutant) -> Self {
+        let clock = SenderClock::new(TICKS_PER_SECOND, TimingSettings::default());
+        Self { clock, underway: VecDeque::new(), forgets_delays: mutant == Mutant::ForgetsDelays }
+    }
+
+    /// The camera takes a picture.
+    pub(super) fn send(&mut self, picture: SeenPicture, faults: &[Fault], at_ms: u64) {
+        let jump_ms = match fault::active(faults, FaultKind::VideoClockJumps, at_ms) {
+            Some(fault) if fault.from_ms.is_multiple_of(2) => CLOCK_JUMP_MS,
+            Some(_) => -CLOCK_JUMP_MS,
+            None => 0,
+        };
+        let rtp = ((RTP_START_MS + at_ms as i64 + jump_ms) * i64::from(TICKS_PER_SECOND / 1000)) as u32;
+        // No picture overtakes another.
+        let newest_due_ms = self.underway.back().map_or(0, |underway| underway.due_ms);
+        let due_ms = newest_due_ms.max(at_ms + latency_ms(faults, at_ms));
+        self.underway.push_back(Underway { captured_ms: at_ms, rtp, due_ms, picture });
+    }
+
+    /// What was under way is lost.
+    pub(super) fn clear(&mut self) {
+        self.underway.clear();
+    }
+
+    /// Takes the pictures that have arrived. Returns the newest.
+    pub(super) fn receive(&mut self, at_ms: u64, now: Timestamp) -> Option<Arrived> {
+        let mut newest = None;
+        while let Some(underway) = self.underway.pop_front_if(|underway| underway.due_ms <= at_ms) {
+            let picture = ArrivedPicture { rtp: underway.rtp, bytes: 5_000, arrival: now };
+            let captured = self.clock.capture(picture).at;
+            newest = Some(Arrived {
+                captured: if self.forgets_delays { now } else { captured },
+                delay: Duration::from_millis((at_ms - underway.captured_ms).saturating_sub(LATENCY_MS))
+                    .saturating_sub(DRIFT_ALLOWANCE),
+                picture: underway.picture,
+            });
+        }
+        newest
+    }
+}
+
+/// From the capture of a picture to its arrival with these faults, ms.
+fn latency_ms(faults: &[Fault], at_ms: u64) -> u64 {
+    let is_late = fault::active(faults, FaultKind::VideoLate, at_ms).is_some();
+    let late_ms = if is_late { LATE_MS } else { 0 };
+    // A delay that has grown stays.
+    let since_ms = |kind| {
+        let begun = faults.iter().filter(|fault| fault.kind == kind).map(|fault| fault.from_ms).min();
+        begun.map_or(0, |from_ms| at_ms.saturating_sub(from_ms))
+    };
+    let standing_ms = STANDING_MS * since_ms(FaultKind::VideoDelayStands).min(GROWS_MS) / GROWS_MS;
+    let creeping_ms = (CREEP * since_ms(FaultKind::VideoDelayCreeps) as f64) as u64;
+    LATENCY_MS + late_ms + standing_ms + creeping_ms
+}
