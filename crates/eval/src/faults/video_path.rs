@@ -20,7 +20,8 @@ const GROWS_MS: u64 = 1_500;
 /// A creeping delay grows by this for each millisecond.
 const CREEP: f64 = 0.12;
 /// By how much the sender's clock jumps back; in half of the faults it jumps ahead, ms.
-const CLOCK_JUMP_MS: i64 = 3_000;
+/// A jump ahead that a queue explains looks like a queue that was dropped.
+const CLOCK_JUMP_MS: i64 = 5_000;
 /// RTP time of the start of the world, ms.
 const RTP_START_MS: i64 = 47_000_000;
 const TICKS_PER_SECOND: u32 = 90_000;
@@ -50,6 +51,7 @@ pub(super) struct Arrived {
 pub(super) struct VideoPath {
     clock: SenderClock,
     underway: VecDeque<Underway>,
+    suspended: Duration,
     /// Whether late pictures are taken for fresh ones.
     forgets_delays: bool,
 }
@@ -57,7 +59,12 @@ pub(super) struct VideoPath {
 impl VideoPath {
     pub(super) fn new(mutant: Mutant) -> Self {
         let clock = SenderClock::new(TICKS_PER_SECOND, TimingSettings::default());
-        Self { clock, underway: VecDeque::new(), forgets_delays: mutant == Mutant::ForgetsDelays }
+        Self {
+            clock,
+            underway: VecDeque::new(),
+            suspended: Duration::ZERO,
+            forgets_delays: mutant == Mutant::ForgetsDelays,
+        }
     }
 
     /// The camera takes a picture.
@@ -81,6 +88,8 @@ impl VideoPath {
 
     /// Takes the pictures that have arrived. Returns the newest.
     pub(super) fn receive(&mut self, at_ms: u64, now: Timestamp) -> Option<Arrived> {
+        let suspended = Duration::from_millis(at_ms).saturating_sub(now.since(Timestamp::ZERO));
+        self.clock.on_suspension(suspended - std::mem::replace(&mut self.suspended, suspended));
         let mut newest = None;
         while let Some(underway) = self.underway.pop_front_if(|underway| underway.due_ms <= at_ms) {
             let picture = ArrivedPicture { rtp: underway.rtp, bytes: 5_000, arrival: now };

@@ -25,6 +25,7 @@ use super::supervision::{Action, Event, Loss, State, Supervision};
 use super::url::Login;
 use crate::error::VideoError;
 use barrelman_host::clock::Clock;
+use barrelman_host::suspend::SuspendWatch;
 use barrelman_vocab::unit::{EncodedUnit, Rotation, UnitCodec};
 
 /// Interval of the checks for the stop signal and for due faults.
@@ -38,7 +39,9 @@ pub(super) fn run<S: VideoSink>(address: &Url, login: Option<&Login>, feed: Feed
     let supervision = Supervision::new(feed.clock.now());
     let clock = SenderClock::new(CLOCK_RATE, feed.timing);
     let timing = VideoTiming::default();
-    let mut receiver = Receiver { feed, supervision, clock, timing, stop, epoch: 0, units: 0, was_up: false };
+    let suspensions = SuspendWatch::start();
+    let mut receiver =
+        Receiver { feed, supervision, clock, timing, suspensions, stop, epoch: 0, units: 0, was_up: false };
     loop {
         let wake_at = receiver.feed.clock.instant(receiver.supervision.wake_at());
         if stop.wait_until(wake_at) {
@@ -109,6 +112,7 @@ struct Receiver<'a, S> {
     clock: SenderClock,
     /// What the sink knows of the times.
     timing: VideoTiming,
+    suspensions: SuspendWatch,
     stop: &'a StopSignal,
     epoch: u32,
     units: u64,
@@ -164,6 +168,9 @@ impl<S: VideoSink> Receiver<'_, S> {
     }
 
     fn on_item(&mut self, item: CodecItem) -> Result<(), End> {
+        if let Some(gap) = self.suspensions.check() {
+            self.clock.on_suspension(gap);
+        }
         match item {
             CodecItem::VideoFrame(video) => {
                 // The sender's RTP time is in the low 32 bits.

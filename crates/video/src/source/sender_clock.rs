@@ -138,14 +138,18 @@ pub struct SenderClock {
     baseline: Option<Baseline>,
     wall: WallClock,
     check: ClockCheck,
+    /// Arrival of the first of the late pictures in turn.
     late_since: Option<Timestamp>,
+    /// How long the machine has been suspended. The program's clock stood still meanwhile, the sender's did not.
+    suspended: Duration,
 }
 
 #[derive(Debug, Clone, Copy)]
 struct LastPicture {
     /// RTP time, unwrapped.
     ticks: i64,
-    arrival: Timestamp,
+    /// Time of arrival by a clock that goes on while the machine is suspended.
+    arrived: Timestamp,
     delay_ns: i128,
     capture: Capture,
 }
@@ -162,7 +166,13 @@ impl SenderClock {
             wall: WallClock::default(),
             check: ClockCheck::default(),
             late_since: None,
+            suspended: Duration::ZERO,
         }
+    }
+
+    /// The machine was suspended for this long.
+    pub fn on_suspension(&mut self, gap: Duration) {
+        self.suspended += gap;
     }
 
     /// A new connection was made. Its RTP time may be that of the connection before, or another.
@@ -176,12 +186,13 @@ impl SenderClock {
     /// The time of capture of a picture.
     pub fn capture(&mut self, picture: ArrivedPicture) -> Capture {
         let ArrivedPicture { arrival, bytes, .. } = picture;
+        let arrived = arrival.plus(self.suspended);
         let ticks = self.unwrap(picture.rtp);
-        let offset_ns = self.offset_ns(ticks, arrival);
+        let offset_ns = self.offset_ns(ticks, arrived);
         let is_new_connection = std::mem::replace(&mut self.is_new_connection, false);
         let step = self.last.filter(|_| !is_new_connection).map(|last| Step {
             sent_ns: self.nanos(ticks) - self.nanos(last.ticks),
-            arrived_ns: i128::from(arrival.as_nanos()) - i128::from(last.arrival.as_nanos()),
+            arrived_ns: i128::from(arrived.as_nanos()) - i128::from(last.arrived.as_nanos()),
         });
         let has_jumped = match (step, self.last) {
             (Some(step), Some(last)) => {
@@ -191,17 +202,17 @@ impl SenderClock {
         };
         let last_delay_ns = self.last.map_or(0, |last| last.delay_ns);
         if has_jumped {
-            self.baseline = Some(Baseline::new(offset_ns - last_delay_ns, arrival));
+            self.baseline = Some(Baseline::new(offset_ns - last_delay_ns, arrived));
             self.wall.forget();
-        } else if is_new_connection && !self.continues(offset_ns, arrival) {
+        } else if is_new_connection && !self.continues(offset_ns, arrived) {
             self.baseline = None;
         }
-        let baseline = self.baseline.get_or_insert_with(|| Baseline::new(offset_ns, arrival));
-        let delay_ns = baseline.observe(offset_ns, arrival);
-        let wall_delay_ns = if has_jumped { None } else { self.wall.delay_ns(offset_ns, arrival) };
+        let baseline = self.baseline.get_or_insert_with(|| Baseline::new(offset_ns, arrived));
+        let delay_ns = baseline.observe(offset_ns, arrived);
+        let wall_delay_ns = if has_jumped { None } else { self.wall.delay_ns(offset_ns, arrived) };
         let delay_ns = delay_ns.max(wall_delay_ns.unwrap_or(0));
         if let Some(step) = step {
-            self.check.observe(step, has_jumped, delay_ns, bytes, arrival);
+            self.check.observe(step, has_jumped, delay_ns, bytes, arrived);
         }
         self.judge_delay(delay_ns, arrival);
         let capture = match self.uses_arrival() {
@@ -209,7 +220,7 @@ impl SenderClock {
             false => Capture { at: arrival.minus(duration(delay_ns)), quality: CaptureQuality::Sender },
         };
         let capture = self.in_order(capture, step, arrival);
-        self.last = Some(LastPicture { ticks, arrival, delay_ns, capture });
+        self.last = Some(LastPicture { ticks, arrived, delay_ns, capture });
         capture
     }
 
@@ -219,14 +230,14 @@ impl SenderClock {
         else {
             return;
         };
-        let arrival = report.arrival;
-        let offset_ns = self.offset_ns(self.unwrap(report.rtp), arrival);
-        let known_ns = baseline.at(arrival);
+        let arrived = report.arrival.plus(self.suspended);
+        let offset_ns = self.offset_ns(self.unwrap(report.rtp), arrived);
+        let known_ns = baseline.at(arrived);
         if !(known_ns - MAX_QUEUE_NS..known_ns + last.delay_ns + MAX_STEP_NS).contains(&offset_ns) {
             return;
         }
         if (known_ns - MAX_STEP_NS..known_ns).contains(&offset_ns) {
-            self.baseline = Some(Baseline::new(offset_ns, arrival));
+            self.baseline = Some(Baseline::new(offset_ns, arrived));
         }
         self.wall.on_report(&report, offset_ns);
         self.check.set_confirmed(self.wall.is_steady());
@@ -241,7 +252,9 @@ impl SenderClock {
             return VideoTiming::ClockWrong(fault);
         }
         match (self.late_since, self.last) {
-            (Some(since), Some(last)) if last.arrival.since(since) >= LATE_TOLD_AFTER => {
+            (Some(since), Some(last))
+                if last.arrived.since(since.plus(self.suspended)) >= LATE_TOLD_AFTER =>
+            {
                 VideoTiming::Late { by: duration(last.delay_ns), since }
             }
             _ => VideoTiming::InTime,
@@ -274,10 +287,10 @@ impl SenderClock {
     /// Whether the first picture of a connection, with this offset, comes from the same clock as the pictures before.
     /// A queue holds no more than it held plus what was captured meanwhile. A clock that begins anew has such an
     /// offset by chance in one of thousands of connections: the counter has 13 hours.
-    fn continues(&self, offset_ns: i128, arrival: Timestamp) -> bool {
+    fn continues(&self, offset_ns: i128, arrived: Timestamp) -> bool {
         let (Some(baseline), Some(last)) = (self.baseline, self.last) else { return false };
-        let excess_ns = offset_ns - baseline.at(arrival);
-        let gap_ns = nanos(arrival.since(last.arrival));
+        let excess_ns = offset_ns - baseline.at(arrived);
+        let gap_ns = nanos(arrived.since(last.arrived));
         (-MAX_EARLIER_NS..=last.delay_ns + gap_ns + MAX_STEP_NS).contains(&excess_ns)
     }
 
@@ -288,8 +301,8 @@ impl SenderClock {
         last.ticks.saturating_add(i64::from(step))
     }
 
-    fn offset_ns(&self, ticks: i64, arrival: Timestamp) -> i128 {
-        i128::from(arrival.as_nanos()) - self.nanos(ticks)
+    fn offset_ns(&self, ticks: i64, arrived: Timestamp) -> i128 {
+        i128::from(arrived.as_nanos()) - self.nanos(ticks)
     }
 
     fn nanos(&self, ticks: i64) -> i128 {

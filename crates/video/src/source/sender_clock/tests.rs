@@ -1,7 +1,6 @@
 use super::*;
 
 const RATE: u32 = 90_000;
-const LATE_AFTER_MS: u64 = 500;
 
 fn ms(millis: f64) -> Timestamp {
     Timestamp::from_nanos((millis * 1e6) as u64)
@@ -205,6 +204,21 @@ fn a_jump_of_the_senders_clock_keeps_the_delay() {
             for seen in sender.run(5.0, |_| delay_s) {
                 assert!(seen.age_error_s(delay_s).abs() < 0.05, "{jump_s} s, {delay_s} s: {seen:?}");
             }
+        }
+    }
+}
+
+#[test]
+fn a_suspension_of_the_machine_keeps_the_delay() {
+    for gap_s in [0.5, 3.0, 60.0] {
+        let mut sender = Sender::new();
+        sender.run(5.0, |_| 0.005);
+        sender.run(5.0, |_| 2.0);
+        // The program's clock stands still, the sender's does not.
+        sender.clock.on_suspension(Duration::from_secs_f64(gap_s));
+        sender.rtp_start_s += gap_s;
+        for seen in sender.run(5.0, |_| 2.0) {
+            assert!(seen.age_error_s(2.0).abs() < 0.05, "{gap_s} s: {seen:?}");
         }
     }
 }
