@@ -4,13 +4,16 @@
 //!
 //! - Without `--force`, the file is created with `O_CREAT | O_EXCL`. An existing file is refused, also one that
 //!   appears at the last moment, and so is a symbolic link, whatever its target.
-//! - With `--force`, an existing file is opened with `O_NOFOLLOW` and emptied at the first write, so that work that fails
-//!   before it has a result leaves the old file unchanged. The file is overwritten in place and not replaced by a
-//!   temporary file: a recording can be read while it grows, and the output of a killed program stays under its name. A
-//!   symbolic link in the place of the file is refused; links in the folders above it are followed.
+//! - With `--force`, a new file is created beside an existing one (`.barrelman-*.new`), and takes its name at the first
+//!   write. Work that fails before it has a result leaves the old file unchanged. Another name of the old file (a hard
+//!   link) keeps the old content. From the first write on a recording can be read while it grows, and the output of a
+//!   killed program stays under its name. A device or a pipe is opened as it is. A symbolic link in the place of the file
+//!   is refused; links in the folders above it are followed.
 //!
-//! An open file is locked (`flock`), so that two programs, or two outputs of one command, cannot write to one file with
-//! `--force` or `--resume`.
+//! New files can be read by their owner alone (mode 0600): recordings show people in distress.
+//!
+//! An open file is locked (`flock`), and so is the file that it replaces, so that two programs, or two outputs of one
+//! command, cannot write to one file with `--force` or `--resume`.
 //!
 //! A file that was created and never written is removed when its handle is dropped. Only a killed program leaves an empty
 //! file behind.
@@ -24,8 +27,12 @@ use anyhow::{Context, Result, anyhow, bail};
 use rustix::fs::{FlockOperation, OFlags, flock};
 use rustix::io::Errno;
 
+use crate::random::random_bytes;
+
 /// Attempts to open a file that another program creates and removes at the same time.
 const ATTEMPTS: usize = 8;
+/// Permissions of a new file: its owner reads and writes.
+const OWNER_ALONE: u32 = 0o600;
 
 /// An output file that is open for writing.
 #[derive(Debug)]
@@ -35,13 +42,18 @@ pub struct OutputFile {
     file: File,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug)]
 enum State {
     /// Created by this program and empty: removed when it is dropped.
     Created,
-    /// Existed before: emptied at the first write.
-    Existing,
-    /// Emptied or written: kept.
+    /// Created beside an existing file, whose name it takes at the first write; removed when it is dropped before that.
+    Beside {
+        /// The name of the new file until then.
+        new: PathBuf,
+        /// The existing file, which stays locked until then.
+        _old: File,
+    },
+    /// Begun: kept.
     Begun,
 }
 
@@ -72,7 +84,7 @@ impl OutputFile {
     /// The file exists and `force` is false, is a symbolic link, or cannot be created; the message names it.
     pub fn open(path: &Path, force: bool) -> Result<Self> {
         for _ in 0..ATTEMPTS {
-            match OpenOptions::new().write(true).create_new(true).open(path) {
+            match create_new(path) {
                 Ok(file) => return Self { state: State::Created, path: path.to_owned(), file }.lock(),
                 Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {}
                 Err(error) => return Err(open_error(path, error)),
@@ -85,10 +97,10 @@ impl OutputFile {
             }
             match without_following().write(true).open(path) {
                 Ok(file) => {
-                    let file = Self { state: State::Existing, path: path.to_owned(), file }.lock()?;
+                    let old = Self { state: State::Begun, path: path.to_owned(), file }.lock()?;
                     // Otherwise another program removed the file before it was locked.
-                    if file.is_at_its_path() {
-                        return Ok(file);
+                    if old.is_at_its_path() {
+                        return old.replaced();
                     }
                 }
                 // Another program removed the file.
@@ -121,12 +133,12 @@ impl OutputFile {
         &self.path
     }
 
-    /// Empties the file now, and keeps it even if nothing is written to it.
+    /// Takes the place of an existing file now, and keeps the file even if nothing is written to it.
     ///
     /// # Errors
-    /// The file cannot be emptied.
+    /// The existing file cannot be replaced.
     pub fn begin(&mut self) -> Result<()> {
-        self.empty_once().with_context(|| cannot_be_written(&self.path))
+        self.take_place().with_context(|| cannot_be_written(&self.path))
     }
 
     /// Truncates the file to `bytes` bytes and continues at its end.
@@ -134,7 +146,7 @@ impl OutputFile {
     /// # Errors
     /// The file cannot be truncated.
     pub fn truncate_at(&mut self, bytes: u64) -> Result<()> {
-        self.empty_once()
+        self.take_place()
             .and_then(|()| self.file.set_len(bytes))
             .and_then(|()| self.file.seek(SeekFrom::Start(bytes)).map(drop))
             .with_context(|| cannot_be_written(&self.path))
@@ -169,10 +181,27 @@ impl OutputFile {
         }
     }
 
-    fn empty_once(&mut self) -> io::Result<()> {
-        // Devices and pipes have no length.
-        if self.state == State::Existing && self.file.metadata()?.is_file() {
-            self.file.set_len(0)?;
+    /// A new file that replaces this existing one at the first write. A device or a pipe is written as it is.
+    fn replaced(mut self) -> Result<Self> {
+        let context = || cannot_be_written(&self.path);
+        if !self.file.metadata().with_context(context)?.is_file() {
+            return Ok(self);
+        }
+        let mut random = [0; 8];
+        random_bytes(&mut random).with_context(context)?;
+        let new = self.path.with_file_name(format!(".barrelman-{:016x}.new", u64::from_ne_bytes(random)));
+        let file = create_new(&new)
+            .with_context(|| format!("no file can be created beside it: {}", new.display()))
+            .with_context(context)?;
+        let old = std::mem::replace(&mut self.file, file);
+        self.state = State::Beside { new, _old: old };
+        self.lock()
+    }
+
+    /// Gives a new file the name of the existing one that it replaces.
+    fn take_place(&mut self) -> io::Result<()> {
+        if let State::Beside { new, .. } = &self.state {
+            std::fs::rename(new, &self.path)?;
         }
         self.state = State::Begun;
         Ok(())
@@ -197,8 +226,8 @@ impl ClosedOutput {
 
 impl Write for OutputFile {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        if self.state != State::Begun && !bytes.is_empty() {
-            self.empty_once()?;
+        if !bytes.is_empty() {
+            self.take_place()?;
         }
         self.file.write(bytes)
     }
@@ -216,10 +245,16 @@ impl Seek for OutputFile {
 
 impl Drop for OutputFile {
     fn drop(&mut self) {
-        // A file that another program has put in its place is kept.
-        let is_empty = || self.file.metadata().is_ok_and(|metadata| metadata.len() == 0);
-        if self.state == State::Created && is_empty() && self.is_at_its_path() {
-            let _ = std::fs::remove_file(&self.path);
+        match &self.state {
+            State::Created => {
+                // A file that another program has put in its place is kept.
+                let is_empty = self.file.metadata().is_ok_and(|metadata| metadata.len() == 0);
+                if is_empty && self.is_at_its_path() {
+                    let _ = std::fs::remove_file(&self.path);
+                }
+            }
+            State::Beside { new, .. } => drop(std::fs::remove_file(new)),
+            State::Begun => {}
         }
     }
 }
@@ -235,7 +270,7 @@ pub fn is_being_written(path: &Path) -> bool {
     File::open(path).is_ok_and(|file| is_locked_elsewhere(&file))
 }
 
-/// Creates an output file that is kept even if nothing is written to it. An existing file is emptied only with `force`.
+/// Creates an output file that is kept even if nothing is written to it. An existing file is replaced only with `force`.
 ///
 /// # Errors
 /// As [`OutputFile::open`].
@@ -243,6 +278,11 @@ pub fn create(path: &Path, force: bool) -> Result<OutputFile> {
     let mut file = OutputFile::open(path, force)?;
     file.begin()?;
     Ok(file)
+}
+
+/// Creates a file that its owner alone can read.
+fn create_new(path: &Path) -> io::Result<File> {
+    OpenOptions::new().write(true).create_new(true).mode(OWNER_ALONE).open(path)
 }
 
 fn without_following() -> OpenOptions {

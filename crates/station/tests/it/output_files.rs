@@ -2,7 +2,7 @@
 
 use std::fs;
 use std::io::Write as _;
-use std::os::unix::fs::symlink;
+use std::os::unix::fs::{PermissionsExt as _, symlink};
 use std::path::Path;
 
 use barrelman_host::output::{OutputFile, create};
@@ -32,6 +32,42 @@ fn a_file_that_exists_is_kept_unless_it_may_be_overwritten() {
     assert_eq!(fs::read_to_string(&path).unwrap(), "new");
     drop(create(&path, true).unwrap());
     assert_eq!(fs::read_to_string(&path).unwrap(), "");
+}
+
+/// The permissions of a file.
+fn mode(path: &Path) -> u32 {
+    fs::metadata(path).unwrap().permissions().mode() & 0o777
+}
+
+#[test]
+fn a_new_file_is_for_its_owner_alone() {
+    let path = empty_folder("output-files-mode").join("out");
+    OutputFile::open(&path, false).unwrap().write_all(b"one").unwrap();
+    assert_eq!(mode(&path), 0o600);
+    fs::set_permissions(&path, fs::Permissions::from_mode(0o644)).unwrap();
+    OutputFile::open(&path, true).unwrap().write_all(b"two").unwrap();
+    assert_eq!(mode(&path), 0o600, "also where it takes the place of one that others could read");
+}
+
+#[test]
+fn another_name_of_a_file_that_is_overwritten_keeps_the_old_content() {
+    let folder = empty_folder("output-files-hard-link");
+    let (path, other) = (folder.join("out"), folder.join("other"));
+    fs::write(&path, "old").unwrap();
+    fs::hard_link(&path, &other).unwrap();
+    let mut file = OutputFile::open(&path, true).unwrap();
+    assert!(OutputFile::open(&path, true).is_err(), "it is taken before the first write, too");
+    file.write_all(b"new").unwrap();
+    assert_eq!(fs::read_to_string(&path).unwrap(), "new", "it can be read while it grows");
+    assert!(OutputFile::open(&path, true).is_err() && OutputFile::resume(&path).is_err());
+    file.write_all(b" and more").unwrap();
+    drop(file);
+    assert_eq!(fs::read_to_string(&path).unwrap(), "new and more");
+    assert_eq!(fs::read_to_string(&other).unwrap(), "old");
+    drop(OutputFile::open(&path, true).unwrap());
+    assert_eq!(files_in(&folder), ["other", "out"], "work without a result leaves nothing beside it");
+    let mut file = OutputFile::open(Path::new("/dev/null"), true).unwrap();
+    file.write_all(b"nothing").unwrap();
 }
 
 #[test]
