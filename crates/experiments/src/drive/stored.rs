@@ -14,17 +14,21 @@ use std::io::{BufWriter, Write as _};
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
+use barrelman_sim::tick::TICKS_PER_SECOND;
 use barrelman_trial::behaviour::{BehaviourVersions, FIRST};
 use barrelman_vocab::PictureSize;
 use serde::{Deserialize, Serialize};
 
 use super::input::DriveInput;
-use super::setup::DriveSetup;
+use super::setup::{DriveSetup, MAX_DRIVE_S};
 use crate::law_choice::LawChoice;
 use crate::tracker_choice::TrackerName;
 use crate::world_url::WorldUrl;
 use barrelman_host::input;
 use barrelman_host::output::OutputFile;
+
+/// The last tick that a drive can have.
+const MAX_TICK: u64 = MAX_DRIVE_S as u64 * TICKS_PER_SECOND as u64;
 
 /// The first line.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -179,6 +183,13 @@ impl StoredDrive {
         for (number, line) in lines.enumerate() {
             let line = serde_json::from_str(line).with_context(|| format!("line {}", number + 2))?;
             let last: u64 = inputs.last().map_or(0, |(tick, _)| *tick);
+            let (Line::Input { tick, .. } | Line::End { tick, .. }) = &line;
+            if *tick > MAX_TICK {
+                bail!(
+                    "line {}: tick {tick}: a drive has at most {MAX_TICK} ticks, which are {MAX_DRIVE_S} s",
+                    number + 2
+                );
+            }
             match line {
                 Line::Input { tick, input } if tick >= last && end.is_none() => inputs.push((tick, input)),
                 Line::End { tick, hash } if tick >= last && end.is_none() => end = Some((tick, hash)),

@@ -160,3 +160,32 @@ fn a_stored_drive_is_read_as_it_was_written() {
         (setup.url, true, TrackerName::Camshift, law)
     );
 }
+
+#[test]
+fn a_tick_beyond_the_longest_drive_is_refused_by_its_line() {
+    let path = std::env::temp_dir().join(format!("barrelman-long-drive-{}.jsonl", std::process::id()));
+    let setup = setup(LawChoice::MOTOR_SCHEMA, false);
+    drop(DriveWriter::begin(OutputFile::open(&path, true).unwrap(), &setup).unwrap());
+    let header = std::fs::read_to_string(&path).unwrap();
+    std::fs::remove_file(&path).unwrap();
+    let parse = |line: &str| StoredDrive::parse(&format!("{header}{line}\n"));
+    // An hour of 120 ticks a second.
+    for (tick, is_read) in [("0", true), ("432000", true), ("432001", false), ("18446744073709551615", false)]
+    {
+        for line in [
+            format!(r#"{{"tick":{tick},"input":"engage"}}"#),
+            format!(r#"{{"tick":{tick},"hash":"0123456789abcdef"}}"#),
+        ] {
+            match parse(&line) {
+                Ok(_) => assert!(is_read, "{line}"),
+                Err(error) => {
+                    let text = format!("{error:#}");
+                    assert!(
+                        !is_read && text.contains(&format!("line 2: tick {tick}: a drive has")),
+                        "{text}"
+                    );
+                }
+            }
+        }
+    }
+}
