@@ -105,6 +105,11 @@ impl Safety {
         }
     }
 
+    /// Whether a stop is in force.
+    pub fn is_stopped(&self) -> bool {
+        self.licences.stop_cause().is_some()
+    }
+
     /// Processes an operator request. A stop keeps its first cause until the next `Engage` or `Disengage`.
     ///
     /// # Errors

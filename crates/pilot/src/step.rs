@@ -151,6 +151,12 @@ impl Pilot {
         law_id(self.settings.law)
     }
 
+    /// Whether a further [`OperatorRequest::Stop`] would change nothing: the camera is stopped, the boat is stopped or not
+    /// commanded, and no helm is held that a stop would bar.
+    pub fn is_at_rest_by_stop(&self) -> bool {
+        self.safety.is_stopped() && self.vessel.as_ref().is_none_or(|vessel| vessel.is_at_rest_by_stop())
+    }
+
     /// Processes one input at the time `now`.
     pub fn step(&mut self, input: Input<'_>, now: Timestamp) -> Outcome {
         if let Some(rested_at) = self.rested_at.filter(|rested_at| *rested_at < now) {

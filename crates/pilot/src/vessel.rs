@@ -195,6 +195,11 @@ impl VesselPilot {
         self.gate.on_report(report);
     }
 
+    /// Whether a further stop would change nothing.
+    pub(crate) fn is_at_rest_by_stop(&self) -> bool {
+        self.gate.is_at_rest_by_stop()
+    }
+
     /// Everything is stopped.
     pub(crate) const fn stop(&mut self, cause: StopCause) {
         self.gate.stop(VesselStop::Everything(cause));

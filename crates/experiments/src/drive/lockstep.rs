@@ -75,6 +75,11 @@ impl<'a> Drive<'a> {
         self.simulation.law_id()
     }
 
+    /// Whether a further stop would change nothing.
+    pub fn is_at_rest_by_stop(&self) -> bool {
+        self.simulation.is_at_rest_by_stop()
+    }
+
     /// The outcome of the pilot's newest step.
     pub const fn outcome(&self) -> Option<&Outcome> {
         self.simulation.outcome()

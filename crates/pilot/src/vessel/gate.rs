@@ -237,6 +237,11 @@ impl VesselGate {
         }
     }
 
+    /// Whether [`Self::stop`] would change nothing.
+    pub fn is_at_rest_by_stop(&self) -> bool {
+        matches!(self.holder, Holder::Released | Holder::Stopped { .. }) && self.helm != Helm::Held
+    }
+
     const fn bar_helm(&mut self) {
         if matches!(self.helm, Helm::Held) {
             self.helm = Helm::HeldAtStop;

@@ -151,14 +151,21 @@ impl LiveDrive<'_> {
         }
     }
 
-    /// Takes a pressed stop. The requests that were made before it are superseded.
+    /// Takes a pressed stop. The requests that were made before it are superseded. A stop that would change nothing is
+    /// acknowledged, and neither stored nor recorded.
     fn take_stop(&mut self) -> Result<()> {
         let Some(press) = self.gateway.stop_latch().pending() else { return Ok(()) };
         self.gateway.refuse_waiting();
+        let (changes_nothing, now) = (self.drive.is_at_rest_by_stop(), self.drive.world().now());
         if let Some(console) = &mut self.observers.console {
             console.publisher.set_stops_taken(press);
+            if changes_nothing {
+                console.publisher.on_idle_turn(now);
+            }
         }
-        self.apply(DriveInput::from(OperatorRequest::Stop(StopCause::Operator)))?;
+        if !changes_nothing {
+            self.apply(DriveInput::from(OperatorRequest::Stop(StopCause::Operator)))?;
+        }
         self.gateway.stop_latch().acknowledge(press);
         Ok(())
     }

@@ -172,12 +172,17 @@ impl RunLoop<'_> {
         }
     }
 
-    /// Takes a pressed stop. The requests that were made before it are superseded.
+    /// Takes a pressed stop. The requests that were made before it are superseded. A stop that would change nothing is
+    /// acknowledged without a step, and so without a record: whoever may only watch could fill the disk with stops.
     fn take_stop(&mut self, state: &mut LoopState) {
         let Some(press) = self.gateway.stop_latch().pending() else { return };
         self.gateway.refuse_waiting();
         self.publisher.set_stops_taken(press);
-        self.step(state, Input::Request(OperatorRequest::Stop(StopCause::Operator)));
+        if self.pilot.is_at_rest_by_stop() {
+            self.publisher.on_idle_turn(self.events.now());
+        } else {
+            self.step(state, Input::Request(OperatorRequest::Stop(StopCause::Operator)));
+        }
         self.gateway.stop_latch().acknowledge(press);
     }
 

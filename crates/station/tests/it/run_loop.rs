@@ -292,6 +292,17 @@ fn a_stop_request_is_sent_as_rest_at_once() {
 }
 
 #[test]
+fn a_stop_that_is_in_force_already_is_not_recorded_again() {
+    let stop = OperatorRequest::Stop(StopCause::Operator);
+    let stops = (0..50).map(|k| (1_150 + k, Arrival::Request(stop)));
+    let again = [(1_300, Arrival::Request(ENGAGE)), (1_310, Arrival::Request(stop)), (1_320, quit())];
+    let run = run(&[SELECT, ENGAGE], [(1_100, Frame)].into_iter().chain(stops).chain(again));
+    let recorded = run.inputs().into_iter().filter(|(_, input)| *input == "Stop(Operator)");
+    let times: Vec<u64> = recorded.map(|(ms, _)| ms).collect();
+    assert_eq!(times, [1_150, 1_310], "the first one, and the first one after an engagement");
+}
+
+#[test]
 fn each_end_of_a_run_sends_a_stop_last() {
     let failed = |reason: &str| (StopCause::Fault, RunEnd::Failed(reason.to_owned()));
     let requested = |reason: &str| (StopCause::Ending, RunEnd::Requested(reason.to_owned()));

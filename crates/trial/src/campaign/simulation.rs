@@ -212,6 +212,11 @@ impl<'a> Simulation<'a> {
         self.pilot.law_id()
     }
 
+    /// Whether a further stop would change nothing ([`Pilot::is_at_rest_by_stop`]).
+    pub fn is_at_rest_by_stop(&self) -> bool {
+        self.pilot.is_at_rest_by_stop()
+    }
+
     /// The outcome of the pilot's newest step.
     pub const fn outcome(&self) -> Option<&Outcome> {
         self.outcome.as_ref()

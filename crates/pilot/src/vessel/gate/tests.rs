@@ -219,10 +219,14 @@ fn a_helm_that_is_held_at_a_stop_does_nothing_until_it_was_let_go_whatever_it_di
     gate.steer(AHEAD, at(1_440)).unwrap();
     check(&mut gate, SEEN, 1_440, VesselMode::ByHand, AHEAD);
     // A second stop counts, too.
+    assert!(!gate.is_at_rest_by_stop());
     gate.stop(everything);
+    assert!(gate.is_at_rest_by_stop());
     gate.steer(NEUTRAL, at(1_450)).unwrap();
     assert_eq!(gate.steer(AHEAD, at(3_000)), Err(Refusal::NoFreshVideo));
+    assert!(!gate.is_at_rest_by_stop(), "a further stop bars the helm that is held again");
     gate.stop_boat(BoatStop::Operator);
+    assert!(gate.is_at_rest_by_stop());
     gate.on_video(at(3_010));
     assert_eq!(gate.steer(AHEAD, at(3_010)), Err(Refusal::HelmHeldAtStop));
 }
