@@ -58,7 +58,7 @@ impl<'a> Drive<'a> {
         } else {
             pilot
         };
-        let simulation = Simulation::new(scenario, world, seed, pilot, &setup.profile);
+        let simulation = Simulation::new(scenario, world, seed, pilot, &setup.profile).without_log();
         let simulation =
             if setup.vessel { simulation.with_tilt_reports(true).with_height_reports() } else { simulation };
         let simulation = if setup.hands_on { simulation.without_selection() } else { simulation };

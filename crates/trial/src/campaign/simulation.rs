@@ -48,6 +48,8 @@ pub struct Simulation<'a> {
     report_errors: ReportErrors,
     rescue: Option<Rescue>,
     log: TrialLog,
+    /// Whether rows are added to the log.
+    keeps_log: bool,
 }
 
 /// By how much the vehicle's reports are off.
@@ -137,6 +139,7 @@ impl<'a> Simulation<'a> {
             report_errors: ReportErrors::NONE,
             rescue: None,
             log,
+            keeps_log: true,
         }
     }
 
@@ -170,6 +173,12 @@ impl<'a> Simulation<'a> {
     #[must_use]
     pub fn with_selection_by_hand(self, seed: u64) -> Self {
         Self { operator: SimulatedOperator::person(seed), ..self }
+    }
+
+    /// The same trial without a log: its memory does not grow with its length. [`Self::into_log`] is then empty.
+    #[must_use]
+    pub fn without_log(self) -> Self {
+        Self { keeps_log: false, ..self }
     }
 
     /// The same trial in which a person selects the target: the world does not select it.
@@ -369,7 +378,7 @@ impl<'a> Simulation<'a> {
     /// Adds a row to the log: in pixels from the first picture on, otherwise from the first localisation on. `truth`
     /// belongs to the picture that the row rests on.
     fn push_row(&mut self, truth: RowTruth) {
-        let Some(outcome) = &self.outcome else { return };
+        let Some(outcome) = self.outcome.as_ref().filter(|_| self.keeps_log) else { return };
         let localised = outcome.percept.map(|percept| percept.position);
         let position = truth.track.map(|track| track.position).or(localised);
         if self.log.rows.is_empty() && position.is_none() {

@@ -85,6 +85,36 @@ fn the_same_seed_gives_the_same_log_and_another_does_not() {
 }
 
 #[test]
+fn a_trial_without_a_log_is_the_same_trial_and_keeps_no_row() {
+    let (scenario, profile) = (scenario(1.2), VehicleProfile::fotokite_pro());
+    let steps = |keeps_log: bool| {
+        let world = World::new(&scenario, 3).expect("a path");
+        let law = LawSettings::MotorSchema;
+        let simulation = Simulation::new(&scenario, world, 3, pilot(&profile, law), &profile);
+        let simulation = if keeps_log { simulation } else { simulation.without_log() };
+        let mut steps = Steps::default();
+        let log = simulation.run(None, &mut steps);
+        (steps, log.rows.len(), log.truth.map(|rows| rows.len()))
+    };
+    let ((with, rows, truths), (without, no_rows, no_truths)) = (steps(true), steps(false));
+    assert!(rows > 100 && truths == Some(rows), "{rows} rows");
+    assert_eq!((no_rows, no_truths), (0, Some(0)));
+    assert_eq!(with, without);
+}
+
+/// The rates of each step.
+#[derive(Debug, Default, PartialEq)]
+struct Steps(Vec<(Timestamp, VehicleRates)>);
+
+impl StepObserver for Steps {
+    fn on_step(&mut self, now: Timestamp, _input: &Input<'_>, _outcome: &Outcome, rates: VehicleRates) {
+        self.0.push((now, rates));
+    }
+
+    fn on_truth(&mut self, _truth: &Truth, _target: Option<&TargetInPicture>) {}
+}
+
+#[test]
 fn the_schema_brings_the_target_back() {
     let log = run(&scenario(1.2), 3, LawSettings::MotorSchema, &mut ());
     let region = log.region(VehicleProfile::fotokite_pro().region);
