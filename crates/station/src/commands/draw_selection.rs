@@ -17,7 +17,7 @@ pub(super) fn has_display() -> bool {
 }
 
 /// Serves the page with a frame until the box is drawn. The link is printed, and opened in the user's browser where that
-/// is asked for.
+/// is asked for and the link holds no token: every user of the computer can read the command line of a program.
 ///
 /// # Errors
 /// If the video has no such frame, or the page cannot be served.
@@ -29,6 +29,7 @@ pub(super) fn draw_selection(
     opens_browser: bool,
 ) -> Result<PixelBox> {
     let frame = stored_frame(url, frame)?;
+    let opens_browser = opens_browser && may_open_browser(&settings);
     let selection = pick(settings, &frame.picture, after, |link| {
         tracing::info!("draw the box around the boat: {link}");
         if opens_browser {
@@ -40,6 +41,11 @@ pub(super) fn draw_selection(
     Ok(selection)
 }
 
+/// Whether the page's link may be in the command line of a browser: it then holds no token.
+const fn may_open_browser(settings: &ConsoleSettings) -> bool {
+    settings.tokens.is_none()
+}
+
 /// Opens the page in the user's browser, where the system knows one. Without one, the link is on the terminal.
 fn open_browser(link: &str) {
     let _ = Command::new("xdg-open")
@@ -48,4 +54,17 @@ fn open_browser(link: &str) {
         .stdout(Stdio::null())
         .stderr(Stdio::null())
         .spawn();
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_link_with_a_token_is_in_no_command_line() {
+        let address = Some("127.0.0.1:0".parse().unwrap());
+        let with_tokens = ConsoleSettings::with_tokens(address, None).unwrap();
+        assert!(!may_open_browser(&with_tokens));
+        assert!(may_open_browser(&ConsoleSettings::without_tokens_on_loopback(address, None).unwrap()));
+    }
 }

@@ -142,7 +142,6 @@ fn drawn_selection(
         return Ok(None);
     }
     let settings = console.duplicate().context("the page for the selection cannot be served")?;
-    // The link holds a token: the command line of a browser could be read by others.
     draw_selection(url, 0, settings, AfterPicking::Console, false).map(Some)
 }
 

@@ -9,11 +9,14 @@ use std::path::Path;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use anyhow::{Context, Result, bail};
+use barrelman_host::clock::Clock;
 use barrelman_host::input;
 use barrelman_host::random::random_bytes;
+use barrelman_vocab::Timestamp;
 use base64::Engine as _;
 use base64::engine::general_purpose::URL_SAFE_NO_PAD;
 
+use super::limits::{REQUESTS, RateLimit};
 use crate::secrets::is_readable_by_others;
 
 /// Length of a token that the program makes, and of a cookie, bytes before the encoding.
@@ -99,6 +102,10 @@ pub struct Access {
     tokens: Option<Tokens>,
     cookie_name: String,
     cookies: Mutex<Cookies>,
+    clock: Clock,
+    /// Requests over HTTP with the watch token, and with the control token. A watcher who opens many connections has one
+    /// limit, which is not the operator's.
+    requests: Mutex<[RateLimit; 2]>,
 }
 
 #[derive(Default)]
@@ -109,8 +116,30 @@ struct Cookies {
 
 impl Access {
     /// The rule of a server at `port`. Cookies do not differ by port, therefore the port is part of the cookie's name.
-    pub fn new(tokens: Option<Tokens>, port: u16) -> Self {
-        Self { tokens, cookie_name: format!("barrelman-{port}"), cookies: Mutex::default() }
+    pub fn new(tokens: Option<Tokens>, port: u16, clock: Clock) -> Self {
+        let limit = || RateLimit::new(REQUESTS, clock.now());
+        Self {
+            tokens,
+            cookie_name: format!("barrelman-{port}"),
+            cookies: Mutex::default(),
+            clock,
+            requests: Mutex::new([limit(), limit()]),
+        }
+    }
+
+    /// Whether a request over HTTP is within the limit of all requests with this role. `weight`: what it counts as.
+    pub fn permits_request(&self, role: Role, weight: f64, now: Timestamp) -> bool {
+        let mut limits = self.requests.lock().unwrap_or_else(PoisonError::into_inner);
+        let limit = match role {
+            Role::Watch => &mut limits[0],
+            Role::Control => &mut limits[1],
+        };
+        limit.takes(weight, now)
+    }
+
+    /// The program's clock.
+    pub const fn clock(&self) -> Clock {
+        self.clock
     }
 
     /// What a request may do, by its `Authorization` and `Cookie` headers. `None`: nothing.
@@ -182,7 +211,7 @@ mod tests {
     fn access() -> Access {
         let tokens =
             Tokens { control: "control-0123456789".to_owned(), watch: "watch-0123456789".to_owned() };
-        Access::new(Some(tokens), 8480)
+        Access::new(Some(tokens), 8480, Clock::start())
     }
 
     #[test]
@@ -199,7 +228,7 @@ mod tests {
             assert_eq!(access.role(Some(header), None), role, "{header}");
         }
         assert_eq!(access.role(None, None), None);
-        assert_eq!(Access::new(None, 1).role(None, None), Some(Role::Control));
+        assert_eq!(Access::new(None, 1, Clock::start()).role(None, None), Some(Role::Control));
     }
 
     #[test]

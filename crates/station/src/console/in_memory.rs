@@ -5,7 +5,7 @@ use std::future::Future as _;
 use std::pin::pin;
 use std::sync::Arc;
 use std::sync::mpsc::sync_channel;
-use std::task::{Context, Waker};
+use std::task::{Context, Poll, Waker};
 use std::time::Duration;
 
 use axum::body::{Body, to_bytes};
@@ -75,9 +75,10 @@ impl InMemory {
             pictures: Arc::new(PictureSlot::default()),
             time: SessionTime::new(Clock::start().started_earlier(UPTIME)),
         };
+        let clock = parts.time.program_clock();
         let address: std::net::SocketAddr = setup.address.parse().unwrap();
         let tokens = Tokens { control: CONTROL_TOKEN.to_owned(), watch: WATCH_TOKEN.to_owned() };
-        let access = Access::new(setup.asks_for_tokens.then_some(tokens), address.port());
+        let access = Access::new(setup.asks_for_tokens.then_some(tokens), address.port(), clock);
         let hosts = Hosts::new(address, vec!["boat.example".to_owned()]);
         let console = Arc::new(Console::new(parts, setup.on_lost, access, hosts));
         Self { console, publisher, answer: Answer::ACCEPTED, taken: Vec::new() }
@@ -104,10 +105,17 @@ impl InMemory {
         let router = routes::router(Arc::clone(&self.console));
         block_on(async {
             let mut call = pin!(router.oneshot(request));
-            // Where the call waits, it waits for the session.
-            let answered = match call.as_mut().poll(&mut Context::from_waker(Waker::noop())) {
-                std::task::Poll::Ready(answered) => answered,
-                std::task::Poll::Pending => {
+            // The call gives others their turn once. Where it waits again, it waits for the session.
+            let mut answered = None;
+            for _ in 0..2 {
+                if let Poll::Ready(ready) = call.as_mut().poll(&mut Context::from_waker(Waker::noop())) {
+                    answered = Some(ready);
+                    break;
+                }
+            }
+            let answered = match answered {
+                Some(answered) => answered,
+                None => {
                     self.take_requests();
                     call.await
                 }

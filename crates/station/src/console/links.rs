@@ -1,7 +1,9 @@
-//! Where the console is: links with their tokens, and QR codes of them on a terminal.
+//! Where the console is: links with their tokens, and QR codes of them on a terminal. Tokens that last longer than the program,
+//! those of a file, are not printed: an output may be kept in a log.
 
 use std::io::{IsTerminal as _, Write as _, stdout};
 use std::net::{IpAddr, SocketAddr};
+use std::path::Path;
 
 use anyhow::Result;
 use qrcode::QrCode;
@@ -9,14 +11,19 @@ use qrcode::render::unicode::Dense1x2;
 
 use super::access::Tokens;
 
-/// Prints the links of a console. Scripts wait for the first line, which ends with the control link.
+/// Prints the links of a console. Scripts wait for the first line, which ends with the control link, or with the page's
+/// address where there are no tokens to print.
 ///
 /// # Errors
 /// If the standard output cannot be written.
-pub(super) fn announce(address: SocketAddr, tokens: Option<&Tokens>) -> Result<()> {
+pub(super) fn announce(
+    address: SocketAddr,
+    tokens: Option<&Tokens>,
+    token_file: Option<&Path>,
+) -> Result<()> {
     let mut out = stdout();
-    let Some(tokens) = tokens else {
-        writeln!(out, "console: http://{address}/")?;
+    let Some(tokens) = tokens.filter(|_| token_file.is_none()) else {
+        writeln!(out, "{}", address_lines(address, token_file))?;
         return Ok(out.flush()?);
     };
     let host = reachable(address);
@@ -33,11 +40,23 @@ pub(super) fn announce(address: SocketAddr, tokens: Option<&Tokens>) -> Result<(
     Ok(out.flush()?)
 }
 
-/// The address of a page for control.
+/// The page's address, and where its tokens are.
+fn address_lines(address: SocketAddr, token_file: Option<&Path>) -> String {
+    match token_file {
+        Some(file) => format!(
+            "console: http://{}/\nthe page asks for a token: line 1 of {} for control, line 2 to watch",
+            reachable(address),
+            file.display()
+        ),
+        None => format!("console: http://{address}/"),
+    }
+}
+
+/// The address of a page for control, with its token where there is one.
 pub(super) fn link_for_control(address: SocketAddr, tokens: Option<&Tokens>) -> String {
     match tokens {
         Some(tokens) => link(reachable(address), &tokens.control),
-        None => format!("http://{address}/"),
+        None => format!("http://{}/", reachable(address)),
     }
 }
 
@@ -71,6 +90,16 @@ mod tests {
         ] {
             assert_eq!(link(address.parse().unwrap(), "abc"), expected);
         }
+    }
+
+    #[test]
+    fn tokens_of_a_file_are_not_printed_but_their_place_is() {
+        let address = "127.0.0.1:8480".parse().unwrap();
+        let lines = address_lines(address, Some(Path::new("/etc/barrelman/tokens")));
+        let [first, second] = lines.lines().collect::<Vec<_>>()[..] else { panic!("{lines}") };
+        assert_eq!(first, "console: http://127.0.0.1:8480/");
+        assert!(second.contains("line 1 of /etc/barrelman/tokens for control"), "{second}");
+        assert_eq!(address_lines(address, None), "console: http://127.0.0.1:8480/");
     }
 
     #[test]

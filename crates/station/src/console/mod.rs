@@ -17,15 +17,18 @@ mod shared;
 
 mod routes;
 mod socket;
+mod upgrade;
 
 pub mod access;
+mod frame_counter;
 mod guard;
+mod limited_stream;
 mod limits;
 mod on_lost;
+mod places;
 mod seats;
 mod session_time;
 mod settings;
-mod slots;
 
 pub mod api;
 mod files;

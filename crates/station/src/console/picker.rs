@@ -19,6 +19,7 @@ use axum::http::{HeaderMap, StatusCode, header};
 use axum::middleware::{Next, from_fn_with_state};
 use axum::response::{IntoResponse as _, Response};
 use axum::routing::{get, post};
+use barrelman_host::clock::Clock;
 use barrelman_video::jpeg;
 use barrelman_vocab::{Picture, PictureSize, PixelBox};
 use bytes::Bytes;
@@ -32,7 +33,7 @@ use super::guard::Hosts;
 use super::limits::MAX_MESSAGE_BYTES;
 use super::links::link_for_control;
 use super::routes::{guarded, json_body, may_enter};
-use super::server::serve;
+use super::server::{runtime, serve};
 use super::settings::ConsoleSettings;
 
 /// How long the server stays after the box, so that its answer reaches the page.
@@ -58,7 +59,8 @@ pub enum AfterPicking {
     Console,
 }
 
-/// Serves the picture until a box is drawn. `announce` gets the page's address once the page can be opened.
+/// Serves the picture until a box is drawn. `announce` gets the page's address once the page can be opened: with the token,
+/// unless the token is from a file.
 ///
 /// # Errors
 /// If the picture cannot be encoded, or the server not be started.
@@ -68,27 +70,26 @@ pub fn pick(
     after: AfterPicking,
     announce: impl FnOnce(&str),
 ) -> Result<PixelBox> {
-    let ConsoleSettings { listener, tokens, host_names, .. } = settings;
+    let ConsoleSettings { listener, tokens, token_file, host_names, .. } = settings;
     let address = listener.local_addr()?;
     listener.set_nonblocking(true)?;
     let (sender, picked) = oneshot::channel();
+    let clock = Clock::start();
     let link = link_for_control(address, tokens.as_ref());
     let picker = Arc::new(Picker {
-        access: Access::new(tokens.clone(), address.port()),
+        access: Access::new(tokens.clone(), address.port(), clock),
         hosts: Hosts::new(address, host_names),
         size: picture.size(),
         jpeg: Bytes::from(jpeg::encode(picture).context("the frame cannot be shown in a browser")?),
         console: (after == AfterPicking::Console).then(|| link.clone()),
         picked: Mutex::new(Some(sender)),
     });
-    let runtime = tokio::runtime::Builder::new_current_thread()
-        .enable_all()
-        .build()
-        .context("the page's server cannot be started")?;
-    announce(&link);
+    let runtime = runtime().context("the page's server cannot be started")?;
+    let shown = if token_file.is_some() { link_for_control(address, None) } else { link };
+    announce(&shown);
     runtime.block_on(async {
         tokio::select! {
-            served = serve(listener, router(picker)) => {
+            served = serve(listener, router(picker), clock) => {
                 served.context("the page cannot be served")?;
                 Err(anyhow!("the page's server has ended"))
             }
@@ -116,7 +117,7 @@ fn router(picker: Arc<Picker>) -> Router {
 type Shared = State<Arc<Picker>>;
 
 async fn guard(State(picker): Shared, request: Request, next: Next) -> Response {
-    guarded(&picker.hosts, request, next).await
+    guarded(&picker.access, &picker.hosts, request, next).await
 }
 
 async fn access(State(picker): Shared, headers: HeaderMap) -> Response {

@@ -19,9 +19,8 @@ use std::time::Duration;
 
 use axum::Router;
 use axum::body::Body;
-use axum::extract::ws::WebSocketUpgrade;
 use axum::extract::{DefaultBodyLimit, FromRequest as _, Path, Request, State};
-use axum::http::{HeaderMap, HeaderName, HeaderValue, Method, StatusCode, Uri, header};
+use axum::http::{HeaderMap, HeaderName, HeaderValue, Method, StatusCode, header};
 use axum::middleware::{Next, from_fn_with_state};
 use axum::response::{IntoResponse as _, Response};
 use axum::routing::{get, post};
@@ -29,17 +28,37 @@ use bytes::Bytes;
 use serde::Serialize;
 
 use super::access::{Access, Role};
-use super::api::{Answer, RequestBody};
+use super::api::{Answer, ConsoleRequest, RequestBody};
 use super::files;
 use super::guard::{Hosts, Provenance};
-use super::limits::{BODY_TIMEOUT, MAX_MESSAGE_BYTES};
+use super::limits::{BODY_TIMEOUT, MAX_MESSAGE_BYTES, SOCKET_REQUESTS};
 use super::metrics::metrics_text;
+use super::places::Place;
 use super::requests::{Requester, answer, begin_request};
 use super::shared::Console;
 use super::socket;
 use super::status::status_of;
+use super::upgrade::upgrade;
 
 type Shared = State<Arc<Console>>;
+
+/// Where requests go. A Stop among too many of them is taken.
+const REQUESTS_PATH: &str = "/api/v1/requests";
+const SOCKET_PATH: &str = "/api/v1/socket";
+/// Headers that say one thing: where one comes twice, two readers may read two things.
+static SINGLE_HEADERS: [HeaderName; 7] = [
+    header::HOST,
+    header::ORIGIN,
+    header::AUTHORIZATION,
+    header::CONTENT_TYPE,
+    HeaderName::from_static("sec-fetch-site"),
+    HeaderName::from_static("sec-fetch-mode"),
+    HeaderName::from_static("sec-fetch-dest"),
+];
+
+/// A request beyond the limit, of which only a Stop is taken.
+#[derive(Debug, Clone, Copy)]
+struct BeyondLimit;
 
 /// Headers of every answer.
 const SECURITY_HEADERS: [(HeaderName, &str); 6] = [
@@ -64,29 +83,82 @@ pub(super) fn router(console: Arc<Console>) -> Router {
         .route("/api/v1/access", get(access))
         .route("/api/v1/login", post(login))
         .route("/api/v1/status", get(status))
-        .route("/api/v1/requests", post(requests))
-        .route("/api/v1/socket", get(open_socket))
+        .route(REQUESTS_PATH, post(requests))
+        .route(SOCKET_PATH, get(open_socket))
         .route("/metrics", get(metrics))
         .layer(DefaultBodyLimit::max(MAX_MESSAGE_BYTES))
         .layer(from_fn_with_state(Arc::clone(&console), guard))
         .with_state(console)
 }
 
-/// Refuses requests of foreign pages, and sets the security headers of all answers.
+/// Refuses requests of foreign pages and too many requests, and sets the security headers of all answers.
 async fn guard(State(console): Shared, request: Request, next: Next) -> Response {
-    guarded(&console.hosts, request, next).await
+    guarded(&console.access, &console.hosts, request, next).await
 }
 
-/// The answer of `next` with the security headers, or the refusal of a foreign page's request.
-pub(super) async fn guarded(hosts: &Hosts, request: Request, next: Next) -> Response {
-    let mut response = match hosts.refusal(provenance(&request)) {
-        Some(reason) => (StatusCode::FORBIDDEN, format!("{reason}\n")).into_response(),
-        None => next.run(request).await,
+/// The answer of `next` with the security headers, or the refusal of a request that is ambiguous, of a foreign page, or one
+/// of too many.
+pub(super) async fn guarded(access: &Access, hosts: &Hosts, mut request: Request, next: Next) -> Response {
+    let mut response = match admit(access, hosts, &mut request) {
+        Ok(()) => {
+            // One request of a connection, then the others have their turn. Who has shown a token keeps the place meanwhile.
+            tokio::task::yield_now().await;
+            next.run(request).await
+        }
+        Err(response) => *response,
     };
     for (name, value) in SECURITY_HEADERS {
         response.headers_mut().insert(name, HeaderValue::from_static(value));
     }
     response
+}
+
+/// Judges the head of a request.
+fn admit(access: &Access, hosts: &Hosts, request: &mut Request) -> Result<(), Box<Response>> {
+    let refusal = |status, text: String| Err(Box::new((status, text).into_response()));
+    if let Some(name) = ambiguous_header(request.headers()) {
+        return refusal(StatusCode::BAD_REQUEST, format!("send the header {name} once, as plain text\n"));
+    }
+    if let Some(reason) = hosts.refusal(provenance(request)) {
+        return refusal(StatusCode::FORBIDDEN, format!("{reason}\n"));
+    }
+    let (place, now) = (request.extensions().get::<Arc<Place>>(), access.clock().now());
+    let is_permitted = match (role_shown(access, request.headers()), place) {
+        (Some(role), place) => {
+            if let Some(place) = place {
+                place.show(role);
+            }
+            let weight = if request.uri().path() == SOCKET_PATH { SOCKET_REQUESTS } else { 1.0 };
+            access.permits_request(role, weight, now)
+        }
+        (None, Some(place)) => place.permits_request(now),
+        (None, None) => true,
+    };
+    if is_permitted {
+        return Ok(());
+    }
+    if request.method() == Method::POST && request.uri().path() == REQUESTS_PATH {
+        request.extensions_mut().insert(BeyondLimit);
+        return Ok(());
+    }
+    Err(too_many())
+}
+
+/// A header that comes more than once, or is no text.
+fn ambiguous_header(headers: &HeaderMap) -> Option<&'static HeaderName> {
+    SINGLE_HEADERS.iter().find(|name| {
+        let mut values = headers.get_all(*name).iter();
+        let is_text = values.next().is_none_or(|value| value.to_str().is_ok());
+        !is_text || values.next().is_some()
+    })
+}
+
+/// The answer to a request beyond the limit. The connection ends.
+fn too_many() -> Box<Response> {
+    let close = [(header::CONNECTION, "close"), (header::RETRY_AFTER, "1")];
+    Box::new(
+        (StatusCode::TOO_MANY_REQUESTS, close, "too many requests; retry after a second\n").into_response(),
+    )
 }
 
 fn provenance(request: &Request) -> Provenance<'_> {
@@ -108,7 +180,12 @@ fn role_of(console: &Console, headers: &HeaderMap) -> Result<Role, Box<Response>
 
 /// What the token or the cookie of a request permits; an answer with 401 where it permits nothing.
 pub(super) fn may_enter(access: &Access, headers: &HeaderMap) -> Result<Role, Box<Response>> {
-    access.role(text_of(headers, header::AUTHORIZATION), text_of(headers, header::COOKIE)).ok_or_else(refused)
+    role_shown(access, headers).ok_or_else(refused)
+}
+
+/// What the token or the cookie of a request permits.
+fn role_shown(access: &Access, headers: &HeaderMap) -> Option<Role> {
+    access.role(text_of(headers, header::AUTHORIZATION), text_of(headers, header::COOKIE))
 }
 
 /// The text of a header; `None` where it is missing, or no text.
@@ -187,7 +264,9 @@ async fn metrics(State(console): Shared, headers: HeaderMap) -> Response {
 /// Requires a body of JSON: a page of another origin can send text without asking first, but not JSON.
 fn require_json(headers: &HeaderMap) -> Result<(), Box<Response>> {
     let kind = text_of(headers, header::CONTENT_TYPE).unwrap_or_default();
-    if kind.starts_with("application/json") {
+    // Parameters may follow, such as the character set.
+    let kind = kind.split(';').next().unwrap_or_default().trim();
+    if kind.eq_ignore_ascii_case("application/json") {
         return Ok(());
     }
     let text = "send Content-Type: application/json\n";
@@ -212,6 +291,7 @@ async fn body_within(request: Request, limit: Duration) -> Result<Bytes, Box<Res
 }
 
 async fn requests(State(console): Shared, request: Request) -> Response {
+    let is_beyond_limit = request.extensions().get::<BeyondLimit>().is_some();
     let role = match role_of(&console, request.headers()) {
         Ok(role) => role,
         Err(response) => return *response,
@@ -227,29 +307,30 @@ async fn requests(State(console): Shared, request: Request) -> Response {
             return (StatusCode::BAD_REQUEST, text).into_response();
         }
     };
+    if is_beyond_limit && body.request != ConsoleRequest::Stop {
+        return *too_many();
+    }
     let pending = begin_request(&console, Requester { role, client: None }, body.request);
     let (answer, reason) = answer(&console, pending).await;
-    json(&Answer { id: body.id, answer, reason })
+    let mut response = json(&Answer { id: body.id, answer, reason });
+    if is_beyond_limit {
+        response.headers_mut().insert(header::CONNECTION, HeaderValue::from_static("close"));
+    }
+    response
 }
 
-async fn open_socket(
-    State(console): Shared,
-    headers: HeaderMap,
-    uri: Uri,
-    upgrade: WebSocketUpgrade,
-) -> Response {
-    let role = match role_of(&console, &headers) {
+async fn open_socket(State(console): Shared, request: Request) -> Response {
+    let role = match role_of(&console, request.headers()) {
         Ok(role) => role,
         Err(response) => return *response,
     };
-    let pairs = uri.query().unwrap_or_default().split('&').filter_map(|pair| pair.split_once('='));
+    let place = request.extensions().get::<Arc<Place>>().cloned();
+    let query = request.uri().query().unwrap_or_default();
+    let pairs = query.split('&').filter_map(|pair| pair.split_once('='));
     // The page's own name, which a reload keeps.
     let name = pairs.filter(|(key, _)| *key == "client").map(|(_, value)| value).next().unwrap_or_default();
     let name: String = name.chars().filter(char::is_ascii_hexdigit).take(32).collect();
-    upgrade
-        .max_message_size(MAX_MESSAGE_BYTES)
-        .max_frame_size(MAX_MESSAGE_BYTES)
-        .on_upgrade(move |socket| socket::serve(console, socket, role, name))
+    upgrade(request, move |stream| socket::serve(console, stream, role, name, place))
 }
 
 #[cfg(test)]

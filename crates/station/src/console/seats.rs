@@ -73,7 +73,7 @@ pub(super) struct Joined {
 }
 
 impl Seats {
-    /// A page connects. With too many pages, the watcher goes that was silent longest.
+    /// A page connects. With too many pages, the one goes that was silent longest, one that may only watch before the others.
     pub(super) fn join(&mut self, name: &str, role: Role, now: Timestamp) -> Joined {
         let id = self.next_id;
         self.next_id += 1;
@@ -224,9 +224,10 @@ impl Seats {
         self.clients.iter_mut().find(|client| client.id == id)
     }
 
-    /// The page that was silent longest, a watcher before the page in control.
+    /// The page that was silent longest: of those that may only watch, then of the others, the page in control last.
     fn idlest(&self) -> Option<ClientId> {
-        let idlest = self.clients.iter().min_by_key(|client| (self.controls(client.id), client.heard));
+        let idlest =
+            self.clients.iter().min_by_key(|client| (self.controls(client.id), client.role, client.heard));
         idlest.map(|client| client.id)
     }
 }

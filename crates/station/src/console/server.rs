@@ -8,21 +8,24 @@ use std::time::Duration;
 
 use anyhow::{Context, Result};
 use axum::Router;
+use barrelman_host::clock::Clock;
 use hyper::server::conn::http1;
+use hyper::service::service_fn;
 use hyper_util::rt::{TokioIo, TokioTimer};
-use hyper_util::service::TowerToHyperService;
 use tokio::net::TcpStream;
 use tokio::sync::oneshot;
+use tower::ServiceExt as _;
 
 use super::access::Access;
 use super::guard::Hosts;
-use super::limits::{HEADER_TIMEOUT, SEND_TIMEOUT};
+use super::limited_stream::{Bytes, LimitedStream};
+use super::limits::{BYTES, HEADER_TIMEOUT, SEND_TIMEOUT};
 use super::links::announce;
 use super::pictures::{PictureSlot, encode_pictures};
+use super::places::{Place, Places};
 use super::routes;
 use super::settings::ConsoleSettings;
 use super::shared::{Console, ConsoleParts};
-use super::slots::Slots;
 use crate::live::event::Event;
 use crate::live::threads;
 
@@ -30,6 +33,14 @@ use crate::live::threads;
 const SEAT_INTERVAL: Duration = Duration::from_millis(100);
 /// Send buffer of a connection, bytes: bounds how far a slow viewer's video lies behind.
 const SEND_BUFFER_BYTES: usize = 256 << 10;
+/// Bytes of a request's head, at most.
+const HEAD_BYTES: usize = 16 << 10;
+/// Connections that wait to be accepted. A flood of connections that fills this queue delays the operator's by a second.
+const BACKLOG: i32 = 4096;
+/// Connections that are accepted before the others have their turn.
+const ACCEPTED_IN_A_TURN: u64 = 4;
+/// Tasks that run before the sockets are looked at again: a Stop that arrives during a flood waits for no more.
+const TASKS_BETWEEN_LOOKS: u32 = 8;
 
 /// A running console. Dropping it ends the server and all its connections.
 pub struct ConsoleServer {
@@ -46,25 +57,24 @@ impl ConsoleServer {
     /// # Errors
     /// If the system has no more threads, or the socket or the standard output cannot be used.
     pub fn open(settings: ConsoleSettings, parts: ConsoleParts, events: SyncSender<Event>) -> Result<Self> {
-        let ConsoleSettings { listener, tokens, host_names, on_lost } = settings;
+        let ConsoleSettings { listener, tokens, token_file, host_names, on_lost } = settings;
         let address = listener.local_addr()?;
         listener.set_nonblocking(true)?;
-        let (access, hosts) = (Access::new(tokens.clone(), address.port()), Hosts::new(address, host_names));
+        let clock = parts.time.program_clock();
+        let access = Access::new(tokens.clone(), address.port(), clock);
+        let hosts = Hosts::new(address, host_names);
         let pictures = Arc::clone(&parts.pictures);
         let encoder = {
             let slot = Arc::clone(&pictures);
             threads::spawn("pictures", events.clone(), move || encode_pictures(&slot))?
         };
         let console = Arc::new(Console::new(parts, on_lost, access, hosts));
-        let runtime = tokio::runtime::Builder::new_current_thread()
-            .enable_all()
-            .build()
-            .context("the console's server cannot be started")?;
+        let runtime = runtime().context("the console's server cannot be started")?;
         let (end, ended) = oneshot::channel::<()>();
         let thread = threads::spawn("console", events, move || {
             runtime.block_on(async {
                 tokio::select! {
-                    served = serve(listener, routes::router(Arc::clone(&console))) => {
+                    served = serve(listener, routes::router(Arc::clone(&console)), clock) => {
                         if let Err(error) = served {
                             tracing::error!("the console cannot be served: {error}");
                         }
@@ -75,7 +85,7 @@ impl ConsoleServer {
             });
             // Dropping the runtime closes all connections.
         })?;
-        announce(address, tokens.as_ref())?;
+        announce(address, tokens.as_ref(), token_file.as_deref())?;
         Ok(Self { address, end: Some(end), thread: Some(thread), encoder: Some(encoder), pictures })
     }
 
@@ -103,11 +113,17 @@ async fn watch_seats(console: &Console) {
     }
 }
 
+/// The runtime of a server: one thread.
+pub(super) fn runtime() -> std::io::Result<tokio::runtime::Runtime> {
+    tokio::runtime::Builder::new_current_thread().enable_all().event_interval(TASKS_BETWEEN_LOOKS).build()
+}
+
 /// Accepts connections, a bounded number at a time.
-pub(super) async fn serve(listener: TcpListener, router: Router) -> std::io::Result<()> {
+pub(super) async fn serve(listener: TcpListener, router: Router, clock: Clock) -> std::io::Result<()> {
+    let _ = rustix::net::listen(&listener, BACKLOG);
     let listener = tokio::net::TcpListener::from_std(listener)?;
-    let slots = Arc::new(Slots::default());
-    loop {
+    let places = Arc::new(Places::new(clock));
+    for number in 1_u64.. {
         let (stream, client) = match listener.accept().await {
             Ok(accepted) => accepted,
             Err(error) => {
@@ -117,20 +133,33 @@ pub(super) async fn serve(listener: TcpListener, router: Router) -> std::io::Res
                 continue;
             }
         };
-        // Too many connections: the newest is closed at once.
-        let Some(slot) = slots.take(client.ip()) else { continue };
-        let router = router.clone();
-        tokio::spawn(async move {
-            prepare(&stream);
-            let connection = http1::Builder::new()
-                .timer(TokioTimer::new())
-                .header_read_timeout(HEADER_TIMEOUT)
-                .serve_connection(TokioIo::new(stream), TowerToHyperService::new(router))
-                .with_upgrades();
-            // An error of one connection (broken off, too slow, not HTTP) concerns nobody else.
-            let _ = connection.await;
-            drop(slot);
-        });
+        tokio::spawn(serve_connection(stream, places.take(client.ip()), router.clone(), clock));
+        // The others have their turn, also while one connection follows the other.
+        if number.is_multiple_of(ACCEPTED_IN_A_TURN) {
+            tokio::task::yield_now().await;
+        }
+    }
+    Ok(())
+}
+
+/// Answers the requests of one connection, until it ends or has to give way. A socket takes the connection's place over.
+async fn serve_connection(stream: TcpStream, place: Place, router: Router, clock: Clock) {
+    prepare(&stream);
+    let place = Arc::new(place);
+    let service = service_fn(|mut request: hyper::Request<hyper::body::Incoming>| {
+        request.extensions_mut().insert(Arc::clone(&place));
+        router.clone().oneshot(request)
+    });
+    let connection = http1::Builder::new()
+        .timer(TokioTimer::new())
+        .header_read_timeout(HEADER_TIMEOUT)
+        .max_buf_size(HEAD_BYTES)
+        .serve_connection(TokioIo::new(LimitedStream::new(stream, Bytes, BYTES, clock)), service)
+        .with_upgrades();
+    tokio::select! {
+        // An error of one connection (broken off, too slow, not HTTP) concerns nobody else.
+        _ = connection => {}
+        () = place.gives_way() => {}
     }
 }
 

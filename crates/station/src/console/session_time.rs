@@ -32,8 +32,13 @@ impl SessionTime {
         Timestamp::from_nanos(self.clock.now().as_nanos().saturating_add_signed(offset))
     }
 
-    /// The program's clock, which never stands still.
+    /// The time of the program's clock, which never stands still.
     pub(super) fn clock(&self) -> Timestamp {
         self.clock.now()
+    }
+
+    /// The program's clock.
+    pub(super) const fn program_clock(&self) -> Clock {
+        self.clock
     }
 }

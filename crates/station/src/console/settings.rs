@@ -1,7 +1,7 @@
 //! How a console is served: its address, its tokens, and what happens when the controlling page is gone.
 
 use std::net::{IpAddr, Ipv4Addr, SocketAddr, TcpListener};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
 
@@ -17,6 +17,8 @@ pub struct ConsoleSettings {
     pub listener: TcpListener,
     /// The tokens; `None`: everybody who reaches the socket may control.
     pub tokens: Option<Tokens>,
+    /// The file that the tokens are from; `None`: they were made for this program's life.
+    pub token_file: Option<PathBuf>,
     /// Further names that the server answers to, besides its addresses.
     pub host_names: Vec<String>,
     /// What happens when the controlling page is gone.
@@ -34,7 +36,8 @@ impl ConsoleSettings {
             Some(path) => Tokens::read(path)?,
             None => Tokens::random().context("no random numbers for the console's tokens")?,
         };
-        Ok(Self { tokens: Some(tokens), ..Self::open(address)? })
+        let token_file = token_file.map(Path::to_owned);
+        Ok(Self { tokens: Some(tokens), token_file, ..Self::open(address)? })
     }
 
     /// The same, without tokens where only this machine can reach the console.
@@ -61,6 +64,7 @@ impl ConsoleSettings {
         Ok(Self {
             listener: self.listener.try_clone()?,
             tokens: self.tokens.clone(),
+            token_file: self.token_file.clone(),
             host_names: self.host_names.clone(),
             on_lost: self.on_lost,
         })
@@ -70,6 +74,7 @@ impl ConsoleSettings {
         Ok(Self {
             listener: listen(address)?,
             tokens: None,
+            token_file: None,
             host_names: Vec::new(),
             on_lost: OnConsoleLost::default(),
         })

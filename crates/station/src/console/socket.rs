@@ -4,20 +4,29 @@
 //! sent is always the newest: a slow page misses snapshots and video, and delays nobody.
 
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
-use axum::extract::ws::{CloseFrame, Message, WebSocket, close_code};
 use bytes::Bytes;
 use futures_util::stream::{SplitSink, SplitStream};
 use futures_util::{SinkExt as _, StreamExt as _};
+use hyper::upgrade::Upgraded;
+use hyper_util::rt::TokioIo;
 use tokio::sync::broadcast::error::RecvError;
 use tokio::sync::{broadcast, mpsc, watch};
 use tokio::time::{Instant, sleep_until, timeout};
+use tokio_tungstenite::WebSocketStream;
+use tokio_tungstenite::tungstenite::Message;
+use tokio_tungstenite::tungstenite::protocol::frame::coding::CloseCode;
+use tokio_tungstenite::tungstenite::protocol::{CloseFrame, Role as SocketRole, WebSocketConfig};
 
 use super::access::Role;
 use super::api::{Answer, ClientMessage, ConsoleRequest, ServerMessage, VideoPath};
-use super::limits::{IDLE_TIMEOUT, RateLimit, SEND_TIMEOUT};
+use super::frame_counter::FrameCounter;
+use super::limited_stream::LimitedStream;
+use super::limits::{FRAMES, IDLE_TIMEOUT, MAX_MESSAGE_BYTES, READ_BYTES, SEND_TIMEOUT};
 use super::pictures::PictureViewer;
+use super::places::Place;
 use super::requests::{Requester, answer, begin_request};
 use super::seats::ClientId;
 use super::shared::Console;
@@ -30,23 +39,51 @@ const SNAPSHOT_INTERVAL: Duration = Duration::from_millis(10);
 /// Answers that wait to be sent. A page that reads none loses those beyond.
 const OUTBOX: usize = 128;
 
-/// Serves one page until either side ends the connection.
-pub(super) async fn serve(console: Arc<Console>, socket: WebSocket, role: Role, name: String) {
-    let now = console.time.clock();
-    let joined = console.with_seats(|seats| seats.join(&name, role, now));
+/// The bytes of a socket, whose frames are counted.
+type Stream = LimitedStream<TokioIo<Upgraded>, FrameCounter>;
+type WebSocket = WebSocketStream<Stream>;
+
+/// Serves one page until either side ends the connection, or the connection has to give way to another one.
+pub(super) async fn serve(
+    console: Arc<Console>,
+    stream: TokioIo<Upgraded>,
+    role: Role,
+    name: String,
+    place: Option<Arc<Place>>,
+) {
+    let clock = console.time.program_clock();
+    let stream = LimitedStream::new(stream, FrameCounter::default(), FRAMES, clock);
+    let is_over = stream.is_over();
+    let config = WebSocketConfig::default()
+        .max_message_size(Some(MAX_MESSAGE_BYTES))
+        .max_frame_size(Some(MAX_MESSAGE_BYTES))
+        .read_buffer_size(READ_BYTES)
+        // What is sent goes out at once: nothing is collected.
+        .write_buffer_size(0);
+    let socket = WebSocketStream::from_raw_socket(stream, SocketRole::Server, Some(config)).await;
+    let joined = console.with_seats(|seats| seats.join(&name, role, clock.now()));
     console.publish_seats();
     let id = joined.id;
     let (sink, stream) = socket.split();
     let (outbox, answers) = mpsc::channel(OUTBOX);
     let (path, paths) = watch::channel(VideoPath::None);
     let requester = Requester { role, client: Some(id) };
-    let reader = Reader { console: Arc::clone(&console), requester, outbox, path };
+    let reader = Reader { console: Arc::clone(&console), requester, outbox, path, is_over };
     tokio::select! {
         () = reader.run(stream) => {}
         _ = write(&console, sink, id, role, answers, paths) => {}
+        () = gives_way(place) => {}
     }
     console.with_seats(|seats| seats.leave(id, console.time.clock()));
     console.publish_seats();
+}
+
+/// Waits until the connection has to give way to another one.
+async fn gives_way(place: Option<Arc<Place>>) {
+    match place {
+        Some(place) => place.gives_way().await,
+        None => std::future::pending().await,
+    }
 }
 
 /// The half that reads.
@@ -55,36 +92,37 @@ struct Reader {
     requester: Requester,
     outbox: mpsc::Sender<ServerMessage>,
     path: watch::Sender<VideoPath>,
+    /// Whether the page has sent more frames than it may.
+    is_over: Arc<AtomicBool>,
 }
 
 impl Reader {
     /// Reads until the page is gone, silent for too long, or breaks the rules.
     async fn run(self, mut stream: SplitStream<WebSocket>) {
-        let mut limit = RateLimit::new(self.console.time.clock());
         while let Ok(Some(Ok(message))) = timeout(IDLE_TIMEOUT, stream.next()).await {
-            let now = self.console.time.clock();
-            let Message::Text(text) = message else {
-                match message {
-                    Message::Ping(_) | Message::Pong(_) => continue,
-                    _ => return,
-                }
+            let text = match message {
+                Message::Text(text) => text,
+                Message::Ping(_) | Message::Pong(_) => continue,
+                Message::Binary(_) | Message::Close(_) | Message::Frame(_) => break,
             };
             let Ok(message) = serde_json::from_str::<ClientMessage>(&text) else {
                 tracing::warn!("a page sent a message that cannot be read; it is disconnected");
-                return;
+                break;
             };
-            let is_stop = matches!(message, ClientMessage::Request { request: ConsoleRequest::Stop, .. });
-            if !limit.permits(now) {
-                if is_stop {
+            if self.is_over.load(Ordering::Relaxed) {
+                // The next read ends the connection. A stop among what came before is taken.
+                if matches!(message, ClientMessage::Request { request: ConsoleRequest::Stop, .. }) {
                     self.console.gateway.stop();
                 }
-                tracing::warn!("a page sent too many messages; it is disconnected");
-                return;
+                continue;
             }
             if let Some(client) = self.requester.client {
-                self.console.with_seats(|seats| seats.hear(client, now));
+                self.console.with_seats(|seats| seats.hear(client, self.console.time.clock()));
             }
             self.on_message(message);
+        }
+        if self.is_over.load(Ordering::Relaxed) {
+            tracing::warn!("a page sent too many messages; it is disconnected");
         }
     }
 
@@ -183,7 +221,7 @@ async fn write(
 
 /// Tells a page that it has to go.
 async fn dismiss(writer: &mut Writer) -> Result<(), Closed> {
-    let frame = CloseFrame { code: close_code::AGAIN, reason: "too many pages are open".into() };
+    let frame = CloseFrame { code: CloseCode::Again, reason: "too many pages are open".into() };
     let _ = writer.send(Message::Close(Some(frame))).await;
     Err(Closed)
 }

@@ -8,6 +8,7 @@ use super::super::access::Role;
 use super::super::in_memory::{
     CONTROL_TOKEN, DEMO, InMemory, LIVE, LIVE_OFF_LOOPBACK, Setup, WATCH_TOKEN, block_on,
 };
+use super::super::limits::REQUESTS;
 use super::*;
 use crate::operator::Request as SessionRequest;
 use crate::test_scenes::{at, idle};
@@ -348,11 +349,83 @@ fn a_body_that_does_not_come_in_time_is_refused_and_ends_the_connection() {
 
 #[test]
 fn a_body_that_a_foreign_form_could_send_is_refused() {
-    for kind in ["text/plain", "application/x-www-form-urlencoded", "multipart/form-data", "json"] {
+    for kind in [
+        "text/plain",
+        "application/x-www-form-urlencoded",
+        "multipart/form-data",
+        "json",
+        "application/json-evil",
+        "application/jsonx; charset=utf-8",
+        "application/json+x",
+        "application/json, text/plain",
+        "text/plain; application/json",
+        "application/ json",
+        "",
+    ] {
         check(LIVE, STOP, &[CONTROL, &format!("content-type: {kind}")], 415, &["application/json"]);
     }
     check(LIVE, "POST /api/v1/requests", &[CONTROL], 415, &["send Content-Type: application/json"]);
-    check(LIVE, STOP, &[CONTROL, "content-type: application/json; charset=utf-8"], 200, &["accepted"]);
+    for kind in [
+        "application/json; charset=utf-8",
+        "application/json;charset=utf-8",
+        "Application/JSON",
+        "application/json ;a=b",
+    ] {
+        check(LIVE, STOP, &[CONTROL, &format!("content-type: {kind}")], 200, &["accepted"]);
+    }
+}
+
+#[test]
+fn a_header_that_says_one_thing_comes_once_and_is_text() {
+    for header in [
+        "host: 127.0.0.1:8480",
+        "host: evil.example",
+        "origin: http://127.0.0.1:8480",
+        "content-type: application/json",
+        "authorization: Bearer guess",
+        "sec-fetch-site: same-origin",
+    ] {
+        let name = header.split(':').next().unwrap();
+        let own = ["host: 127.0.0.1:8480", "origin: http://127.0.0.1:8480", "content-type: application/json"];
+        let mut headers = vec![CONTROL, "sec-fetch-site: same-origin"];
+        headers.extend(own);
+        check(LIVE, STOP, &headers, 200, &["accepted"]);
+        headers.push(header);
+        check(LIVE, STOP, &headers, 400, &[&format!("send the header {name} once")]);
+    }
+    let mut session = InMemory::new(LIVE);
+    let mut request = request(STOP, &[CONTROL]);
+    request.headers_mut().insert("origin", HeaderValue::from_bytes(b"http://\xff").unwrap());
+    assert_eq!(session.call(request).0, 400, "an origin that is no text is not the same as none");
+    assert_eq!(session.console.gateway.stop_latch().taken(), 0);
+}
+
+/// Takes all that the limit of a role permits, for ever: the bucket is filled up to a time that does not come.
+fn exhaust(session: &InMemory, role: Role) {
+    let never = at(1 << 40);
+    assert!(session.console.access.permits_request(role, REQUESTS.burst, never));
+}
+
+#[test]
+fn a_watcher_who_asks_too_often_is_refused_and_neither_the_operator_nor_a_stop_is() {
+    let mut session = InMemory::new(LIVE);
+    assert_eq!(call(&mut session, "GET /api/v1/status", &[WATCH]).0, 200);
+    exhaust(&session, Role::Watch);
+    for line in
+        ["GET /api/v1/status", "GET /metrics", "GET /", "POST /api/v1/login", "GET /api/v1/socket", ENGAGE]
+    {
+        let (status, text) = call(&mut session, line, &[WATCH]);
+        assert!(status == 429 && text.contains("connection: close\n"), "{line}: {status} {text}");
+    }
+    for _ in 0..1000 {
+        let (status, text) = call(&mut session, STOP, &[WATCH]);
+        assert!(status == 200 && text.contains("accepted") && text.contains("connection: close\n"), "{text}");
+    }
+    assert_eq!(session.console.gateway.stop_latch().taken(), 1000);
+    assert_eq!(call(&mut session, ENGAGE, &[CONTROL]).0, 200);
+    exhaust(&session, Role::Control);
+    assert_eq!(call(&mut session, ENGAGE, &[CONTROL]).0, 429, "the operator's limit is the operator's own");
+    assert_eq!(call(&mut session, STOP, &[CONTROL]).0, 200);
 }
 
 #[test]

@@ -28,7 +28,7 @@ fn heard(sent: String) -> String {
     };
     tokio::runtime::Builder::new_current_thread().enable_all().build().unwrap().block_on(async {
         tokio::select! {
-            served = serve(listener, routes::router(Arc::clone(&session.console))) => panic!("{served:?}"),
+            served = serve(listener, routes::router(Arc::clone(&session.console)), Clock::start()) => panic!("{served:?}"),
             heard = tokio::task::spawn_blocking(client) => heard.unwrap(),
         }
     })
@@ -43,6 +43,42 @@ fn a_request_without_a_token_and_without_its_body_holds_no_connection() {
             "{line} HTTP/1.1\r\nHost: 127.0.0.1:8480\r\nContent-Type: application/json\r\nContent-Length: 100\r\n\r\n"
         ));
         assert!(heard.starts_with(&format!("HTTP/1.1 {status} ")), "{line}: {heard}");
+    }
+}
+
+/// What a client hears that connects after `first` have connected and wait, each having sent this.
+fn heard_after(first: usize, sent_first: &'static str, sent: String) -> String {
+    let session = InMemory::new(LIVE);
+    let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+    listener.set_nonblocking(true).unwrap();
+    let address = listener.local_addr().unwrap();
+    let client = move || {
+        let connect = |sent: &str| {
+            let mut stream = std::net::TcpStream::connect(address).unwrap();
+            stream.write_all(sent.as_bytes()).unwrap();
+            stream
+        };
+        let _waiting: Vec<_> = (0..first).map(|_| connect(sent_first)).collect();
+        let mut heard = String::new();
+        connect(&sent).read_to_string(&mut heard).unwrap();
+        heard
+    };
+    runtime().unwrap().block_on(async {
+        let router = routes::router(Arc::clone(&session.console));
+        tokio::select! {
+            served = serve(listener, router, Clock::start()) => panic!("{served:?}"),
+            heard = tokio::task::spawn_blocking(client) => heard.unwrap(),
+        }
+    })
+}
+
+#[test]
+fn connections_that_show_no_token_keep_nobody_out() {
+    let ask = "GET /api/v1/access HTTP/1.1\r\nHost: 127.0.0.1:8480\r\nConnection: close\r\n\
+               Authorization: Bearer control-0123456789\r\n\r\n";
+    for waits_with in ["", "GET / HT", "GET /healthz HTTP/1.1\r\nHost: 127.0.0.1:8480\r\n"] {
+        let heard = heard_after(300, waits_with, ask.to_owned());
+        assert!(heard.starts_with("HTTP/1.1 200 "), "{waits_with:?}: {heard}");
     }
 }
 

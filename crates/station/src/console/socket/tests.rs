@@ -83,6 +83,19 @@ impl Page {
         let _ = self.pipe.write_all(&frame).await;
     }
 
+    /// Sends a part of a message that more parts follow.
+    async fn send_part(&mut self, kind: u8, payload: &[u8]) {
+        let mut frame = vec![kind, 0x80 | u8::try_from(payload.len()).unwrap(), 0, 0, 0, 0];
+        frame.extend(payload);
+        let _ = self.pipe.write_all(&frame).await;
+    }
+
+    /// Reads until the connection ends, by a frame or without one.
+    async fn end_of_flood(&mut self) {
+        let mut rest = Vec::new();
+        let _ = self.pipe.read_to_end(&mut rest).await;
+    }
+
     async fn send(&mut self, message: Value) {
         self.send_frame(TEXT, message.to_string().as_bytes()).await;
     }
@@ -311,6 +324,57 @@ fn a_page_that_floods_is_disconnected() {
         assert!(session.console.gateway.next_request().is_none(), "what follows the flood is not read");
         assert_eq!(session.console.seat_changes.borrow().clients, [0; 0]);
     });
+}
+
+/// Frames that are no message, and count like messages.
+const PING: u8 = 9;
+const PONG: u8 = 10;
+
+#[test]
+fn every_kind_of_frame_counts_against_the_limit() {
+    let begun = r#"{"type":"ping","#;
+    for (what, first, kind, payload) in [
+        ("pings", None, PING, ""),
+        ("pings with a content", None, PING, "0123456789"),
+        ("pongs", None, PONG, ""),
+        ("tiny messages", None, TEXT, r#"{"type":"ping","sent_ms":0}"#),
+        // The first part of a message, and then empty parts without end.
+        ("empty parts of a message", Some(begun), 0, ""),
+    ] {
+        let session = InMemory::new(LIVE);
+        block_on(async {
+            let mut page = Page::open(&session, WATCH_TOKEN, "a1").await;
+            if let Some(first) = first {
+                page.send_part(TEXT, first.as_bytes()).await;
+            }
+            // Several times what the limit passes in the time that it takes to read them.
+            for _ in 0..5000 {
+                match first {
+                    Some(_) => page.send_part(kind, payload.as_bytes()).await,
+                    None => page.send_frame(kind, payload.as_bytes()).await,
+                }
+            }
+            page.end_of_flood().await;
+            assert_eq!(session.console.seat_changes.borrow().clients, [0; 0], "{what}");
+        });
+    }
+}
+
+#[test]
+fn a_stop_in_the_piece_that_exceeds_the_limit_is_taken() {
+    let session = InMemory::new(LIVE);
+    block_on(async {
+        let mut page = Page::open(&session, WATCH_TOKEN, "a1").await;
+        // A ping has six bytes: the last of them and the stop come in one piece. Then one more piece, for the end.
+        let mut flood = [0x89, 0x80, 0, 0, 0, 0].repeat(400);
+        let stop = br#"{"type":"request","id":1,"request":{"kind":"stop"}}"#;
+        flood.extend([0x81, 0x80 | stop.len() as u8, 0, 0, 0, 0]);
+        flood.extend(stop);
+        flood.extend([0x89, 0x80, 0, 0, 0, 0].repeat(400));
+        page.pipe.write_all(&flood).await.unwrap();
+        page.end_of_flood().await;
+    });
+    assert_eq!(session.console.gateway.stop_latch().pending(), Some(1));
 }
 
 #[test]
