@@ -8,6 +8,7 @@ again as soon as the program disconnects it.
 A delay is limited by LIMIT_MS and, for each process between the press and its effect, by the longest time for which a
 process of this machine had to wait for the processor meanwhile.
 """
+import bisect
 import contextlib
 import http.client
 import json
@@ -208,8 +209,8 @@ def ask(host, method, path, token, body=None):
         connection.close()
 
 
-class Motions:
-    """The lines with rates that the ground station has heard, read as they come."""
+class Vehicle:
+    """The rates in force at the ground station, by the rows of its log, read as they come."""
 
     def __init__(self, emulator):
         self.file, self.rest, self.rows = open(emulator.log), "", []
@@ -217,32 +218,32 @@ class Motions:
     def read(self):
         self.rest += self.file.read()
         *lines, self.rest = self.rest.split("\n")
-        rows = (common.Row(json.loads(line)) for line in lines)
-        self.rows += [row for row in rows if row.is_motion]
+        self.rows += [common.Row(json.loads(line)) for line in lines]
 
-    def first(self, condition, seconds):
-        """The first row that fulfils a condition, waited for; None without one."""
-        end, seen = time.monotonic() + seconds, max(len(self.rows) - 20, 0)
+    def first(self, since, condition, seconds):
+        """The first row since a time that fulfils a condition, waited for; None without one."""
+        end = time.monotonic() + seconds
         while time.monotonic() < end:
             self.read()
-            while seen < len(self.rows):
-                if condition(self.rows[seen]):
-                    return self.rows[seen]
-                seen += 1
+            index = bisect.bisect_left(self.rows, since, key=lambda row: row.at)
+            found = next((row for row in self.rows[index:] if condition(row)), None)
+            if found is not None:
+                return found
             time.sleep(0.002)
         return None
 
-    def zero_after(self, pressed):
-        """Seconds from a press to the zeros; 0 for a camera that rested, for its hand was not heard in time."""
-        self.read()
-        last = next((row for row in reversed(self.rows) if row.at < pressed), None)
-        if last is not None and last.is_zero:
-            return 0.0
-        zero = self.first(lambda row: row.is_zero and row.at >= pressed, 5)
-        return float("inf") if zero is None else zero.at - pressed
+    def rests_after(self, pressed):
+        """Seconds from a press until no rate is in force; None for a camera that rested already, as its hand was not heard in time."""
+        if self.first(pressed, lambda row: True, 5) is None:
+            return float("inf")
+        before = self.rows[: bisect.bisect_left(self.rows, pressed, key=lambda row: row.at)]
+        if not any(before[-1].rates):
+            return None
+        row = self.first(pressed, lambda row: not any(row.rates), 5)
+        return float("inf") if row is None else row.at - pressed
 
 
-def press_stops(operator, motions, count, turns):
+def press_stops(operator, vehicle, count, turns):
     """Turns the camera and stops it, `count` times. Returns the seconds to the answers and to the zeros at the vehicle.
 
     Without `turns` the camera rests, as others stop it all the time.
@@ -257,7 +258,7 @@ def press_stops(operator, motions, count, turns):
         operator.request("disengage")
         operator.pan = 0.5 if number % 2 else -0.5
         began = time.monotonic()
-        if motions.first(lambda row: row.moves and row.at > began, 10) is None:
+        if vehicle.first(began, lambda row: any(row.rates), 10) is None:
             # The operator is kept out.
             answers["socket"].append(float("inf"))
             break
@@ -267,7 +268,8 @@ def press_stops(operator, motions, count, turns):
         operator.pan = 0.0
         pressed = time.monotonic()
         answers[way].append(operator.stop_on_socket() if way == "socket" else operator.stop_over_http())
-        zeros.append(motions.zero_after(pressed))
+        rests = vehicle.rests_after(pressed)
+        zeros += [rests] if rests is not None else []
     return answers, zeros
 
 
@@ -296,13 +298,13 @@ def judge(table, name, standstills, answers, zeros):
 
 
 def floods(table, args, program, operator, emulator, host):
-    before, motions = memory_mb(program), Motions(emulator)
+    before, vehicle = memory_mb(program), Vehicle(emulator)
     for name in [None, *(name for name in FLOODS if args.only in (None, name))]:
         command = [sys.executable, __file__, "--flood", name, host, SHORT_PAUSE if args.short else 0]
         flooding = common.spawn(command, stdout=subprocess.DEVNULL) if name else None
         time.sleep(0.5)
         with Standstills() as standstills:
-            answers, zeros = press_stops(operator, motions, args.stops, turns=name != STOPS)
+            answers, zeros = press_stops(operator, vehicle, args.stops, turns=name != STOPS)
         judge(table, name or "no flood", standstills, answers, zeros)
         if flooding:
             table.require(f"{name}: the flood went on, and the operator's page stays", flooding.poll() is None and operator.is_open)
