@@ -19,7 +19,7 @@
 //! - A clock that no quartz explains is recognised ([`clock_check`]): times of arrival are used instead.
 //!
 //! RTP time that steps backwards, or forwards faster than a queue drains, has jumped: the delay is then taken to be
-//! what it was directly before.
+//! what it was directly before, and longer by what this picture came later than the sender's interval.
 
 mod baseline;
 mod clock_check;
@@ -150,6 +150,8 @@ struct LastPicture {
     ticks: i64,
     /// Time of arrival by a clock that goes on while the machine is suspended.
     arrived: Timestamp,
+    /// Interval to the picture before by the sender's clock.
+    interval_ns: i128,
     delay_ns: i128,
     capture: Capture,
 }
@@ -200,9 +202,9 @@ impl SenderClock {
             }
             _ => false,
         };
-        let last_delay_ns = self.last.map_or(0, |last| last.delay_ns);
-        if has_jumped {
-            self.baseline = Some(Baseline::new(offset_ns - last_delay_ns, arrived));
+        if has_jumped && let (Some(step), Some(last)) = (step, self.last) {
+            let grown_ns = (step.arrived_ns - last.interval_ns).max(0);
+            self.baseline = Some(Baseline::new(offset_ns - last.delay_ns - grown_ns, arrived));
             self.wall.forget();
         } else if is_new_connection && !self.continues(offset_ns, arrived) {
             self.baseline = None;
@@ -220,7 +222,11 @@ impl SenderClock {
             false => Capture { at: arrival.minus(duration(delay_ns)), quality: CaptureQuality::Sender },
         };
         let capture = self.in_order(capture, step, arrival);
-        self.last = Some(LastPicture { ticks, arrived, delay_ns, capture });
+        let interval_ns = match step {
+            Some(step) if !has_jumped => step.sent_ns,
+            _ => self.last.map_or(0, |last| last.interval_ns),
+        };
+        self.last = Some(LastPicture { ticks, arrived, interval_ns, delay_ns, capture });
         capture
     }
 
