@@ -33,7 +33,11 @@ pub fn tracking_camera(bytes: &[u8]) {
         now: Timestamp::from_secs_f64(1.0),
         asked: Vec::new(),
     };
-    talk.camera.show(Shown { picture: Some(PICTURE).filter(|_| first & 4 == 0), target: ShownTarget::None });
+    talk.camera.show(Shown {
+        picture: Some(PICTURE).filter(|_| first & 4 == 0),
+        frames_per_second: 30.0,
+        target: ShownTarget::None,
+    });
     while let Some(byte) = rest.next() {
         let value = rest.next().unwrap_or(0);
         match byte % 8 {
@@ -84,7 +88,7 @@ impl Talk {
             2 => ShownTarget::Predicted(bounds),
             _ => ShownTarget::Lost,
         };
-        self.camera.show(Shown { picture: Some(PICTURE), target });
+        self.camera.show(Shown { picture: Some(PICTURE), frames_per_second: 30.0, target });
     }
 
     fn answer(&mut self, value: u8) {

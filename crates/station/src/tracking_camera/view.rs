@@ -23,7 +23,7 @@ pub(super) fn view(snapshot: &Snapshot, now: Timestamp) -> Shown {
         },
         _ => ShownTarget::None,
     };
-    Shown { picture: Some(picture), target }
+    Shown { picture: Some(picture), frames_per_second: snapshot.video.fps as f32, target }
 }
 
 #[cfg(test)]

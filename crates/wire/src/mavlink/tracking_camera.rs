@@ -69,6 +69,8 @@ impl CameraSettings {
 pub struct Shown {
     /// Size of the picture; `None`: there is none yet.
     pub picture: Option<PictureSize>,
+    /// Video frames a second, 0 where that is not known yet.
+    pub frames_per_second: f32,
     /// The target.
     pub target: ShownTarget,
 }
@@ -214,14 +216,20 @@ impl TrackingCamera {
                 self.status_at = now;
                 MavResult::MAV_RESULT_ACCEPTED
             }
-            Order::Stream if self.description.stream.is_some() => MavResult::MAV_RESULT_ACCEPTED,
+            Order::Stream(id) if self.description.stream.is_some() => {
+                if CameraDescription::is_stream(id) {
+                    MavResult::MAV_RESULT_ACCEPTED
+                } else {
+                    MavResult::MAV_RESULT_DENIED
+                }
+            }
             Order::Wrong(reason) => {
                 self.tell(reason);
                 MavResult::MAV_RESULT_DENIED
             }
             // A command to all components may be meant for another one.
-            Order::Stream | Order::Unknown if !command.names(own) => return,
-            Order::Stream | Order::Unknown => MavResult::MAV_RESULT_UNSUPPORTED,
+            Order::Stream(_) | Order::Unknown if !command.names(own) => return,
+            Order::Stream(_) | Order::Unknown => MavResult::MAV_RESULT_UNSUPPORTED,
         };
         self.acknowledge(command, result);
     }
@@ -267,6 +275,9 @@ impl TrackingCamera {
             }
             return;
         }
+        if !CameraDescription::has_index(message, index) {
+            return self.acknowledge(command, MavResult::MAV_RESULT_DENIED);
+        }
         let Some(picture) = self.shown.picture else {
             return self.acknowledge(command, MavResult::MAV_RESULT_TEMPORARILY_REJECTED);
         };
@@ -274,7 +285,8 @@ impl TrackingCamera {
         if message == image_status::ID {
             self.send_status(picture);
         } else {
-            let asked = description::Asked { message, index, picture, now };
+            let frames_per_second = self.shown.frames_per_second;
+            let asked = description::Asked { message, picture, frames_per_second, now };
             self.description.write(&asked, &mut self.writer, &mut self.out);
         }
     }

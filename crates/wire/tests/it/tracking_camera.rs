@@ -46,12 +46,12 @@ impl Bench {
         let stream = VideoStream::new("rtsp://192.168.2.100/live", Some(63));
         let description = CameraDescription { model: "fotokite-pro".to_owned(), version: [0, 1, 2], stream };
         let mut camera = TrackingCamera::new(settings, description, None);
-        camera.show(Shown { picture: Some(PICTURE), target: ShownTarget::None });
+        camera.show(Shown { picture: Some(PICTURE), frames_per_second: 29.97, target: ShownTarget::None });
         Self { camera, ground_station: FrameWriter::new(GROUND_STATION, None), asked: Vec::new() }
     }
 
     fn show(&mut self, target: ShownTarget) {
-        self.camera.show(Shown { picture: Some(PICTURE), target });
+        self.camera.show(Shown { picture: Some(PICTURE), frames_per_second: 29.97, target });
     }
 
     fn receive(&mut self, packet: &[u8], ms: u64) {
@@ -410,4 +410,39 @@ fn a_refusal_in_words_is_sent_in_parts() {
     let heard = bench.poll(10);
     assert_eq!(texts(&heard), reason.replace('–', "?"));
     assert_eq!(numbers(&heard).iter().filter(|message| **message == 253).count(), 2);
+}
+
+#[test]
+fn the_stream_has_its_frame_rate_and_a_stream_that_there_is_not_is_denied() {
+    for (command, parameters, result) in [
+        (512, [269.0, 0.0], ACCEPTED),
+        (512, [269.0, 1.0], ACCEPTED),
+        (512, [269.0, f32::NAN], ACCEPTED),
+        (512, [269.0, 2.0], DENIED),
+        (512, [269.0, -1.0], DENIED),
+        (512, [270.0, 2.0], DENIED),
+        (2504, [1.0, 0.0], ACCEPTED),
+        (2504, [3.0, 0.0], DENIED),
+        (2505, [3.0, 0.0], DENIED),
+        (2502, [0.0, 0.0], ACCEPTED),
+        (2502, [2.0, 0.0], DENIED),
+        (2503, [2.0, 0.0], DENIED),
+        // Not one of a stream.
+        (512, [259.0, 2.0], ACCEPTED),
+    ] {
+        let mut bench = Bench::new();
+        let [first, second] = parameters;
+        bench.command(command, [first, second, 0.0, 0.0, 0.0, 0.0, 0.0], 10);
+        let heard = bench.poll(10);
+        let acks: Vec<u8> = heard
+            .iter()
+            .filter(|(id, _)| *id == 77)
+            .map(|(_, payload)| payload.get(2).copied().unwrap_or(0))
+            .collect();
+        assert_eq!(acks, [result], "{command} {parameters:?}");
+        let is_of_stream = first == 269.0 || command == 2504;
+        let stream: Option<VIDEO_STREAM_INFORMATION_DATA> = read(&heard).filter(|_| is_of_stream);
+        assert_eq!(stream.is_some(), is_of_stream && result == ACCEPTED, "{command} {parameters:?}");
+        assert!(stream.is_none_or(|stream| (stream.framerate - 29.97).abs() < 1e-3));
+    }
 }

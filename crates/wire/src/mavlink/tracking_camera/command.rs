@@ -66,7 +66,7 @@ pub(super) enum Order {
     /// Send the status of the track at this interval, or not.
     SetStatusInterval(Option<Duration>),
     /// Begin or end the video stream, which always runs.
-    Stream,
+    Stream(f32),
     /// A value that has no meaning, for this reason.
     Wrong(&'static str),
     Unknown,
@@ -130,11 +130,13 @@ impl Command {
         } else if is(MavCmd::MAV_CMD_REQUEST_MESSAGE) {
             Order::Send { message: message_number(first), index: second }
         } else if let Some((_, message)) = old {
-            Order::Send { message: *message, index: 0.0 }
+            // Those of streams name one.
+            let index = if matches!(self.number, 2504 | 2505) { first } else { 0.0 };
+            Order::Send { message: *message, index }
         } else if is(MavCmd::MAV_CMD_SET_MESSAGE_INTERVAL) && message_number(first) == image_status::ID {
             status_interval(second)
         } else if is(MavCmd::MAV_CMD_VIDEO_START_STREAMING) || is(MavCmd::MAV_CMD_VIDEO_STOP_STREAMING) {
-            Order::Stream
+            Order::Stream(first)
         } else {
             Order::Unknown
         }

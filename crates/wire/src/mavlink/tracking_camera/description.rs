@@ -49,9 +49,8 @@ impl VideoStream {
 pub(super) struct Asked {
     /// The number of the message.
     pub(super) message: u32,
-    /// Its second parameter: the number of a stream, 0 or NaN for all.
-    pub(super) index: f32,
     pub(super) picture: PictureSize,
+    pub(super) frames_per_second: f32,
     pub(super) now: Timestamp,
 }
 
@@ -68,18 +67,27 @@ impl CameraDescription {
         }
     }
 
+    /// Whether the second parameter of a request names what there is: for messages of a stream its number, or 0 or NaN for all.
+    pub(super) fn has_index(message: u32, index: f32) -> bool {
+        let is_of_stream =
+            matches!(message, VIDEO_STREAM_INFORMATION_DATA::ID | VIDEO_STREAM_STATUS_DATA::ID);
+        !is_of_stream || Self::is_stream(index)
+    }
+
+    /// Whether a number names the stream: its own, or 0 or NaN for all.
+    pub(super) fn is_stream(id: f32) -> bool {
+        id.is_nan() || id == 0.0 || id == f32::from(STREAM)
+    }
+
     /// Appends the message that was asked for. Behind CAMERA_INFORMATION comes VIDEO_STREAM_INFORMATION: MAVSDK asks for it
     /// 20 s later.
     pub(super) fn write(&self, asked: &Asked, writer: &mut FrameWriter, out: &mut Vec<Vec<u8>>) {
         // Milliseconds of 49 days: the field's own range.
         let time_boot_ms = (asked.now.as_nanos() / 1_000_000) as u32;
-        let is_stream_meant = asked.index.is_nan() || asked.index == 0.0 || asked.index == f32::from(STREAM);
         match asked.message {
             CAMERA_INFORMATION_DATA::ID => {
                 out.push(writer.write(&self.information(asked.picture, time_boot_ms)));
-                out.extend(
-                    self.stream.as_ref().map(|stream| writer.write(&information(stream, asked.picture))),
-                );
+                out.extend(self.stream.as_ref().map(|stream| writer.write(&information(stream, asked))));
             }
             CAMERA_SETTINGS_DATA::ID => out.push(writer.write(&CAMERA_SETTINGS_DATA {
                 time_boot_ms,
@@ -99,13 +107,11 @@ impl CameraDescription {
                 image_count: 0,
                 camera_device_id: 0,
             })),
-            VIDEO_STREAM_INFORMATION_DATA::ID if is_stream_meant => {
-                out.extend(
-                    self.stream.as_ref().map(|stream| writer.write(&information(stream, asked.picture))),
-                );
+            VIDEO_STREAM_INFORMATION_DATA::ID => {
+                out.extend(self.stream.as_ref().map(|stream| writer.write(&information(stream, asked))));
             }
-            VIDEO_STREAM_STATUS_DATA::ID if is_stream_meant => {
-                out.extend(self.stream.as_ref().map(|stream| writer.write(&status(stream, asked.picture))));
+            VIDEO_STREAM_STATUS_DATA::ID => {
+                out.extend(self.stream.as_ref().map(|stream| writer.write(&status(stream, asked))));
             }
             _ => {}
         }
@@ -138,13 +144,13 @@ impl CameraDescription {
     }
 }
 
-fn information(stream: &VideoStream, picture: PictureSize) -> VIDEO_STREAM_INFORMATION_DATA {
+fn information(stream: &VideoStream, asked: &Asked) -> VIDEO_STREAM_INFORMATION_DATA {
     VIDEO_STREAM_INFORMATION_DATA {
-        framerate: 0.0,
+        framerate: asked.frames_per_second,
         bitrate: 0,
         flags: VideoStreamStatusFlags::VIDEO_STREAM_STATUS_FLAGS_RUNNING,
-        resolution_h: side(picture.width),
-        resolution_v: side(picture.height),
+        resolution_h: side(asked.picture.width),
+        resolution_v: side(asked.picture.height),
         rotation: 0,
         hfov: stream.field_of_view_deg.unwrap_or(0),
         stream_id: STREAM,
@@ -157,13 +163,13 @@ fn information(stream: &VideoStream, picture: PictureSize) -> VIDEO_STREAM_INFOR
     }
 }
 
-fn status(stream: &VideoStream, picture: PictureSize) -> VIDEO_STREAM_STATUS_DATA {
+fn status(stream: &VideoStream, asked: &Asked) -> VIDEO_STREAM_STATUS_DATA {
     VIDEO_STREAM_STATUS_DATA {
-        framerate: 0.0,
+        framerate: asked.frames_per_second,
         bitrate: 0,
         flags: VideoStreamStatusFlags::VIDEO_STREAM_STATUS_FLAGS_RUNNING,
-        resolution_h: side(picture.width),
-        resolution_v: side(picture.height),
+        resolution_h: side(asked.picture.width),
+        resolution_v: side(asked.picture.height),
         rotation: 0,
         hfov: stream.field_of_view_deg.unwrap_or(0),
         stream_id: STREAM,
