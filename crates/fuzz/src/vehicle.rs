@@ -81,9 +81,10 @@ pub(crate) fn check_report(report: &Report) {
     let numbers: Vec<f64> = match report {
         Report::Ground { uptime_s, battery_v, tether_m, .. } => vec![*uptime_s, *battery_v, *tether_m],
         Report::VehicleAttitude(q) | Report::GimbalAttitude(q) => vec![q.w, q.x, q.y, q.z],
-        Report::CameraTilt(angle) | Report::CameraHeading(angle) | Report::FieldOfView(angle) => {
-            vec![angle.radians()]
-        }
+        Report::CameraTilt(angle)
+        | Report::CameraPan(angle)
+        | Report::CameraHeading(angle)
+        | Report::FieldOfView(angle) => vec![angle.radians()],
         Report::Position { latitude, longitude, altitude_m, height_m, heading } => {
             let heading = heading.map_or(0.0, |heading| heading.radians());
             vec![latitude.radians(), longitude.radians(), *altitude_m, *height_m, heading]
@@ -93,8 +94,16 @@ pub(crate) fn check_report(report: &Report) {
         }
         Report::Flight { on_time_s, backup_battery_v, .. } => vec![*on_time_s, *backup_battery_v],
         Report::Control { uptime_s, .. } => vec![*uptime_s],
-        Report::CameraHeight(height_m) => vec![*height_m],
-        Report::Link(_) | Report::Acceptance(_) | Report::FlightState { .. } => vec![],
+        Report::CameraHeight(number) | Report::Speed(number) => vec![*number],
+        Report::Text(text) => {
+            assert!(text.as_str().bytes().all(|byte| (b' '..=b'~').contains(&byte)), "{text:?}");
+            vec![]
+        }
+        Report::Link(_)
+        | Report::Acceptance(_)
+        | Report::FlightState { .. }
+        | Report::DriveMode(_)
+        | Report::GimbalDevice(_) => vec![],
     };
     assert!(numbers.iter().all(|number| number.is_finite()), "{report:?}");
 }

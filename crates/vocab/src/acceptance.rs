@@ -23,11 +23,19 @@ pub enum Acceptance {
     Unusable,
     /// The vehicle does not answer commands.
     Unanswered,
+    /// The vehicle is not armed.
+    Disarmed,
+    /// The vehicle is not armed, and its own checks before arming fail.
+    ChecksFail,
+    /// The vehicle's autopilot is starting.
+    StartingUp,
+    /// The vehicle has refused the mode in which it is commanded.
+    ModeRefused,
 }
 
 impl Acceptance {
     /// All of them.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 14] = [
         Self::Accepted,
         Self::Queued,
         Self::OtherClient,
@@ -38,11 +46,15 @@ impl Acceptance {
         Self::TokenRefused,
         Self::Unusable,
         Self::Unanswered,
+        Self::Disarmed,
+        Self::ChecksFail,
+        Self::StartingUp,
+        Self::ModeRefused,
     ];
 
-    /// Whether another client has the control.
+    /// Whether another client has the control, or may have it.
     pub const fn is_elsewhere(self) -> bool {
-        matches!(self, Self::Queued | Self::OtherClient)
+        matches!(self, Self::Queued | Self::OtherClient | Self::ModeRefused)
     }
 
     /// Its name in the console's API.
@@ -58,6 +70,10 @@ impl Acceptance {
             Self::TokenRefused => "token-refused",
             Self::Unusable => "unusable",
             Self::Unanswered => "unanswered",
+            Self::Disarmed => "disarmed",
+            Self::ChecksFail => "checks-fail",
+            Self::StartingUp => "starting-up",
+            Self::ModeRefused => "mode-refused",
         }
     }
 
@@ -80,6 +96,12 @@ impl Acceptance {
                 "the vehicle refuses the commands as unusable: compare its camera's limits with the profile's"
             }
             Self::Unanswered => "the vehicle does not answer commands",
+            Self::Disarmed => "not armed: arm it at its own ground station",
+            Self::ChecksFail => "not armed, and its own checks before arming fail: its own texts say which",
+            Self::StartingUp => "the autopilot is still starting: wait",
+            Self::ModeRefused => {
+                "the mode in which it is steered from here was refused: its position estimate (EKF) may not be ready; its own texts say why"
+            }
         }
     }
 }

@@ -19,10 +19,12 @@ pub mod water;
 
 pub mod acceptance;
 pub mod command;
+pub mod drive_mode;
 pub mod mavlink;
 pub mod operator;
 pub mod profile;
 pub mod telemetry;
+pub mod vehicle_text;
 pub mod vessel;
 
 pub mod link_command;

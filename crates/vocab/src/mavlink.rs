@@ -49,9 +49,11 @@ pub struct MavlinkPeers {
     pub own: Address,
     /// The system whose gimbal is moved; `None`: the first that has a gimbal manager.
     pub vehicle: Option<SystemId>,
+    /// The number of the gimbal device that is moved; `None`: the first that can pan and tilt. Without an effect on boats.
+    pub device: Option<u8>,
 }
 
 impl MavlinkPeers {
     /// An onboard computer of a system of its own, and the first gimbal.
-    pub const DEFAULT: Self = Self { own: Address::new(245, 191), vehicle: None };
+    pub const DEFAULT: Self = Self { own: Address::new(245, 191), vehicle: None, device: None };
 }

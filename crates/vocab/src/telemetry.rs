@@ -2,7 +2,9 @@
 
 use crate::acceptance::Acceptance;
 use crate::angle::Angle;
+use crate::drive_mode::DriveMode;
 use crate::time::Timestamp;
+use crate::vehicle_text::VehicleText;
 
 /// One report of a vehicle.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -44,8 +46,19 @@ pub enum Report {
     CameraTilt(Angle),
     /// Direction of the camera's axis over the water from true north, 0 to 2 pi, positive to the east.
     CameraHeading(Angle),
+    /// Pan of the camera's axis, positive to the right, in the frame in which the vehicle holds a camera at rest: from its nose, or
+    /// from north. The zero is the vehicle's own; a change is a turn of the camera.
+    CameraPan(Angle),
     /// Height of the camera above the water, metres.
     CameraHeight(f64),
+    /// Speed of a vessel over ground, m/s, 0 or more.
+    Speed(f64),
+    /// The mode of a vessel's autopilot.
+    DriveMode(DriveMode),
+    /// What the vehicle says in words.
+    Text(VehicleText),
+    /// The number of the gimbal device that is moved, of several that a vehicle can have.
+    GimbalDevice(u8),
     /// Horizontal field of view of the picture. A zoom changes it.
     FieldOfView(Angle),
     /// Position of the vehicle on Earth.
@@ -175,5 +188,31 @@ impl Quaternion {
             EulerAxis::Z => libm::atan2(2.0 * (w * z + x * y) / norm, 1.0 - 2.0 * (y * y + z * z) / norm),
         };
         Some(Angle::from_radians(angle))
+    }
+
+    /// A turn by an angle about one axis.
+    pub fn about(axis: EulerAxis, angle: Angle) -> Self {
+        let (sin, w) = libm::sincos(angle.radians() / 2.0);
+        let turn = Self { w, x: 0.0, y: 0.0, z: 0.0 };
+        match axis {
+            EulerAxis::X => Self { x: sin, ..turn },
+            EulerAxis::Y => Self { y: sin, ..turn },
+            EulerAxis::Z => Self { z: sin, ..turn },
+        }
+    }
+
+    /// The angle of the turn from this attitude to another one, radians, 0 or more. Both are unit quaternions q and p: the angle is
+    /// close to twice their distance, 2 |q - p|, and q means the same attitude as -q.
+    pub fn angle_to(self, other: Self) -> f64 {
+        let distance = |sign: f64| {
+            let differences = [
+                self.w - sign * other.w,
+                self.x - sign * other.x,
+                self.y - sign * other.y,
+                self.z - sign * other.z,
+            ];
+            libm::sqrt(differences.iter().map(|difference| difference * difference).sum::<f64>())
+        };
+        2.0 * distance(1.0).min(distance(-1.0))
     }
 }

@@ -1,6 +1,7 @@
 //! The newest state of the vehicle and its link, from telemetry.
 
 use barrelman_vocab::acceptance::Acceptance;
+use barrelman_vocab::drive_mode::DriveMode;
 use barrelman_vocab::telemetry::{ControlState, FlightState, LinkState, Report};
 use barrelman_vocab::{Angle, Telemetry};
 
@@ -52,6 +53,8 @@ pub struct VehicleSnapshot {
     pub control: Option<ControlState>,
     /// What a vehicle that answers commands says to them.
     pub acceptance: Option<Acceptance>,
+    /// The mode of a boat's autopilot.
+    pub drive_mode: Option<DriveMode>,
     /// Battery voltage, volts.
     pub battery_v: Option<f64>,
     /// Whether the vehicle says that one of its batteries is low.
@@ -93,6 +96,7 @@ impl VehicleSnapshot {
                 self.control = Some(if is_ours { ControlState::Ours } else { ControlState::NotOurs });
                 self.acceptance = Some(said);
             }
+            Report::DriveMode(mode) => self.drive_mode = Some(mode),
             Report::Control { control, .. } => self.control = Some(control),
             Report::CameraTilt(tilt) => self.tilt = Some(tilt),
             Report::CameraHeading(heading) => self.camera_heading = Some(heading),
@@ -106,7 +110,12 @@ impl VehicleSnapshot {
                 (self.flight, self.is_battery_low) = (Some(state), is_battery_low);
             }
             Report::FieldOfView(angle) => self.field_of_view = Some(angle),
-            Report::VehicleAttitude(_) | Report::GimbalAttitude(_) => {}
+            Report::VehicleAttitude(_)
+            | Report::GimbalAttitude(_)
+            | Report::CameraPan(_)
+            | Report::Speed(_)
+            | Report::Text(_)
+            | Report::GimbalDevice(_) => {}
         }
     }
 }
@@ -150,6 +159,7 @@ mod tests {
         link: LinkStatus::Link(LinkState::Up),
         control: Some(ControlState::Ours),
         acceptance: None,
+        drive_mode: None,
         battery_v: Some(15.5),
         tilt: Some(Angle::from_degrees(-20.0)),
         camera_heading: None,

@@ -12,10 +12,12 @@ use barrelman_trial::records::{
 };
 use barrelman_trial::target_in_picture::TargetInPicture;
 use barrelman_vocab::acceptance::Acceptance;
+use barrelman_vocab::drive_mode::DriveMode;
 use barrelman_vocab::earth::GeoPoint;
 use barrelman_vocab::telemetry::{ControlState, FlightState, LinkState, Quaternion, Report};
 use barrelman_vocab::track::Shape;
 use barrelman_vocab::unit::{Rotation, UnitCodec};
+use barrelman_vocab::vehicle_text::VehicleText;
 use barrelman_vocab::video::{Capture, CaptureQuality, ColourEncoding, ColourMatrix, SampleRange};
 use barrelman_vocab::{
     Angle, AngularRate, BoatStop, CameraCommand, DrawnMark, EncodedUnit, ImagePoint, Localisation, MarkKind,
@@ -187,7 +189,12 @@ pub(crate) fn entries_with(value: f64) -> Vec<Entry> {
         telemetry(Report::GimbalAttitude(q)),
         telemetry(Report::CameraTilt(Angle::from_radians(value))),
         telemetry(Report::CameraHeading(Angle::from_radians(value))),
+        telemetry(Report::CameraPan(Angle::from_radians(value))),
         telemetry(Report::CameraHeight(value)),
+        telemetry(Report::Speed(value)),
+        telemetry(Report::DriveMode(DriveMode(u32::MAX))),
+        telemetry(Report::Text(VehicleText::of(4, b"PreArm: check the compass"))),
+        telemetry(Report::GimbalDevice(2)),
         input(RecordedInput::VesselTelemetry(Telemetry { at: ns(999), report: Report::CameraHeight(value) })),
         input(RecordedInput::Request(OperatorRequest::Steer(VesselCommand {
             throttle: value,
@@ -205,7 +212,7 @@ pub(crate) fn entries_with(value: f64) -> Vec<Entry> {
         }))),
         telemetry(Report::FieldOfView(Angle::from_radians(value))),
         telemetry(Report::FlightState { state: FlightState::Other(u32::MAX), is_battery_low: true }),
-        telemetry(Report::Acceptance(Acceptance::ALL[9])),
+        telemetry(Report::Acceptance(Acceptance::ALL[13])),
         telemetry(Report::Ground {
             control: ControlState::Ours,
             uptime_s: value,

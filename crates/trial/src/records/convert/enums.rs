@@ -79,6 +79,10 @@ variants!(Acceptance, Acceptance, "acceptance", [
     Acceptance::TokenRefused => TokenRefused,
     Acceptance::Unusable => Unusable,
     Acceptance::Unanswered => Unanswered,
+    Acceptance::Disarmed => Disarmed,
+    Acceptance::ChecksFail => ChecksFail,
+    Acceptance::StartingUp => StartingUp,
+    Acceptance::ModeRefused => ModeRefused,
 ]);
 variants!(HoldCause, HoldCause, "hold_cause", [
     HoldCause::NoSelection => NoSelection,

@@ -1,6 +1,8 @@
 //! Telemetry, to and from its stored form.
 
+use barrelman_vocab::drive_mode::DriveMode;
 use barrelman_vocab::telemetry::{ControlState, FlightState, Quaternion, Report};
+use barrelman_vocab::vehicle_text::VehicleText;
 use barrelman_vocab::{Angle, Telemetry, Timestamp};
 
 use super::malformed::{Malformed, missing};
@@ -57,7 +59,15 @@ impl From<&Telemetry> for stored::TelemetryInput {
             Report::GimbalAttitude(q) => Stored::GimbalAttitude(stored_quaternion(q)),
             Report::CameraTilt(tilt) => Stored::CameraTiltRad(tilt.radians()),
             Report::CameraHeading(heading) => Stored::CameraHeadingRad(heading.radians()),
+            Report::CameraPan(pan) => Stored::CameraPanRad(pan.radians()),
             Report::CameraHeight(height_m) => Stored::CameraHeightM(height_m),
+            Report::Speed(speed_m_per_s) => Stored::SpeedMPerS(speed_m_per_s),
+            Report::DriveMode(DriveMode(number)) => Stored::DriveMode(number),
+            Report::Text(text) => Stored::Text(stored::VehicleText {
+                severity: text.severity().into(),
+                text: text.as_str().to_owned(),
+            }),
+            Report::GimbalDevice(device) => Stored::GimbalDevice(device.into()),
             Report::FieldOfView(angle) => Stored::FieldOfViewRad(angle.radians()),
             Report::FlightState { state, is_battery_low } => {
                 let (state, mode) = stored_flight_state(state);
@@ -116,7 +126,17 @@ impl TryFrom<stored::TelemetryInput> for Telemetry {
             Stored::GimbalAttitude(q) => Report::GimbalAttitude(quaternion(q)),
             Stored::CameraTiltRad(tilt) => Report::CameraTilt(Angle::from_radians(tilt)),
             Stored::CameraHeadingRad(heading) => Report::CameraHeading(Angle::from_radians(heading)),
+            Stored::CameraPanRad(pan) => Report::CameraPan(Angle::from_radians(pan)),
             Stored::CameraHeightM(height_m) => Report::CameraHeight(height_m),
+            Stored::SpeedMPerS(speed_m_per_s) => Report::Speed(speed_m_per_s),
+            Stored::DriveMode(number) => Report::DriveMode(DriveMode(number)),
+            Stored::Text(text) => {
+                let severity = u8::try_from(text.severity).map_err(|_| missing("severity"))?;
+                Report::Text(VehicleText::of(severity, text.text.as_bytes()))
+            }
+            Stored::GimbalDevice(device) => {
+                Report::GimbalDevice(u8::try_from(device).map_err(|_| missing("gimbal_device"))?)
+            }
             Stored::FieldOfViewRad(angle) => Report::FieldOfView(Angle::from_radians(angle)),
             Stored::FlightState(flight) => Report::FlightState {
                 state: flight_state(flight.state, flight.mode)?,
