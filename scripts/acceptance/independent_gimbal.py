@@ -22,7 +22,7 @@ NOBODY = (0, 0)
 LIMIT = 0.5 + 1e-6
 # A packet that was under way when the control was taken.
 UNDER_WAY = 0.1
-MAY_BE_ASKED_FOR = {mavlink.MAV_CMD_REQUEST_MESSAGE: (280, 281), mavlink.MAV_CMD_SET_MESSAGE_INTERVAL: (281, 285)}
+MAY_BE_ASKED_FOR = {mavlink.MAV_CMD_REQUEST_MESSAGE: (280, 281), mavlink.MAV_CMD_SET_MESSAGE_INTERVAL: (281, 285, 33, 30)}
 
 
 class GimbalManager:
@@ -55,6 +55,8 @@ class GimbalManager:
         self.attitude_interval = None
         self.denied_at = None
         self.is_silent = False
+        # Commands get lost, and reports arrive.
+        self.is_deaf = False
         self.may_be_turning = False
         self.messages = []
         self.faults = []
@@ -85,7 +87,7 @@ class GimbalManager:
             try:
                 datagram, sender = self.socket.recvfrom(2048)
                 with self.lock:
-                    if not self._is_lost():
+                    if not self.is_deaf and not self._is_lost():
                         self._take(datagram, sender)
             except (TimeoutError, ConnectionError):
                 pass

@@ -236,7 +236,8 @@ impl<S: Session + ?Sized> LinkCore<S> {
                 LinkAction::Ended { is_stop_sent: true }
             }
             NextAction::Reopen { reason } => {
-                self.session_failed(reason, now, report);
+                let failure = self.session.as_ref().and_then(|open| open.session.failure());
+                self.session_failed(failure.unwrap_or_else(|| reason.to_owned()), now, report);
                 LinkAction::ClosePort
             }
             NextAction::WaitUntil(at) => {
@@ -273,10 +274,10 @@ impl<S: Session + ?Sized> LinkCore<S> {
     }
 
     /// The conversation has failed. A vehicle that does not answer is reported once.
-    fn session_failed(&mut self, reason: &'static str, now: Timestamp, report: ReportSink<'_>) {
+    fn session_failed(&mut self, reason: String, now: Timestamp, report: ReportSink<'_>) {
         let is_told = std::mem::replace(&mut self.has_fallen_silent, true);
         let mut ignore = |_| true;
-        self.port_lost(reason.to_owned(), now, if is_told { &mut ignore } else { report });
+        self.port_lost(reason, now, if is_told { &mut ignore } else { report });
     }
 
     /// Reports the state of the link if it has changed. A report without room is made again later.

@@ -1,7 +1,4 @@
 //! How fast a reported attitude turns: the angle from one report to the next, divided by the time between them.
-//!
-//! The angle between two unit quaternions q and p is close to twice their distance, 2 |q - p|, and q means the same attitude as
-//! -q.
 
 use core::time::Duration;
 
@@ -47,7 +44,7 @@ impl AttitudeRate {
             if spacing < self.least_spacing {
                 return;
             }
-            let rad_per_s = angle_between(before, attitude) / spacing.as_secs_f64();
+            let rad_per_s = before.angle_to(attitude) / spacing.as_secs_f64();
             self.rate = Some(Rate { rad_per_s, from: at, to: now });
         }
         self.last = Some((attitude, now));
@@ -72,13 +69,4 @@ pub(crate) fn evidence(fastest_rad_per_s: f64) -> RestEvidence {
     } else {
         RestEvidence::AtRest
     }
-}
-
-fn angle_between(one: Quaternion, other: Quaternion) -> f64 {
-    let distance = |sign: f64| {
-        let differences =
-            [one.w - sign * other.w, one.x - sign * other.x, one.y - sign * other.y, one.z - sign * other.z];
-        differences.iter().map(|difference| difference * difference).sum::<f64>().sqrt()
-    };
-    2.0 * distance(1.0).min(distance(-1.0))
 }

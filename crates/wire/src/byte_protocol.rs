@@ -9,7 +9,7 @@ use crate::fotokite_pro::telemetry_reader::Received;
 use crate::fotokite_pro::{FotokiteProSession, SessionSettings, TelemetryReader};
 use crate::framing::Framing;
 use crate::mavlink::gimbal_reader::Received as GimbalReceived;
-use crate::mavlink::rover::RoverReader;
+use crate::mavlink::rover_reader::RoverReader;
 use crate::mavlink::signing::Signing;
 use crate::mavlink::{GimbalReader, GimbalSession};
 use crate::session::Session;

@@ -90,6 +90,11 @@ pub trait Session {
         RestEvidence::NoTelemetry
     }
 
+    /// Why the conversation has failed, where the reason of [`NextAction::Reopen`] does not say all.
+    fn failure(&self) -> Option<String> {
+        None
+    }
+
     /// The packets that stop the vehicle from any state, each with the pause after it: for a session that has failed. None
     /// where another client has the control, or where the vehicle is not known.
     fn last_will(&self, now: Timestamp) -> Vec<WillStep<Self::Sent>>;

@@ -7,7 +7,8 @@ use barrelman_vocab::{Timestamp, VesselOrder};
 use crate::byte_protocol::{ByteSession, OpenSession, ReportReader};
 use crate::lab_udp::LabUdpSession;
 use crate::mavlink::RoverSession;
-use crate::mavlink::rover::{RoverDrive, RoverLink, RoverReader};
+use crate::mavlink::rover::{RoverDrive, RoverLink};
+use crate::mavlink::rover_reader::RoverReader;
 
 /// The protocols of vessels.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -63,7 +64,17 @@ impl VesselProtocol {
                 (Acceptance::Accepted, RoverDrive::Manual) => {
                     "the boat is armed and in MANUAL: it takes commands"
                 }
-                (Acceptance::NotReady, _) => "the boat is not armed: arm it at its own ground station",
+                (Acceptance::Disarmed, _) => "the boat is not armed: arm it at its own ground station",
+                (Acceptance::ChecksFail, _) => {
+                    "the boat is not armed, and its own checks before arming fail: its own texts say which"
+                }
+                (Acceptance::StartingUp, _) => "the boat's autopilot is still starting: wait",
+                (Acceptance::ModeRefused, RoverDrive::Guided) => {
+                    "the boat refuses GUIDED: its position estimate (EKF) may not be ready; its own texts say why"
+                }
+                (Acceptance::ModeRefused, RoverDrive::Manual) => {
+                    "the boat refuses MANUAL: its own texts say why"
+                }
                 (_, RoverDrive::Guided) => {
                     "the boat is not in GUIDED: somebody else steers it. Go asks for GUIDED"
                 }

@@ -224,7 +224,9 @@ impl<'a> Fields<'a> {
 
     fn peers(&mut self) -> Result<MavlinkPeers, MessageError> {
         let own = Address::new(self.byte()?, self.byte()?);
-        Ok(MavlinkPeers { own, vehicle: self.system()? })
+        let vehicle = self.system()?;
+        let device = Some(self.byte()?).filter(|device| *device != 0);
+        Ok(MavlinkPeers { own, vehicle, device })
     }
 
     fn system(&mut self) -> Result<Option<SystemId>, MessageError> {
@@ -302,9 +304,10 @@ fn put_vehicle(out: &mut Vec<u8>, vehicle: GuardedVehicle) {
     }
 }
 
-fn put_peers(out: &mut Vec<u8>, MavlinkPeers { own, vehicle }: MavlinkPeers) {
+fn put_peers(out: &mut Vec<u8>, MavlinkPeers { own, vehicle, device }: MavlinkPeers) {
     out.extend_from_slice(&[own.system.0, own.component.0]);
     put_system(out, vehicle);
+    out.push(device.unwrap_or(0));
 }
 
 fn put_system(out: &mut Vec<u8>, system: Option<SystemId>) {

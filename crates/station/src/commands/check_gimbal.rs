@@ -9,6 +9,7 @@ use barrelman_vocab::Timestamp;
 use barrelman_vocab::mavlink::MavlinkPeers;
 use barrelman_vocab::profile::Protocol;
 use barrelman_wire::Signing;
+use barrelman_wire::mavlink::gimbal_choice::Device;
 use barrelman_wire::mavlink::gimbal_reader::{Holder, Information};
 use barrelman_wire::mavlink::probe::Findings;
 use barrelman_wire::mavlink::{Gimbal, Probe};
@@ -21,6 +22,8 @@ use crate::secrets;
 
 /// How long a gimbal manager may take to answer.
 const TIMEOUT: Duration = Duration::from_secs(5);
+/// How long other gimbals may take to describe themselves.
+const LEAST_TIME: Duration = Duration::from_secs(2);
 /// Longest wait for a packet.
 const WAIT: Timespec = Timespec { tv_sec: 0, tv_nsec: 50_000_000 };
 /// Largest datagram, bytes.
@@ -56,7 +59,8 @@ fn look(mut port: Port, peers: MavlinkPeers, signing: Option<Signing>) -> io::Re
     let mut probe = Probe::new(peers, signing);
     let began = Instant::now();
     let mut buffer = [0; MAX_READ_BYTES];
-    while began.elapsed() < TIMEOUT && !probe.findings().is_complete() {
+    // Other gimbals may describe themselves later than the one that is used.
+    while began.elapsed() < TIMEOUT && !(probe.is_complete() && began.elapsed() >= LEAST_TIME) {
         let mut packets = Vec::new();
         probe.poll(Timestamp::ZERO.plus(began.elapsed()), &mut packets);
         for packet in packets {
@@ -71,7 +75,7 @@ fn look(mut port: Port, peers: MavlinkPeers, signing: Option<Signing>) -> io::Re
             probe.received(&buffer[..read]);
         }
     }
-    Ok(probe.findings().clone())
+    Ok(probe.findings())
 }
 
 fn results_of(findings: &Findings) -> Vec<CheckResult> {
@@ -89,7 +93,12 @@ fn results_of(findings: &Findings) -> Vec<CheckResult> {
         Verdict::Ok,
         format!("heard (system/component): {}", names.join(", ")),
     )];
+    results.extend(device_results(findings));
     let Some(gimbal) = findings.gimbal else {
+        if findings.choice.is_hopeless() {
+            results.push(CheckResult::new("gimbal", Verdict::Failed, findings.choice.to_string()));
+            return results;
+        }
         let details = format!(
             "no gimbal manager answers within {seconds} s: set up the gimbal in the autopilot (ArduPilot: MNT1_TYPE; PX4: MNT_MODE_IN 4)"
         );
@@ -108,6 +117,20 @@ fn results_of(findings: &Findings) -> Vec<CheckResult> {
                    vehicle.limit_tilt_rad_per_s hold";
     results.push(CheckResult::new("profile", Verdict::Ok, details));
     results
+}
+
+/// The devices, where there are several.
+fn device_results(findings: &Findings) -> Vec<CheckResult> {
+    let devices = findings.choice.devices();
+    if devices.len() < 2 {
+        return Vec::new();
+    }
+    let result = |device: &Device| {
+        let is_used = findings.gimbal == Some(device.gimbal);
+        let details = format!("{device}{}", if is_used { ": used" } else { ": not used" });
+        CheckResult::new("device", Verdict::Ok, details)
+    };
+    devices.iter().map(result).collect()
 }
 
 fn undescribed(gimbal: Gimbal) -> CheckResult {
@@ -183,6 +206,7 @@ mod tests {
             gimbal,
             has_pitch: true,
             has_yaw: true,
+            has_roll: false,
             pitch_stops: Some((-core::f64::consts::FRAC_PI_2, 0.3491)),
             yaw_stops: None,
         };
@@ -200,5 +224,40 @@ mod tests {
         check(found.clone(), "control", Verdict::Warning, "does not say");
         check(Findings { has_attitude: true, ..found.clone() }, "attitude", Verdict::Ok, "reports");
         check(found, "attitude", Verdict::Warning, "the tilt is not known");
+    }
+
+    #[test]
+    fn several_gimbals_are_listed_with_their_axes_and_with_which_one_is_used() {
+        let manager = Address::new(1, 1);
+        let describe = |device, has_yaw, has_pitch, has_roll| Information {
+            gimbal: Gimbal { manager, device },
+            has_pitch,
+            has_yaw,
+            has_roll,
+            pitch_stops: None,
+            yaw_stops: None,
+        };
+        let found = |devices: &[Information]| {
+            let mut findings = Findings { components: vec![manager], ..Findings::default() };
+            for _ in 0..2 {
+                for information in devices {
+                    let chosen = findings.choice.on_information(*information, 1.0);
+                    findings.gimbal = findings.gimbal.or(chosen);
+                }
+            }
+            findings
+        };
+        let (rolls, whole) = (describe(1, false, false, true), describe(2, true, true, false));
+        let two = found(&[rolls, whole]);
+        check(two.clone(), "device", Verdict::Ok, "device 1 of 1/1 has roll: not used");
+        let listed = results_of(&two);
+        assert!(listed.iter().any(|result| result.details == "device 2 of 1/1 has pan and tilt: used"));
+        let none = found(&[rolls, describe(2, false, true, false)]);
+        check(
+            none,
+            "gimbal",
+            Verdict::Failed,
+            "no gimbal device can both pan and tilt: device 1 of 1/1 has roll",
+        );
     }
 }

@@ -199,6 +199,10 @@ pub struct VehicleSection {
     /// Sense of the yaw in the reported attitude, relative to a turn to the right; without it, the reports are not used.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub attitude_yaw_sign: Option<SignName>,
+    /// MAVLink gimbal: the number of the gimbal device that is moved, 1 to 6 (154, 171 to 175: a gimbal that is a component of its
+    /// own); 0, the default, is the first one that can pan and tilt.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub gimbal_device: Option<u8>,
     /// Which angle of the gimbal's reported attitude is the tilt; without it, the reports are not used. `barrelman calibrate
     /// axes` finds it.
     #[serde(skip_serializing_if = "Option::is_none")]

@@ -124,6 +124,7 @@ impl Configuration {
         let max_rates = rate_limits(&base);
         let mut profile = overridden(base, vehicle, max_rates, coast_motion_s)?;
         profile.protocol = mavlink::between_peers(profile.protocol, &file.link)?;
+        profile.protocol = mavlink::with_device(profile.protocol, file.vehicle.gimbal_device)?;
         profile.camera = file.camera.apply_to(&profile.camera)?;
         for (axis, dynamics, limit) in [
             ("pan", &profile.camera.pan, profile.limits.pan),
@@ -240,6 +241,7 @@ impl Configuration {
                 net_yaw_warn_rad: Some(profile.net_yaw.warn.radians()),
                 net_yaw_limit_rad: Some(profile.net_yaw.refuse.radians()),
                 attitude_yaw_sign: profile.attitude_yaw.and_then(sign),
+                gimbal_device: mavlink::device_of(profile.protocol),
                 gimbal_tilt: profile.gimbal_tilt.map(|tilt| section_of(&tilt)),
             },
             camera: CameraSection::from_dynamics(&profile.camera),

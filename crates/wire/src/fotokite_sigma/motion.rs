@@ -106,9 +106,10 @@ impl Motion {
         }
     }
 
-    /// The camera turns. Without a wish to turn, a command that was not answered has been carried out late.
-    pub fn on_unexpected_motion(&mut self, now: Timestamp) {
-        if self.is_resting() && self.has_unanswered {
+    /// The camera turns. Without a wish to turn, a command that was not answered has been carried out late; and one that does more
+    /// than to sway with its kite gets zeros as long as it does.
+    pub fn on_unexpected_motion(&mut self, turns: bool, now: Timestamp) {
+        if self.is_resting() && (turns || self.has_unanswered) {
             self.stop(now);
         }
     }
@@ -167,5 +168,31 @@ impl Motion {
             State::Turning { at, .. } => Some(at.plus(SPACING)),
             State::Stopping { next_at, .. } => Some(next_at),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Zeros that are sent within five seconds to a camera that turns, or rests, while zero is wanted.
+    fn zeros(turns: bool) -> usize {
+        let mut motion = Motion::default();
+        let around = Surroundings { is_stop_free: true, is_turn_free: true, is_at_rest: false };
+        let mut sent = 0;
+        for ms in (0..5_000).step_by(10) {
+            let now = Timestamp::from_nanos(ms * 1_000_000);
+            if ms % 100 == 0 {
+                motion.on_unexpected_motion(turns, now);
+            }
+            sent += usize::from(motion.due(around, now).is_some_and(|(_, speeds)| speeds.is_rest()));
+        }
+        sent
+    }
+
+    #[test]
+    fn zeros_go_on_while_the_camera_turns_unasked() {
+        assert!(zeros(true) >= 45, "{}", zeros(true));
+        assert_eq!(zeros(false), 0, "a camera that only sways is left alone");
     }
 }

@@ -12,6 +12,8 @@ use crate::session::RestEvidence;
 pub const LOW_BATTERY: f64 = 20.0;
 /// A camera that turns slower than this counts as resting: the kite sways.
 pub const AT_REST: AngularRate = AngularRate::from_radians_per_second(0.05);
+/// A camera that turns faster than this, rad/s, does more than to sway with its kite.
+pub const TURNS: AngularRate = AngularRate::from_radians_per_second(0.15);
 /// Least time between two states from which a rate is computed: the angles are rounded.
 const LEAST_INTERVAL: Duration = Duration::from_millis(80);
 /// Older states tell nothing.
@@ -70,6 +72,12 @@ fn flight_state(name: &str) -> FlightState {
 pub fn tilt_of(state: &json::CameraState) -> Option<Report> {
     let down = state.tilt_ned.filter(|angle| (-180.0..=180.0).contains(angle))?;
     Some(Report::CameraTilt(Angle::from_degrees(-down)))
+}
+
+/// The pan of a state: clockwise from north. `None`: not measured, or not an angle.
+pub fn pan_of(state: &json::CameraState) -> Option<Report> {
+    let right = state.pan_ned.filter(|angle| (-360.0..=360.0).contains(angle))?;
+    Some(Report::CameraPan(Angle::from_degrees(right)))
 }
 
 /// The field of view of a stream's state. `None`: not measured, or not an angle that a lens can have.

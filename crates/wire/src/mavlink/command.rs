@@ -14,6 +14,7 @@ use mavlink::dialects::common::{
 
 use super::frame::FrameWriter;
 use super::heartbeat::heartbeat;
+use super::subscription::set_interval;
 
 /// A gimbal of a gimbal manager.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -38,6 +39,10 @@ pub enum Wanted {
     ManagerStatus,
     /// GIMBAL_DEVICE_ATTITUDE_STATUS (285).
     Attitude,
+    /// GLOBAL_POSITION_INT (33): where the vehicle is, and how high.
+    Position,
+    /// ATTITUDE (30) of the vehicle.
+    VehicleAttitude,
 }
 
 impl Wanted {
@@ -47,6 +52,8 @@ impl Wanted {
             Self::ManagerInformation => 280,
             Self::ManagerStatus => 281,
             Self::Attitude => 285,
+            Self::Position => 33,
+            Self::VehicleAttitude => 30,
         }
     }
 }
@@ -91,8 +98,7 @@ impl Command {
                 writer.write(&command_long(to, MavCmd::MAV_CMD_REQUEST_MESSAGE, parameters))
             }
             Self::SetInterval { to, message, interval } => {
-                let parameters = [message.id() as f32, interval.as_micros() as f32, 0.0, 0.0, 0.0, 0.0, 0.0];
-                writer.write(&command_long(to, MavCmd::MAV_CMD_SET_MESSAGE_INTERVAL, parameters))
+                writer.write(&set_interval(to, message.id(), interval))
             }
             Self::Claim(gimbal) => {
                 let (system, component) = (f32::from(own.system.0), f32::from(own.component.0));
@@ -130,7 +136,8 @@ fn configure(gimbal: Gimbal, primary: [f32; 2]) -> COMMAND_LONG_DATA {
     command_long(gimbal.manager, MavCmd::MAV_CMD_DO_GIMBAL_MANAGER_CONFIGURE, parameters)
 }
 
-fn command_long(to: Address, command: MavCmd, parameters: [f32; 7]) -> COMMAND_LONG_DATA {
+/// A command to a component.
+pub(super) fn command_long(to: Address, command: MavCmd, parameters: [f32; 7]) -> COMMAND_LONG_DATA {
     let [param1, param2, param3, param4, param5, param6, param7] = parameters;
     COMMAND_LONG_DATA {
         param1,

@@ -87,6 +87,10 @@ pub struct GimbalManager {
     heartbeat_at: Timestamp,
     attitude: Stream,
     status: Stream,
+    position: Stream,
+    vehicle_attitude: Stream,
+    /// Height above the place of the start, metres.
+    height_m: f64,
     claims_lost: u32,
 }
 
@@ -118,9 +122,17 @@ impl GimbalManager {
             primary: None,
             heartbeat_at: now,
             attitude: stream(None),
+            position: stream(None),
+            vehicle_attitude: stream(None),
+            height_m: 0.0,
             status: stream((settings.habits == Habits::Px4).then_some(PX4_STATUS_INTERVAL)),
             claims_lost: 0,
         }
+    }
+
+    /// The vehicle is this high above the place of its start, metres.
+    pub const fn set_height(&mut self, height_m: f64) {
+        self.height_m = height_m;
     }
 
     /// Changes how the manager answers from now on.
@@ -233,9 +245,21 @@ impl GimbalManager {
                 MavResult::MAV_RESULT_ACCEPTED
             }
             MavCmd::MAV_CMD_SET_MESSAGE_INTERVAL if wanted(Wanted::Attitude) => {
-                let interval = Duration::try_from_secs_f32(command.param2 * 1e-6).ok();
-                self.attitude =
-                    Stream { interval: interval.filter(|interval| !interval.is_zero()), next_at: now };
+                self.attitude = stream_of(command.param2, now);
+                MavResult::MAV_RESULT_ACCEPTED
+            }
+            MavCmd::MAV_CMD_SET_MESSAGE_INTERVAL if wanted(Wanted::ManagerStatus) => {
+                if !self.settings.withholds_status {
+                    self.status = stream_of(command.param2, now);
+                }
+                MavResult::MAV_RESULT_ACCEPTED
+            }
+            MavCmd::MAV_CMD_SET_MESSAGE_INTERVAL if wanted(Wanted::Position) => {
+                self.position = stream_of(command.param2, now);
+                MavResult::MAV_RESULT_ACCEPTED
+            }
+            MavCmd::MAV_CMD_SET_MESSAGE_INTERVAL if wanted(Wanted::VehicleAttitude) => {
+                self.vehicle_attitude = stream_of(command.param2, now);
                 MavResult::MAV_RESULT_ACCEPTED
             }
             MavCmd::MAV_CMD_REQUEST_MESSAGE | MavCmd::MAV_CMD_SET_MESSAGE_INTERVAL => {
@@ -301,6 +325,12 @@ impl GimbalManager {
     pub const fn primary(&self) -> Option<Address> {
         self.primary
     }
+}
+
+/// A stream with this interval, microseconds; one that is no time, or 0, ends it.
+fn stream_of(interval_us: f32, now: Timestamp) -> Stream {
+    let interval = Duration::try_from_secs_f32(interval_us * 1e-6).ok();
+    Stream { interval: interval.filter(|interval| !interval.is_zero()), next_at: now }
 }
 
 /// Whether a message with this target is for the gimbal manager. 0 is everyone, and the autopilot takes what is for a component

@@ -1,7 +1,7 @@
 //! What a gimbal manager says: messages to facts for the session, and to reports for the pilot.
 //!
-//! The gimbal manager is the first component that sends GIMBAL_MANAGER_INFORMATION or GIMBAL_MANAGER_STATUS, of the configured
-//! system where there is one. Only what its system sends counts. Numbers with a private meaning (NaN, 0/0) become options and variants here.
+//! The gimbal is the one that [`GimbalChoice`] takes of those that managers describe (GIMBAL_MANAGER_INFORMATION) or report
+//! (GIMBAL_MANAGER_STATUS), of the configured system where there is one. Only what its system sends counts. Numbers with a private meaning (NaN, 0/0) become options and variants here.
 
 use barrelman_vocab::Angle;
 use barrelman_vocab::mavlink::{Address, MavlinkPeers, SystemId};
@@ -15,6 +15,7 @@ use mavlink::dialects::common::{
 use super::autopilot_reports::AutopilotReports;
 use super::command::Gimbal;
 use super::frame::{Frame, FrameReader};
+use super::gimbal_choice::GimbalChoice;
 use super::signing::Signing;
 
 /// The uptime may be reported this much earlier than before without a restart, seconds: packets overtake each other.
@@ -33,8 +34,10 @@ const NORM_TOLERANCE: f64 = 0.1;
 pub enum Received {
     /// A component is there; whether it is a ground station.
     Heartbeat(Address, bool),
-    /// A gimbal manager was found.
+    /// The gimbal was chosen.
     Gimbal(Gimbal),
+    /// A manager describes a gimbal, whether or not it is the one that was chosen.
+    Device(Information),
     /// The gimbal manager describes its gimbal.
     Information(Information),
     /// Who has the control.
@@ -49,6 +52,8 @@ pub enum Received {
     Other,
     /// A report for the pilot.
     Report(Report),
+    /// The autopilot's position, or its attitude, was heard.
+    Autopilot([bool; 2]),
 }
 
 /// What a gimbal manager answers to a claim.
@@ -80,10 +85,24 @@ pub struct Information {
     pub has_pitch: bool,
     /// Whether it yaws.
     pub has_yaw: bool,
+    /// Whether it rolls.
+    pub has_roll: bool,
     /// Least and largest pitch; `None`: not stated.
     pub pitch_stops: Option<(f64, f64)>,
     /// Least and largest yaw; `None`: not stated, or without end.
     pub yaw_stops: Option<(f64, f64)>,
+}
+
+impl Information {
+    /// Whether any axis is named.
+    pub const fn has_axes(&self) -> bool {
+        self.has_pitch || self.has_yaw || self.has_roll
+    }
+
+    /// Whether the gimbal has both axes that are moved.
+    pub const fn can_pan_and_tilt(&self) -> bool {
+        self.has_pitch && self.has_yaw
+    }
 }
 
 /// Reads the messages of a gimbal manager from received bytes.
@@ -97,6 +116,7 @@ pub struct GimbalReader {
 struct Facts {
     peers: MavlinkPeers,
     gimbal: Option<Gimbal>,
+    choice: GimbalChoice,
     autopilot: AutopilotReports,
     /// The newest time since boot in the messages of each kind: parts of a vehicle may have clocks of their own.
     uptimes: [Option<f64>; 3],
@@ -124,6 +144,7 @@ impl GimbalReader {
         let facts = Facts {
             peers,
             gimbal: None,
+            choice: GimbalChoice::new(peers.device),
             autopilot: AutopilotReports::default(),
             uptimes: [None; 3],
             uptime_s: None,
@@ -145,6 +166,11 @@ impl GimbalReader {
         self.facts.peers.vehicle
     }
 
+    /// The gimbals that were heard.
+    pub const fn choice(&self) -> &GimbalChoice {
+        &self.facts.choice
+    }
+
     /// Passes what received bytes mean to `each`.
     pub fn read(&mut self, bytes: &[u8], mut each: impl FnMut(Received)) {
         let Self { frames, facts } = self;
@@ -161,12 +187,24 @@ impl Facts {
         if let Some(heartbeat) = frame.read::<HEARTBEAT_DATA>() {
             each(Received::Heartbeat(frame.from, heartbeat.mavtype == MavType::MAV_TYPE_GCS));
         } else if let Some(information) = frame.read::<GIMBAL_MANAGER_INFORMATION_DATA>() {
-            if let Some(gimbal) = self.found(frame.from, information.gimbal_device_id, each) {
+            let gimbal = Gimbal { manager: frame.from, device: information.gimbal_device_id };
+            let described = described(gimbal, &information);
+            each(Received::Device(described));
+            if self.gimbal.is_none() {
+                let chosen = self.choice.on_information(described, uptime_s(information.time_boot_ms));
+                self.choose(chosen, each);
+            }
+            if let Some(gimbal) = self.known(gimbal, each) {
                 self.on_uptime(Timed::Information, information.time_boot_ms, each);
-                each(Received::Information(described(gimbal, &information)));
+                each(Received::Information(Information { gimbal, ..described }));
             }
         } else if let Some(status) = frame.read::<GIMBAL_MANAGER_STATUS_DATA>() {
-            if self.found(frame.from, status.gimbal_device_id, each).is_some() {
+            let gimbal = Gimbal { manager: frame.from, device: status.gimbal_device_id };
+            if self.gimbal.is_none() {
+                let chosen = self.choice.on_status(gimbal, uptime_s(status.time_boot_ms));
+                self.choose(chosen, each);
+            }
+            if self.known(gimbal, each).is_some() {
                 // An older status may name a commander who has the control no more.
                 if self.on_uptime(Timed::Status, status.time_boot_ms, each) {
                     self.on_status(&status, each);
@@ -175,10 +213,10 @@ impl Facts {
         } else if let Some(attitude) = frame.read::<GIMBAL_DEVICE_ATTITUDE_STATUS_DATA>() {
             if self.is_of_gimbal(frame.from, attitude.gimbal_device_id) {
                 self.on_uptime(Timed::Attitude, attitude.time_boot_ms, each);
-                if let Some(q) = on_attitude(attitude.q, each)
-                    && let Some(heading) = self.heading_of(q, attitude.flags)
-                {
-                    each(Received::Report(Report::CameraHeading(heading)));
+                if let Some(q) = on_attitude(attitude.q, each) {
+                    let heading = self.heading_of(q, attitude.flags).map(Report::CameraHeading);
+                    let pan = self.pan_of(q, &attitude).map(Report::CameraPan);
+                    heading.into_iter().chain(pan).for_each(|report| each(Received::Report(report)));
                 }
                 self.report_control_again(each);
             }
@@ -188,10 +226,14 @@ impl Facts {
         {
             self.on_claim_answered(answer.result, each);
         }
-        if self.gimbal.is_some_and(|gimbal| gimbal.manager.system == frame.from.system)
-            && let Some(report) = self.autopilot.read(frame)
-        {
-            each(Received::Report(report));
+        if self.gimbal.is_some_and(|gimbal| gimbal.manager.system == frame.from.system) {
+            let kinds = AutopilotReports::kinds(frame);
+            if kinds.contains(&true) {
+                each(Received::Autopilot(kinds));
+            }
+            if let Some(report) = self.autopilot.read(frame) {
+                each(Received::Report(report));
+            }
         }
         if self.is_manager(frame.from) {
             each(Received::Other);
@@ -214,27 +256,55 @@ impl Facts {
         Some(whole_turn(nose + yaw))
     }
 
+    /// The pan in the frame in which the gimbal holds a camera at rest: from north where the yaw is locked, from the nose otherwise. The
+    /// two frames differ by the direction of the nose. `None`: it is needed and not known, or the camera looks so steeply that its
+    /// axis has no direction.
+    fn pan_of(&self, attitude: Quaternion, status: &GIMBAL_DEVICE_ATTITUDE_STATUS_DATA) -> Option<Angle> {
+        let pitch = attitude.angle_about(EulerAxis::Y)?;
+        if pitch.radians().abs() > MAX_PITCH.radians() {
+            return None;
+        }
+        let yaw = attitude.angle_about(EulerAxis::Z)?.radians();
+        let has = |flag| status.flags.contains(flag);
+        let is_locked = has(GimbalDeviceFlags::GIMBAL_DEVICE_FLAGS_YAW_LOCK);
+        // Without one of the two flags, a locked yaw counts from north.
+        let is_from_north = !has(GimbalDeviceFlags::GIMBAL_DEVICE_FLAGS_YAW_IN_VEHICLE_FRAME)
+            && (has(GimbalDeviceFlags::GIMBAL_DEVICE_FLAGS_YAW_IN_EARTH_FRAME) || is_locked);
+        // 0 is what a sender leaves out that does not know the field.
+        let stated = Some(f64::from(status.delta_yaw)).filter(|delta| delta.is_finite() && *delta != 0.0);
+        let nose = || stated.or_else(|| self.autopilot.nose_at(status.time_boot_ms));
+        Some(Angle::from_radians(match (is_from_north, is_locked) {
+            (true, true) | (false, false) => yaw,
+            (true, false) => yaw - nose()?,
+            (false, true) => yaw + nose()?,
+        }))
+    }
+
     fn is_manager(&self, from: Address) -> bool {
         self.gimbal.is_some_and(|gimbal| gimbal.manager == from)
     }
 
-    /// The gimbal of a manager's message; `None`: another manager, or another device.
-    fn found(&mut self, from: Address, device: u8, each: &mut impl FnMut(Received)) -> Option<Gimbal> {
-        let gimbal = Gimbal { manager: from, device };
-        let known = self.gimbal.filter(|known| known.device != 0 || known.manager != from || device == 0);
-        match known {
-            // 0 is every device of the manager.
-            Some(known) => {
-                (known.manager == from && (known.device == device || device == 0)).then_some(known)
-            }
-            None => {
-                self.gimbal = Some(gimbal);
-                // Also after a restart the gimbal is one of this system.
-                self.peers.vehicle = Some(from.system);
-                each(Received::Gimbal(gimbal));
-                Some(gimbal)
-            }
+    /// The gimbal is chosen.
+    fn choose(&mut self, chosen: Option<Gimbal>, each: &mut impl FnMut(Received)) {
+        let Some(gimbal) = chosen else { return };
+        self.gimbal = Some(gimbal);
+        // Also after a restart the gimbal is this one.
+        self.peers.vehicle = Some(gimbal.manager.system);
+        self.choice.want(gimbal.device);
+        each(Received::Gimbal(gimbal));
+        each(Received::Report(Report::GimbalDevice(gimbal.device)));
+    }
+
+    /// The gimbal, if the message of a manager is about it.
+    fn known(&mut self, of: Gimbal, each: &mut impl FnMut(Received)) -> Option<Gimbal> {
+        let known = self.gimbal.filter(|known| known.manager == of.manager)?;
+        if known.device == 0 && of.device != 0 {
+            // The manager names its device now.
+            self.choose(Some(of), each);
+            return Some(of);
         }
+        // 0 is every device of the manager.
+        (known.device == of.device || of.device == 0).then_some(known)
     }
 
     /// Whether an attitude is that of the gimbal. A device that is a component of its own leaves the id of the device out.
@@ -260,7 +330,7 @@ impl Facts {
 
     /// Returns whether the message is the newest of its kind.
     fn on_uptime(&mut self, kind: Timed, time_boot_ms: u32, each: &mut impl FnMut(Received)) -> bool {
-        let uptime_s = f64::from(time_boot_ms) * 1e-3;
+        let uptime_s = uptime_s(time_boot_ms);
         let behind_s = self.uptimes[kind as usize].map_or(0.0, |newest_s| newest_s - uptime_s);
         if behind_s > 0.0 && behind_s <= UPTIME_TOLERANCE_S {
             return false;
@@ -271,6 +341,7 @@ impl Facts {
             self.lose_control();
             (self.uptimes, self.uptime_s, self.gimbal) = ([None; 3], Some(uptime_s), None);
             self.autopilot = AutopilotReports::default();
+            self.choice.forget();
             each(Received::Restarted);
             self.report_control(each);
         } else {
@@ -335,6 +406,10 @@ impl Facts {
     }
 }
 
+fn uptime_s(time_boot_ms: u32) -> f64 {
+    f64::from(time_boot_ms) * 1e-3
+}
+
 /// What a manager says of its gimbal. End stops that are not in order are not stated.
 fn described(gimbal: Gimbal, information: &GIMBAL_MANAGER_INFORMATION_DATA) -> Information {
     let stops = |low: f32, high: f32| {
@@ -347,6 +422,7 @@ fn described(gimbal: Gimbal, information: &GIMBAL_MANAGER_INFORMATION_DATA) -> I
         gimbal,
         has_pitch: has(GimbalManagerCapFlags::GIMBAL_MANAGER_CAP_FLAGS_HAS_PITCH_AXIS),
         has_yaw: has(GimbalManagerCapFlags::GIMBAL_MANAGER_CAP_FLAGS_HAS_YAW_AXIS),
+        has_roll: has(GimbalManagerCapFlags::GIMBAL_MANAGER_CAP_FLAGS_HAS_ROLL_AXIS),
         pitch_stops: stops(information.pitch_min, information.pitch_max),
         yaw_stops: stops(information.yaw_min, information.yaw_max).filter(|_| !is_endless),
     }

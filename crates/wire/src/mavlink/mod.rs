@@ -11,20 +11,25 @@ mod autopilot_reports;
 mod heartbeat;
 
 pub mod command;
+pub mod gimbal_choice;
 pub mod gimbal_reader;
 pub mod pacing;
 pub mod probe;
 pub mod session;
 mod session_times;
+mod status_texts;
+mod subscription;
 
 pub mod gimbal_manager;
 
 pub mod rover;
 pub mod rover_boat;
+pub mod rover_reader;
 
 pub mod tracking_camera;
 
 pub use command::{Command, Gimbal, Wanted};
+pub use gimbal_choice::GimbalChoice;
 pub use gimbal_manager::GimbalManager;
 pub use gimbal_reader::GimbalReader;
 pub use probe::Probe;

@@ -5,16 +5,19 @@ use barrelman_vocab::mavlink::{Address, MavlinkPeers};
 
 use super::command::{Command, Gimbal, Wanted};
 use super::frame::FrameWriter;
+use super::gimbal_choice::GimbalChoice;
 use super::gimbal_reader::{GimbalReader, Holder, Information, Received};
 use super::session_times::{ASK_SPACING, ASKS_FOR_INFORMATION, ATTITUDE_INTERVAL, MAX_CANDIDATES};
 use super::signing::Signing;
 
 /// What was found.
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, Default)]
 pub struct Findings {
     /// The components that were heard, without ground stations.
     pub components: Vec<Address>,
-    /// The gimbal.
+    /// The gimbals that managers describe, and which one is wanted.
+    pub choice: GimbalChoice,
+    /// The gimbal that is used.
     pub gimbal: Option<Gimbal>,
     /// What the gimbal manager says of its gimbal.
     pub information: Option<Information>,
@@ -102,7 +105,12 @@ impl Probe {
     }
 
     /// What was found until now.
-    pub const fn findings(&self) -> &Findings {
-        &self.findings
+    pub fn findings(&self) -> Findings {
+        Findings { choice: self.reader.choice().clone(), ..self.findings.clone() }
+    }
+
+    /// Whether nothing more is to be found.
+    pub const fn is_complete(&self) -> bool {
+        self.findings.is_complete()
     }
 }

@@ -21,17 +21,18 @@
 
 use core::time::Duration;
 
-use barrelman_vocab::acceptance::Acceptance;
 use barrelman_vocab::mavlink::{Address, MavlinkPeers, SystemId};
-use barrelman_vocab::telemetry::{LinkState, Report};
+use barrelman_vocab::telemetry::LinkState;
 use barrelman_vocab::{Telemetry, Timestamp, VesselCommand, VesselOrder};
 use mavlink::dialects::common::{
-    COMMAND_LONG_DATA, HEARTBEAT_DATA, MANUAL_CONTROL_DATA, MavAutopilot, MavCmd, MavFrame, MavModeFlag,
-    MavType, PositionTargetTypemask, SET_POSITION_TARGET_LOCAL_NED_DATA,
+    COMMAND_LONG_DATA, MANUAL_CONTROL_DATA, MavCmd, MavFrame, MavModeFlag, MavType, PositionTargetTypemask,
+    SET_POSITION_TARGET_LOCAL_NED_DATA,
 };
 
-use super::frame::{Frame, FrameReader, FrameWriter};
+use super::frame::FrameWriter;
 use super::heartbeat::heartbeat;
+use super::rover_reader::{ASKED_FOR, RoverReader};
+use super::subscription::Subscription;
 use crate::session::{LinkHistory, NextAction, Session, WillStep};
 
 /// The speed of full throttle, m/s: that of a jet boat of 1.2 m.
@@ -51,13 +52,14 @@ pub const SILENCE: Duration = Duration::from_secs(3);
 /// So is one whose mode is as old as this, whatever else is heard of it. Of a line that loses 3 packets of 10, ten heartbeats
 /// hardly ever get lost in a row.
 pub const MODE_TIMEOUT: Duration = Duration::from_secs(10);
+/// The intervals of [`ASKED_FOR`].
+const SUBSCRIBED_INTERVALS: [Duration; 3] =
+    [Duration::from_millis(200), Duration::from_millis(200), Duration::from_millis(1_000)];
 const HEARTBEAT_INTERVAL: Duration = Duration::from_secs(1);
 /// The search for a boat is told as failed after this time.
 const SEARCH_TIMEOUT: Duration = Duration::from_secs(10);
 /// ArduPilot Rover's number of the mode GUIDED.
 pub const GUIDED: u32 = 15;
-/// The component id of an autopilot.
-const AUTOPILOT: u8 = 1;
 /// Use the velocity along x and the yaw rate, and ignore everything else: 0x5C7.
 const SPEED_AND_TURN: PositionTargetTypemask = PositionTargetTypemask::from_bits_truncate(0x5C7);
 
@@ -119,99 +121,9 @@ impl RoverLink {
     pub const GUIDED: Self = Self { peers: MavlinkPeers::DEFAULT, drive: RoverDrive::Guided };
     /// In MANUAL, with the system id of the ground station.
     pub const MANUAL: Self = Self {
-        peers: MavlinkPeers { own: Address::new(GROUND_STATION, 191), vehicle: None },
+        peers: MavlinkPeers { own: Address::new(GROUND_STATION, 191), ..MavlinkPeers::DEFAULT },
         drive: RoverDrive::Manual,
     };
-}
-
-/// What the boat's heartbeat says.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-struct BoatMode {
-    /// Whether the boat is in the mode in which it is driven.
-    is_ours: bool,
-    is_armed: bool,
-}
-
-impl BoatMode {
-    const fn acceptance(self) -> Acceptance {
-        match (self.is_ours, self.is_armed) {
-            (false, _) => Acceptance::OtherClient,
-            (true, false) => Acceptance::NotReady,
-            (true, true) => Acceptance::Accepted,
-        }
-    }
-}
-
-/// What of the boat was in received bytes.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct Heard {
-    /// Whether there was any packet of the boat.
-    pub is_any: bool,
-    /// Whether there was its mode.
-    pub is_mode: bool,
-}
-
-/// Reads what the boat reports from received bytes.
-#[derive(Debug, Clone)]
-pub struct RoverReader {
-    link: RoverLink,
-    frames: FrameReader,
-    boat: Option<Address>,
-    mode: Option<BoatMode>,
-}
-
-impl RoverReader {
-    /// A reader that has heard nothing.
-    pub fn new(link: RoverLink) -> Self {
-        Self { link, frames: FrameReader::default(), boat: None, mode: None }
-    }
-
-    /// From now on the boat is one of this system.
-    pub const fn name(&mut self, vehicle: SystemId) {
-        self.link.peers.vehicle = Some(vehicle);
-    }
-
-    /// The system of the boat: that of the configuration, or the one that was heard.
-    pub fn vehicle(&self) -> Option<SystemId> {
-        self.link.peers.vehicle.or(self.boat.map(|boat| boat.system))
-    }
-
-    /// Passes what the boat says to commands to `each`, with each of its heartbeats. Returns what was heard of the boat.
-    pub fn read(&mut self, bytes: &[u8], mut each: impl FnMut(Report)) -> Heard {
-        let mut frames = core::mem::take(&mut self.frames);
-        let mut heard = Heard::default();
-        frames.read(bytes, |frame| {
-            heard.is_any |= self.boat == Some(frame.from);
-            if let Some(mode) = self.mode_of(frame) {
-                heard = Heard { is_any: true, is_mode: true };
-                self.mode = Some(mode);
-                // Also where nothing has changed: a report may find no room.
-                each(Report::Acceptance(mode.acceptance()));
-            }
-        });
-        self.frames = frames;
-        heard
-    }
-
-    /// The mode in a heartbeat of the boat; the first boat that is heard is the boat.
-    fn mode_of(&mut self, frame: &Frame<'_>) -> Option<BoatMode> {
-        let is_named = self.link.peers.vehicle.is_none_or(|system| system == frame.from.system);
-        let is_boat = self.boat.map_or(is_named, |boat| boat == frame.from);
-        if frame.from.component.0 != AUTOPILOT || !is_boat {
-            return None;
-        }
-        let heard = frame.read::<HEARTBEAT_DATA>()?;
-        let moves_on_the_ground =
-            matches!(heard.mavtype, MavType::MAV_TYPE_SURFACE_BOAT | MavType::MAV_TYPE_GROUND_ROVER);
-        if heard.autopilot == MavAutopilot::MAV_AUTOPILOT_INVALID || !moves_on_the_ground {
-            return None;
-        }
-        self.boat = Some(frame.from);
-        Some(BoatMode {
-            is_ours: heard.custom_mode == self.link.drive.mode(),
-            is_armed: heard.base_mode.contains(MavModeFlag::MAV_MODE_FLAG_SAFETY_ARMED),
-        })
-    }
 }
 
 /// One session with a boat.
@@ -228,6 +140,8 @@ pub struct RoverSession {
     neutrals_left: u32,
     heartbeat_at: Timestamp,
     asks_for_mode: bool,
+    /// The messages that the boat shall send.
+    subscriptions: [Subscription; 3],
     /// Whether a session before may have left the boat moving, and neutral was not sent since.
     needs_answer: bool,
     is_closing: bool,
@@ -247,6 +161,9 @@ impl RoverSession {
             neutrals_left: 0,
             heartbeat_at: now,
             asks_for_mode: false,
+            subscriptions: core::array::from_fn(|index| {
+                Subscription::new(ASKED_FOR[index], SUBSCRIBED_INTERVALS[index])
+            }),
             needs_answer: false,
             is_closing: false,
         }
@@ -377,6 +294,10 @@ impl Session for RoverSession {
             if core::mem::take(&mut self.asks_for_mode) {
                 out.push(self.writer.write(&mode_request(boat, self.reader.link.drive.mode())));
             }
+            if !self.is_closing && self.reader.mode.is_some() {
+                let requests = self.subscriptions.each_mut().map(|subscription| subscription.due(boat, now));
+                out.extend(requests.iter().flatten().map(|request| self.writer.write(request)));
+            }
             if self.is_ours() {
                 next = self.write_set_point(boat, now, out).min(next);
             }
@@ -396,6 +317,9 @@ impl Session for RoverSession {
         let heard = self.reader.read(packet, |content| report(Telemetry { at: now, report: content }));
         if heard.is_any {
             self.last_heard = Some(now);
+        }
+        for (subscription, _) in self.subscriptions.iter_mut().zip(heard.asked_for).filter(|(_, is)| *is) {
+            subscription.on_heard(now);
         }
         if heard.is_mode {
             self.last_mode = Some(now);

@@ -4,9 +4,10 @@ use core::time::Duration;
 
 use barrelman_vocab::mavlink::Address;
 use barrelman_vocab::{Timestamp, VesselCommand};
+use mavlink::MessageData as _;
 use mavlink::dialects::common::{
     COMMAND_ACK_DATA, COMMAND_LONG_DATA, HEARTBEAT_DATA, MANUAL_CONTROL_DATA, MavAutopilot, MavCmd,
-    MavModeFlag, MavResult, MavState, MavType, SET_POSITION_TARGET_LOCAL_NED_DATA,
+    MavModeFlag, MavResult, MavState, MavType, SET_POSITION_TARGET_LOCAL_NED_DATA, VFR_HUD_DATA,
 };
 
 use super::frame::{Frame, FrameReader, FrameWriter};
@@ -49,6 +50,8 @@ pub struct RoverBoat {
     /// What overrides the sticks.
     manual: Option<(Timestamp, VesselCommand)>,
     heartbeat_at: Timestamp,
+    /// Interval of VFR_HUD, and when the next one is due.
+    hud: Option<(Duration, Timestamp)>,
 }
 
 impl RoverBoat {
@@ -64,6 +67,7 @@ impl RoverBoat {
             set_point: None,
             manual: None,
             heartbeat_at: now,
+            hud: None,
         }
     }
 
@@ -113,8 +117,13 @@ impl RoverBoat {
         self.reader = reader;
     }
 
-    /// Appends the heartbeat, where one is due.
+    /// Appends what is due: the heartbeat, and the speed where it was asked for. The boat has the speed that it is commanded.
     pub fn advance(&mut self, now: Timestamp, out: &mut Vec<Vec<u8>>) {
+        if let Some((interval, at)) = self.hud.filter(|(_, at)| *at <= now) {
+            self.hud = Some((interval, at.max(now).plus(interval)));
+            let speed = self.command(now).throttle.abs() * FULL_SPEED_M_PER_S;
+            out.push(self.writer.write(&VFR_HUD_DATA { groundspeed: speed as f32, ..VFR_HUD_DATA::DEFAULT }));
+        }
         if self.heartbeat_at > now {
             return;
         }
@@ -169,6 +178,14 @@ impl RoverBoat {
                 self.switch_to(command.param2.max(0.0) as u32);
                 MavResult::MAV_RESULT_ACCEPTED
             }
+            MavCmd::MAV_CMD_SET_MESSAGE_INTERVAL => {
+                if command.param1 == VFR_HUD_DATA::ID as f32 {
+                    let interval = Duration::try_from_secs_f32(command.param2 * 1e-6).ok();
+                    let interval = interval.filter(|interval| !interval.is_zero());
+                    self.hud = interval.map(|interval| (interval, now));
+                }
+                MavResult::MAV_RESULT_ACCEPTED
+            }
             MavCmd::MAV_CMD_COMPONENT_ARM_DISARM => {
                 (self.is_armed, self.heartbeat_at) = (command.param1 == 1.0, Timestamp::ZERO);
                 MavResult::MAV_RESULT_ACCEPTED
@@ -183,6 +200,9 @@ impl RoverBoat {
             target_system: from.system.0,
             target_component: from.component.0,
         }));
-        format!("COMMAND {} from {from} parameter {}", command.command as u32, command.param2)
+        format!(
+            "COMMAND {} from {from} parameter {} {}",
+            command.command as u32, command.param1, command.param2
+        )
     }
 }

@@ -34,25 +34,28 @@ use barrelman_vocab::mavlink::{Address, ComponentId, MavlinkPeers, SystemId};
 use barrelman_vocab::telemetry::LinkState;
 use barrelman_vocab::{Telemetry, Timestamp, VehicleRates};
 
-use super::command::{Command, Gimbal};
+use super::command::{Command, Gimbal, Wanted};
 use super::frame::FrameWriter;
 use super::gimbal_reader::{GimbalReader, Holder};
 use super::pacing::{Pacing, SPACING, ZERO_REPEATS};
 use super::signing::Signing;
+use super::subscription::Subscription;
 use crate::attitude_rate::AttitudeRate;
 use crate::closing_zeros::{ZEROS_AT_REST, ZEROS_IN_MOTION};
 use crate::session::{LinkHistory, NextAction, RestEvidence, Session, WillStep};
 
 pub use super::session_times::{
     ASK_AGAIN, ASK_SPACING, ASKS_FOR_INFORMATION, ATTITUDE_INTERVAL, CLAIM_GRACE, CLAIM_TIMEOUT,
-    HEARTBEAT_INTERVAL, LEAST_ATTITUDE_SPACING, MAX_CANDIDATES, RELEASE_SPACING, RELEASES, SEARCH_TIMEOUT,
-    SILENCE, STATUS_INTERVAL, STATUS_TIMEOUT,
+    DESCRIPTION_TIMEOUT, HEARTBEAT_INTERVAL, LEAST_ATTITUDE_SPACING, MAX_CANDIDATES, POSITION_INTERVAL,
+    RELEASE_SPACING, RELEASES, SEARCH_TIMEOUT, SILENCE, STATUS_INTERVAL, STATUS_TIMEOUT,
+    VEHICLE_ATTITUDE_INTERVAL,
 };
 
 mod due;
 mod events;
 
 const SILENT: NextAction = NextAction::Reopen { reason: "the gimbal manager does not answer any more" };
+const NO_USABLE_GIMBAL: NextAction = NextAction::Reopen { reason: "no gimbal can both pan and tilt" };
 
 /// State of a session.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -111,6 +114,10 @@ pub struct GimbalSession {
     /// When the zeros are due that a session before has left to be sent.
     zeros_at: Timestamp,
     left_zeros_sent: u8,
+    /// The autopilot's position and attitude.
+    autopilot: [Subscription; 2],
+    /// When a manager described a gimbal first.
+    described_at: Option<Timestamp>,
     last_attitude: Option<Timestamp>,
     last_status: Option<Timestamp>,
     /// When the gimbal manager was heard last.
@@ -146,6 +153,12 @@ impl GimbalSession {
             ask_again_at: now,
             zeros_at: now,
             left_zeros_sent: 0,
+            autopilot: [
+                (Wanted::Position, POSITION_INTERVAL),
+                (Wanted::VehicleAttitude, VEHICLE_ATTITUDE_INTERVAL),
+            ]
+            .map(|(message, interval)| Subscription::new(message.id(), interval)),
+            described_at: None,
             last_attitude: None,
             last_status: None,
             last_heard: None,
@@ -246,6 +259,10 @@ impl Session for GimbalSession {
             State::Claiming { .. } => State::Releasing { sent: 0, next_at: now },
             State::Searching { .. } | State::Asking { .. } | State::Yielded => State::Closed,
         };
+    }
+
+    fn failure(&self) -> Option<String> {
+        (self.state == State::Unresponsive(NO_USABLE_GIMBAL)).then(|| self.reader.choice().to_string())
     }
 
     fn link_state(&self) -> LinkState {

@@ -22,6 +22,12 @@ pub const CLAIM_GRACE: Duration = Duration::from_millis(600);
 pub const CLAIM_TIMEOUT: Duration = Duration::from_secs(3);
 /// Interval of the attitude reports that are asked for: 20 Hz.
 pub const ATTITUDE_INTERVAL: Duration = Duration::from_millis(50);
+/// Interval of the vehicle's positions that are asked for: 4 Hz.
+pub const POSITION_INTERVAL: Duration = Duration::from_millis(250);
+/// Interval of the vehicle's attitudes that are asked for: 10 Hz.
+pub const VEHICLE_ATTITUDE_INTERVAL: Duration = Duration::from_millis(100);
+/// Longest wait for a gimbal that can be moved, from the first one that cannot.
+pub const DESCRIPTION_TIMEOUT: Duration = Duration::from_secs(3);
 /// Interval of the status reports that are asked for: 5 Hz.
 pub const STATUS_INTERVAL: Duration = Duration::from_millis(200);
 /// Reports that are missing for this time are asked for again.

@@ -22,7 +22,7 @@ fn every_message_is_read_as_it_was_written() {
         history: LinkHistory { may_be_turning: true, ..LinkHistory::default() },
         url: "tcp://[::1]:5000?fault=stall@3".to_owned(),
     };
-    let named = MavlinkPeers { vehicle: Some(SystemId(3)), ..MavlinkPeers::DEFAULT };
+    let named = MavlinkPeers { vehicle: Some(SystemId(3)), device: Some(2), ..MavlinkPeers::DEFAULT };
     let signing = Some(Signing { key: SigningKey::new([7; 32]), began: 1 << 40 });
     let gimbals = [(MavlinkPeers::DEFAULT, None), (named, None), (named, signing)].map(|(peers, signing)| {
         let protocol = ByteProtocolName::MavlinkGimbal { peers, signing };

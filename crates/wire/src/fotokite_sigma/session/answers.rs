@@ -8,7 +8,7 @@ use super::{FotokiteSigmaSession, INFO_RETRY, REFUSAL_HOLD, State, TOKEN_RETRY, 
 use crate::fotokite_sigma::call::{Call, StreamId};
 use crate::fotokite_sigma::control::refusal;
 use crate::fotokite_sigma::json;
-use crate::fotokite_sigma::reports::{field_of_view_of, tilt_of};
+use crate::fotokite_sigma::reports::{TURNS, field_of_view_of, pan_of, tilt_of};
 use crate::session::RestEvidence;
 
 type ReportSink<'a> = &'a mut dyn FnMut(Telemetry);
@@ -140,10 +140,11 @@ impl FotokiteSigmaSession {
     ) {
         self.is_offline = state.online_state.as_deref() == Some("Offline");
         self.camera.on_state(state, now);
-        if let RestEvidence::Moving { .. } = self.camera.since(Timestamp::ZERO, now) {
-            self.motion.on_unexpected_motion(now);
+        if let RestEvidence::Moving { rate } = self.camera.since(Timestamp::ZERO, now) {
+            self.motion.on_unexpected_motion(rate > TURNS, now);
         }
         tell(tilt_of(state), now, report);
+        tell(pan_of(state), now, report);
     }
 
     /// Reports what the vehicle says to commands: at changes, and once a second, as a report may find no room.

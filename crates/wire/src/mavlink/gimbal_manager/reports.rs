@@ -3,9 +3,9 @@
 use barrelman_vocab::Timestamp;
 use barrelman_vocab::mavlink::Address;
 use mavlink::dialects::common::{
-    GIMBAL_DEVICE_ATTITUDE_STATUS_DATA, GIMBAL_MANAGER_INFORMATION_DATA, GIMBAL_MANAGER_STATUS_DATA,
-    GimbalDeviceErrorFlags, GimbalDeviceFlags, GimbalManagerCapFlags, GimbalManagerFlags, HEARTBEAT_DATA,
-    MavAutopilot, MavModeFlag, MavState, MavType,
+    ATTITUDE_DATA, GIMBAL_DEVICE_ATTITUDE_STATUS_DATA, GIMBAL_MANAGER_INFORMATION_DATA,
+    GIMBAL_MANAGER_STATUS_DATA, GLOBAL_POSITION_INT_DATA, GimbalDeviceErrorFlags, GimbalDeviceFlags,
+    GimbalManagerCapFlags, GimbalManagerFlags, HEARTBEAT_DATA, MavAutopilot, MavModeFlag, MavState, MavType,
 };
 
 use super::{DEVICE, GimbalAngles, GimbalManager, HEARTBEAT_INTERVAL, Habits};
@@ -69,6 +69,19 @@ impl GimbalManager {
         }
         if self.status.is_due(now) {
             self.send_status(now, out);
+        }
+        if self.position.is_due(now) {
+            // Of a vehicle without a position.
+            out.push(self.writer.write(&GLOBAL_POSITION_INT_DATA {
+                time_boot_ms: self.time_boot_ms(now),
+                relative_alt: (self.height_m * 1e3) as i32,
+                hdg: u16::MAX,
+                ..GLOBAL_POSITION_INT_DATA::DEFAULT
+            }));
+        }
+        if self.vehicle_attitude.is_due(now) {
+            let time_boot_ms = self.time_boot_ms(now);
+            out.push(self.writer.write(&ATTITUDE_DATA { time_boot_ms, ..ATTITUDE_DATA::DEFAULT }));
         }
         if self.attitude.is_due(now) {
             let time_boot_ms = self.time_boot_ms(now);

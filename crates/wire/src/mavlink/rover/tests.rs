@@ -2,7 +2,16 @@
 
 use super::super::rover_boat::{HOLD, RoverBoat, RoverBoatSettings};
 use super::*;
-use mavlink::dialects::common::ATTITUDE_DATA;
+use barrelman_vocab::acceptance::Acceptance;
+use barrelman_vocab::drive_mode::DriveMode;
+use barrelman_vocab::telemetry::Report;
+use barrelman_vocab::vehicle_text::VehicleText;
+use mavlink::dialects::common::{
+    ATTITUDE_DATA, COMMAND_ACK_DATA, GLOBAL_POSITION_INT_DATA, HEARTBEAT_DATA, MavAutopilot, MavResult,
+    MavSeverity, MavState, MavSysStatusSensor, STATUSTEXT_DATA, SYS_STATUS_DATA, VFR_HUD_DATA,
+};
+
+const AUTOPILOT: u8 = 1;
 
 const AHEAD: VesselCommand = VesselCommand { throttle: 0.5, rudder: -0.5 };
 
@@ -51,7 +60,10 @@ impl Bench {
                 self.boat.advance(now, &mut up);
                 for packet in &up {
                     let reports = &mut self.reports;
-                    self.session.received(packet, now, &mut |telemetry| reports.push(telemetry.report));
+                    self.session.received(packet, now, &mut |telemetry| match telemetry.report {
+                        Report::DriveMode(_) | Report::Speed(_) => {}
+                        report => reports.push(report),
+                    });
                 }
             }
             self.ms += 10;
@@ -138,7 +150,7 @@ fn a_boat_that_is_not_armed_takes_no_commands_and_is_never_armed() {
     bench.session.take_control(at(500));
     bench.go();
     bench.run_to(2_000);
-    assert_eq!(bench.reports, [Report::Acceptance(Acceptance::NotReady); 2]);
+    assert_eq!(bench.reports, [Report::Acceptance(Acceptance::Disarmed); 2]);
     assert!(bench.boat.command(at(2_000)).is_neutral());
     assert!(bench.heard.iter().all(|(_, text)| !text.starts_with("COMMAND 400")), "no arming");
 }
@@ -358,4 +370,163 @@ fn manual_control_yields_to_every_other_mode_and_to_nobody_elses_system() {
     bench.go();
     bench.run_to(1_000);
     assert!(bench.manual_controls(0) > 0 && bench.boat.command(at(1_000)).is_neutral());
+}
+
+/// What a reader tells of a boat in GUIDED and armed that sends this, without its mode.
+fn told(packets: &[Vec<u8>]) -> Vec<Report> {
+    let mut reader = RoverReader::new(RoverLink::GUIDED);
+    let mut reports = Vec::new();
+    let mut boat = RoverBoat::new(guided_boat(), at(0));
+    let mut out = Vec::new();
+    boat.advance(at(0), &mut out);
+    for packet in out.iter().chain(packets) {
+        reader.read(packet, |report| match report {
+            Report::DriveMode(_) | Report::Acceptance(Acceptance::Accepted) => {}
+            report => reports.push(report),
+        });
+    }
+    reports
+}
+
+fn from_boat<D: mavlink::MessageData>(message: &D) -> Vec<u8> {
+    FrameWriter::new(Address::new(1, 1), None).write(message)
+}
+
+fn heartbeat_in(mode: u32, base: MavModeFlag, state: MavState) -> Vec<u8> {
+    from_boat(&HEARTBEAT_DATA {
+        custom_mode: mode,
+        mavtype: MavType::MAV_TYPE_SURFACE_BOAT,
+        autopilot: MavAutopilot::MAV_AUTOPILOT_ARDUPILOTMEGA,
+        base_mode: base,
+        system_status: state,
+        mavlink_version: 3,
+    })
+}
+
+#[test]
+fn a_boat_that_takes_no_commands_is_told_apart_by_mode_armed_state_checks_and_refusals() {
+    let armed = MavModeFlag::MAV_MODE_FLAG_SAFETY_ARMED;
+    let (disarmed, active, starting) =
+        (MavModeFlag::empty(), MavState::MAV_STATE_ACTIVE, MavState::MAV_STATE_CALIBRATING);
+    let checks = |pass: bool| {
+        let sensor = MavSysStatusSensor::MAV_SYS_STATUS_PREARM_CHECK;
+        let health = if pass { sensor } else { MavSysStatusSensor::empty() };
+        from_boat(&SYS_STATUS_DATA {
+            onboard_control_sensors_present: sensor,
+            onboard_control_sensors_enabled: sensor,
+            onboard_control_sensors_health: health,
+            ..SYS_STATUS_DATA::DEFAULT
+        })
+    };
+    let answer = |result| {
+        from_boat(&COMMAND_ACK_DATA {
+            command: MavCmd::MAV_CMD_DO_SET_MODE,
+            result,
+            progress: 0,
+            result_param2: 0,
+            target_system: 245,
+            target_component: 191,
+        })
+    };
+    let (denied, accepted) = (answer(MavResult::MAV_RESULT_FAILED), answer(MavResult::MAV_RESULT_ACCEPTED));
+    let cases: [(&[Vec<u8>], Acceptance); 9] = [
+        (&[heartbeat_in(GUIDED, armed, active)], Acceptance::Accepted),
+        (&[heartbeat_in(GUIDED, disarmed, active)], Acceptance::Disarmed),
+        (&[heartbeat_in(GUIDED, disarmed, active), checks(true)], Acceptance::Disarmed),
+        (&[heartbeat_in(GUIDED, disarmed, active), checks(false)], Acceptance::ChecksFail),
+        (&[heartbeat_in(GUIDED, disarmed, starting)], Acceptance::StartingUp),
+        (&[heartbeat_in(HOLD, armed, active)], Acceptance::OtherClient),
+        (&[heartbeat_in(HOLD, armed, active), denied.clone()], Acceptance::ModeRefused),
+        (&[heartbeat_in(HOLD, armed, active), accepted], Acceptance::OtherClient),
+        // A refusal is one of the mode that the boat was in.
+        (
+            &[heartbeat_in(HOLD, armed, active), denied, heartbeat_in(MANUAL, armed, active)],
+            Acceptance::OtherClient,
+        ),
+    ];
+    for (packets, expected) in cases {
+        let mut reader = RoverReader::new(RoverLink::GUIDED);
+        let (mut said, mut mode) = (None, None);
+        for packet in packets {
+            reader.read(packet, |report| match report {
+                Report::Acceptance(acceptance) => said = Some(acceptance),
+                Report::DriveMode(heard) => mode = Some(heard),
+                _ => {}
+            });
+        }
+        assert_eq!(said, Some(expected));
+        assert!(mode.is_some_and(|DriveMode(number)| [GUIDED, HOLD, MANUAL].contains(&number)));
+    }
+}
+
+#[test]
+fn speed_comes_from_a_position_or_from_the_display_and_a_clock_that_falls_is_a_restart() {
+    let position = |ms: u32, lat: i32| {
+        from_boat(&GLOBAL_POSITION_INT_DATA {
+            time_boot_ms: ms,
+            lat,
+            lon: 1,
+            vx: 300,
+            vy: 400,
+            ..GLOBAL_POSITION_INT_DATA::DEFAULT
+        })
+    };
+    let nowhere = from_boat(&GLOBAL_POSITION_INT_DATA { vx: 300, ..GLOBAL_POSITION_INT_DATA::DEFAULT });
+    let hud = from_boat(&VFR_HUD_DATA { groundspeed: 2.5, ..VFR_HUD_DATA::DEFAULT });
+    let damaged = from_boat(&VFR_HUD_DATA { groundspeed: f32::NAN, ..VFR_HUD_DATA::DEFAULT });
+    assert_eq!(told(&[position(5_000, 540_000_000)]), [Report::Speed(5.0)]);
+    assert_eq!(told(&[nowhere, hud, damaged]), [Report::Speed(2.5)]);
+    let restarted = told(&[position(60_000, 1), position(59_500, 1), position(2_000, 1)]);
+    let speed = Report::Speed(5.0);
+    assert_eq!(restarted, [speed, speed, Report::Acceptance(Acceptance::StartingUp), speed]);
+}
+
+#[test]
+fn texts_are_put_together_made_printable_and_bounded() {
+    let chunk = |id: u16, chunk_seq: u8, text: &[u8]| {
+        let mut bytes = [0; 50];
+        bytes[..text.len()].copy_from_slice(text);
+        let severity = MavSeverity::MAV_SEVERITY_CRITICAL;
+        from_boat(&STATUSTEXT_DATA { severity, text: bytes.into(), id, chunk_seq })
+    };
+    let whole = [b'a'; 50];
+    let text = |text: &str| Report::Text(VehicleText::of(2, text.as_bytes()));
+    let a = "a".repeat(50);
+    for (chunks, expected) in [
+        (vec![chunk(0, 0, b"PreArm: GPS")], vec![text("PreArm: GPS")]),
+        (vec![chunk(0, 0, b"bell\x07 <b>\xff")], vec![text("bell? <b>?")]),
+        (vec![chunk(0, 0, b""), chunk(0, 0, b"  ")], vec![]),
+        (vec![chunk(7, 0, &whole), chunk(7, 1, b" end")], vec![text(&format!("{a} end"))]),
+        // Lost and mixed chunks.
+        (vec![chunk(7, 0, &whole), chunk(8, 0, b"b")], vec![text(&format!("{a}...")), text("b")]),
+        (vec![chunk(7, 1, b"end")], vec![text("...end")]),
+        (
+            vec![chunk(7, 0, &whole), chunk(7, 1, &whole), chunk(7, 2, &whole), chunk(7, 3, b"more")],
+            vec![text(&"a".repeat(120)), text("...more")],
+        ),
+        // A flood.
+        ((0..100).map(|_| chunk(0, 0, b"x")).collect(), vec![text("x"); 4]),
+    ] {
+        assert_eq!(told(&chunks), expected);
+    }
+}
+
+#[test]
+fn what_does_not_come_is_asked_for_and_what_comes_is_left_alone() {
+    let asked = |speaks: bool, ms: u64| {
+        let mut bench = Bench::new(guided_boat());
+        bench.run_to(500);
+        while bench.ms < ms {
+            bench.run_to(bench.ms + 100);
+            if speaks {
+                let position = GLOBAL_POSITION_INT_DATA { lat: 1, ..GLOBAL_POSITION_INT_DATA::DEFAULT };
+                bench.session.received(&from_boat(&position), at(bench.ms), &mut |_| {});
+            }
+        }
+        let is_position = |text: &str| text.starts_with("COMMAND 511") && text.contains("parameter 33 ");
+        bench.heard.iter().filter(|(_, text)| is_position(text)).count()
+    };
+    assert!((4..=6).contains(&asked(false, 5_000)), "{}", asked(false, 5_000));
+    assert!(asked(false, 60_000) <= 16, "less often in the end: {}", asked(false, 60_000));
+    assert!(asked(true, 5_000) <= 1, "{}", asked(true, 5_000));
 }

@@ -1,14 +1,16 @@
 //! What a session sends, and when.
 
+use barrelman_vocab::mavlink::Address;
 use barrelman_vocab::{Timestamp, VehicleRates};
 
 use super::{
     ASK_AGAIN, ASK_SPACING, ASKS_FOR_INFORMATION, ATTITUDE_INTERVAL, CLAIM_GRACE, CLAIM_TIMEOUT,
-    GimbalSession, HEARTBEAT_INTERVAL, RELEASE_SPACING, RELEASES, SEARCH_TIMEOUT, SILENCE, SILENT,
-    STATUS_INTERVAL, STATUS_TIMEOUT, State,
+    DESCRIPTION_TIMEOUT, GimbalSession, HEARTBEAT_INTERVAL, NO_USABLE_GIMBAL, RELEASE_SPACING, RELEASES,
+    SEARCH_TIMEOUT, SILENCE, SILENT, STATUS_INTERVAL, STATUS_TIMEOUT, State,
 };
 use crate::attitude_rate::evidence;
 use crate::closing_zeros::{ClosingZeros, UNREST_SPACING};
+use crate::mavlink::autopilot_reports::AUTOPILOT;
 use crate::mavlink::command::{Command, Wanted};
 use crate::mavlink::gimbal_reader::Holder;
 use crate::mavlink::pacing::{SPACING, ZERO_REFRESH, ZERO_REPEATS};
@@ -90,6 +92,12 @@ impl GimbalSession {
             self.state = State::Asking { since: now, ask_at: now };
             return self.write_due(now, out);
         }
+        let is_hopeless = self.reader.choice().is_hopeless()
+            && self.described_at.is_some_and(|at| at.plus(DESCRIPTION_TIMEOUT) <= now);
+        if is_hopeless {
+            self.state = State::Unresponsive(NO_USABLE_GIMBAL);
+            return NO_USABLE_GIMBAL;
+        }
         if since.plus(SEARCH_TIMEOUT) <= now {
             let why = if self.candidates.is_empty() { NO_HEARTBEAT } else { NO_GIMBAL };
             self.state = State::Unresponsive(why);
@@ -170,7 +178,15 @@ impl GimbalSession {
             self.ask_for_reports(out);
             self.ask_again_at = now.plus(ASK_AGAIN);
         }
+        self.ask_autopilot(now, out);
         NextAction::WaitUntil(self.pacing.wake_at().min(now.plus(HEARTBEAT_INTERVAL)))
+    }
+
+    /// Asks for the position and the attitude of the vehicle where they do not come.
+    fn ask_autopilot(&mut self, now: Timestamp, out: &mut Vec<Vec<u8>>) {
+        let to = Address { component: AUTOPILOT, ..self.target().manager };
+        let requests = self.autopilot.each_mut().map(|subscription| subscription.due(to, now));
+        out.extend(requests.iter().flatten().map(|request| self.writer.write(request)));
     }
 
     fn end_with_zeros(

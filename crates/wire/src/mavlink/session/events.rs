@@ -26,6 +26,16 @@ impl GimbalSession {
                 self.gimbal = Some(gimbal);
                 self.on_heard(now);
             }
+            Received::Device(_) => {
+                self.described_at.get_or_insert(now);
+            }
+            Received::Autopilot(kinds) => {
+                for (subscription, _) in
+                    self.autopilot.iter_mut().zip(kinds).filter(|(_, is_heard)| *is_heard)
+                {
+                    subscription.on_heard(now);
+                }
+            }
             Received::Information(_) => {
                 self.has_information = true;
                 self.on_heard(now);
@@ -98,6 +108,7 @@ impl GimbalSession {
         self.needs_answer |= self.may_be_turning();
         (self.zeros_at, self.left_zeros_sent) = (now, 0);
         (self.gimbal, self.has_information, self.holder) = (None, false, None);
+        self.described_at = None;
         self.state = searching(now);
     }
 }

@@ -397,7 +397,7 @@ fn the_messages_that_can_leave_are_these() {
         let may_leave = match sent {
             Sent::Heartbeat | Sent::Rates(..) => true,
             Sent::Command(id, _, parameter, _) => match id {
-                511 => [281.0, 285.0].contains(parameter),
+                511 => [281.0, 285.0, 33.0, 30.0].contains(parameter),
                 512 => [280.0, 281.0].contains(parameter),
                 1001 => [245.0, -3.0].contains(parameter),
                 _ => false,
@@ -406,4 +406,51 @@ fn the_messages_that_can_leave_are_these() {
         assert!(may_leave, "{sent:?}");
     }
     assert_eq!(Gimbal::ALL.manager, Address::EVERYONE);
+}
+
+#[test]
+fn position_and_attitude_of_the_vehicle_are_asked_for_until_they_come_and_again_when_they_stop() {
+    let mut bench = Bench::up(ARDUPILOT);
+    bench.run(seconds(5.0));
+    let asked = |bench: &Bench, from_ms: u64, id: f32| {
+        let is_request = |sent: &Sent| matches!(sent, Sent::Command(511, _, message, _) if *message == id);
+        bench.since(from_ms).filter(|(_, sent)| is_request(sent)).count()
+    };
+    for id in [33.0, 30.0] {
+        assert_eq!(asked(&bench, 0, id), 1, "what comes is not asked for again");
+    }
+    assert!(bench.reports.iter().any(|(_, report)| matches!(report, Report::CameraHeight(_))));
+    // The vehicle forgets the intervals.
+    bench.manager = barrelman_wire::mavlink::GimbalManager::boot(ARDUPILOT, at(bench.now_ms));
+    let restarted_ms = bench.now_ms;
+    bench.run(seconds(10.0));
+    for id in [33.0, 30.0] {
+        assert!(asked(&bench, restarted_ms, id) >= 1, "{id}");
+    }
+}
+
+#[test]
+fn zeros_go_on_while_commands_are_lost_and_reports_come_and_the_pan_is_reported_all_the_while() {
+    let mut bench = Bench::up(ARDUPILOT);
+    bench.session.request(rates(0.3, 0.0), None);
+    bench.run(seconds(1.0));
+    bench.passes = (false, true);
+    let lost_ms = bench.now_ms;
+    bench.session.request(VehicleRates::REST, None);
+    bench.run(seconds(8.0));
+    assert_eq!(bench.session.link_state(), LinkState::Up);
+    let zeros = bench.since(lost_ms).filter(|(_, sent)| sent.is_zeros()).count();
+    assert!(zeros >= 32, "{zeros} zeros in 8 s");
+    assert!(matches!(bench.session.rest_evidence(at(bench.now_ms)), RestEvidence::Moving { .. }));
+    let pans: Vec<f64> = bench
+        .reports
+        .iter()
+        .filter(|(ms, _)| *ms >= lost_ms)
+        .filter_map(|(_, report)| match report {
+            Report::CameraPan(pan) => Some(pan.radians()),
+            _ => None,
+        })
+        .collect();
+    assert!(pans.len() >= 140, "{}", pans.len());
+    assert!(pans.windows(2).all(|pair| pair[0] != pair[1]), "each report shows the motion");
 }
