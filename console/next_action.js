@@ -13,6 +13,8 @@ export function nextAction({ isConnected, isStopOverdue, isControlling, snapshot
   if (!isControlling) return "watch";
   const { mode, track, video, link, alarms, drive } = snapshot;
   if (drive?.paused) return "paused";
+  if (alarms.includes("camera-turns")) return "turns";
+  if (alarms.includes("boat-moves")) return "boatMoves";
   if (video.state !== "up" || alarms.includes("no-video")) return "video";
   if (alarms.includes("camera-may-turn")) return "mayTurn";
   if (alarms.includes("stale-video")) return "late";

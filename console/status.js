@@ -162,6 +162,7 @@ function showVessel(vessel, set) {
   set("mark", true);
   set("mark-kind", true);
   set("unmark-all", vessel.marks.length > 0, words.reasons.nothingMarked);
+  setText(at("guide"), vessel.go_again ? words.guideInPicture : words.guide);
   set("guide", !isGuided && goals.length > 0, words.reasons.nothingMarked);
   set("stop-boat", vessel.mode !== "stopped", words.reasons.boatStopped);
   set("next-mark", goals.length > 1, words.reasons.nothingMarked);

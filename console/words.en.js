@@ -9,7 +9,7 @@ export default {
   frozen: "Frozen: draw the box ", freeze: "Freeze", unfreeze: "Go on", reject: "Not that one", deselect: "Forget",
   mark: "Mark", marking: "Tap the point", markKind: "What is marked", unmarkAll: "Clear",
   markKinds: { person: "Person", place: "Place", "way-point": "Way-point", forbidden: "Keep out", home: "Home" },
-  guide: "Go", stopBoat: "Stop boat", nextMark: "Next", goHome: "Home",
+  guide: "Go", guideInPicture: "Go in the picture", stopBoat: "Stop boat", nextMark: "Next", goHome: "Home",
   search: "Search", netYawZero: "Tether untwisted",
   tools: "Selection and zoom", zoomIn: "Zoom in", zoomOut: "Zoom out", zoomReset: "Fit", overlays: "Show",
   command: "Command", stop: "STOP", stopping: "STOPPING", stopKey: "Space", engage: "Engage", disengage: "Disengage",
@@ -50,7 +50,8 @@ export default {
   tracks: { unseeded: "nothing selected", tracking: "tracking", coasting: "coasting", lost: "lost", confirming: "confirming" },
   alarmTexts: {
     "track-lost": "Boat lost", "stale-video": "Video delayed", "no-video": "No video", "link-down": "Link down",
-    "camera-may-turn": "Camera may be turning",
+    "camera-may-turn": "Camera may be turning", "camera-turns": "Camera turns although zero is commanded",
+    "boat-moves": "Boat moves although neutral is commanded",
     "control-lost": "Vehicle does not accept commands", "end-stop": "Camera near its end stop",
     emergency: "Vehicle emergency", "battery-low": "Battery low", "recording-failed": "Recording failed",
     "console-lost": "Controlling page gone", "net-yaw": "Tether winds up: turn the camera back",
@@ -63,6 +64,8 @@ export default {
     video: "Wait for video: check the camera and the network.",
     late: "The video is late: the camera rests. Check the network, or restart the camera's stream.",
     mayTurn: "Nothing reaches the camera, which may be turning: stop it at the ground station.",
+    turns: "The camera turns although zero is commanded: stop it at the ground station.",
+    boatMoves: "The boat moves although neutral is commanded: stop it with its remote control or at its ground station.",
     link: "The link is down: check the cable or the ground station.",
     dryRun: "Dry run: the camera is not moved. Start with --link to move it.",
     emergency: "The vehicle has an emergency or lands: the camera rests.",
@@ -119,7 +122,7 @@ export default {
     const text = vessel.text.charAt(0).toUpperCase() + vessel.text.slice(1);
     const doing = { "getting-way": "getting under way", avoiding: "going around a circle", blocked: "no way past the circles", holding: "at the mark", "standing-off": "waiting before the person", "no-fix": "boat near the horizon" }[vessel.guidance];
     const how = vessel.mode === "guided" ? `${doing ? `: ${doing}` : ""}${vessel.basis === "picture" ? " (by the picture: no distances)" : ""}` : "";
-    return text + how;
+    return text + how + (vessel.says ? `. It says: ${vessel.says}` : "");
   },
   vesselText: ({ progress, throttle, rudder, marks }, drive) => {
     const speed = progress ?? drive;

@@ -26,6 +26,7 @@ mod opposed_motion;
 pub mod search;
 mod selecting;
 mod sway_estimate;
+pub mod unasked_motion;
 
 pub mod vessel;
 

@@ -6,10 +6,13 @@ use core::time::Duration;
 use barrelman_control::{Percept, Region, Sector};
 use barrelman_vision::{SelectionError, SelectionReport};
 use barrelman_vocab::earth::WaterOnEarth;
-use barrelman_vocab::{CameraCommand, LawId, Localisation, MarkKind, StopCause, Timestamp, Track};
+use barrelman_vocab::{
+    AngularRate, CameraCommand, LawId, Localisation, MarkKind, StopCause, Timestamp, Track,
+};
 
 use crate::net_yaw::{NetYawLevel, NetYawState};
 use crate::on_earth::NotOnEarth;
+use crate::vessel::guiding::NoWater;
 use crate::vessel::{VesselHold, VesselMode, VesselOutcome, VesselStop};
 
 pub use crate::refusal::{HoldCause, LOST_BEFORE_SEARCH, Refusal};
@@ -41,6 +44,8 @@ pub struct Outcome {
     pub is_confirming: bool,
     /// By how much the vehicle is turned about the vertical.
     pub net_yaw: NetYawState,
+    /// The rate of a camera that turns although zero is commanded, as the vehicle reports it; `None`: no such motion is reported.
+    pub unasked_motion: Option<AngularRate>,
     /// Why a search would be refused now; `None`: the operator can ask for one.
     pub search_refusal: Option<Refusal>,
     /// The vessel's part.
@@ -129,6 +134,8 @@ pub enum Notice {
     NetYaw(NetYawState),
     /// The mark of this number was set.
     Marked(u32, MarkKind),
+    /// The boat goes to its destination: over the water, or, for this reason, in the picture.
+    Going(Option<NoWater>),
 }
 
 /// The reason why a selection was not confirmed.
@@ -182,6 +189,10 @@ impl fmt::Display for Notice {
             Self::TestMotionsMade => f.write_str("the test motions have been made"),
             Self::NetYaw(net) => net_yaw_text(*net, f),
             Self::Marked(id, kind) => write!(f, "mark {id}: {}", mark_text(*kind)),
+            Self::Going(None) => f.write_str("the boat goes over the water, around the circles"),
+            Self::Going(Some(why)) => {
+                write!(f, "the boat goes in the picture, which keeps out of no circles: {}", why.text())
+            }
         }
     }
 }
@@ -275,6 +286,10 @@ impl fmt::Display for VesselMode {
             Self::Stopped(VesselStop::Everything(cause) | VesselStop::Vessel(cause)) => {
                 write!(f, "boat {}", stop_text(*cause))
             }
+            Self::Stopped(VesselStop::NotAccepted(said)) => write!(f, "boat stopped: {said}"),
+            Self::Stopped(VesselStop::WaterLost) => f.write_str(
+                "boat stopped: height or tilt of the camera are not reported any more, and circles cannot be kept",
+            ),
             Self::Stopped(VesselStop::NoAnswer) => f.write_str(
                 "boat stopped: what is followed did not move as commanded; check the box, and the boat's drive",
             ),

@@ -4,6 +4,8 @@ use core::fmt;
 use core::time::Duration;
 
 use crate::purpose::Purpose;
+use crate::vessel::gate::Said;
+use crate::vessel::guiding::{GO_AGAIN, NoWater};
 
 /// A target must be lost for this time before the operator can ask for a search: the tracker's own search is faster.
 pub const LOST_BEFORE_SEARCH: Duration = Duration::from_secs(3);
@@ -42,8 +44,12 @@ pub enum Refusal {
     NoVessel,
     /// The boat cannot be commanded, for this reason.
     NoVesselMotion(HoldCause),
-    /// The helm was held when the boat was stopped, and was not let go since.
-    HelmHeldAtStop,
+    /// The boat takes no commands, for this reason.
+    NotAccepted(Said),
+    /// The helm was held when the boat was stopped or took no commands, and was not let go since.
+    HelmHeld,
+    /// People or areas are marked, and the boat would go in the picture, which keeps out of no circles: asked once more.
+    PictureOnly(NoWater),
     /// There is no mark of that number.
     NoSuchMark,
     /// There is no mark that could be a destination.
@@ -126,7 +132,16 @@ impl fmt::Display for Refusal {
             Self::NoVesselMotion(cause) => {
                 write!(f, "the boat cannot be commanded now: {}", cause.text())
             }
-            Self::HelmHeldAtStop => f.write_str("the boat was stopped: let go of the helm first"),
+            Self::NotAccepted(said) => said.fmt(f),
+            Self::HelmHeld => {
+                f.write_str("the boat was stopped, or took no commands: let go of the helm first")
+            }
+            Self::PictureOnly(why) => write!(
+                f,
+                "{}: press Go again within {} s to go in the picture, which keeps out of no circles",
+                why.text(),
+                GO_AGAIN.as_secs()
+            ),
             Self::NoSuchMark => f.write_str("there is no such mark"),
             Self::NothingMarked => f.write_str("nothing is marked: mark a place or a person first"),
             Self::NoHome => f.write_str("no home is marked: mark it first"),

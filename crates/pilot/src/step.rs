@@ -20,6 +20,7 @@ use crate::outcome::{Advice, HoldCause, Mode, Notice, Outcome, RENEWAL_GRACE, Re
 use crate::safety::{ObservationResult, Safety};
 use crate::search::{LastBearing, Search};
 use crate::selecting::PendingSelection;
+use crate::unasked_motion::UnaskedMotion;
 use crate::vehicle::CommandPath;
 use crate::vessel::{VesselPilot, VesselSettings};
 
@@ -65,6 +66,7 @@ pub struct Pilot {
     rested_at: Option<Timestamp>,
     behaviour: u32,
     opposed_motion: OpposedMotion,
+    unasked_motion: UnaskedMotion,
     net_yaw: NetYaw,
     net_yaw_level: NetYawLevel,
     last_bearing: Option<LastBearing>,
@@ -97,6 +99,7 @@ impl Pilot {
             law,
             safety: Safety::new(settings.profile.coast_motion, CommandPath::Simulated),
             net_yaw: NetYaw::new(settings.profile.net_yaw, settings.profile.attitude_yaw),
+            unasked_motion: UnaskedMotion::new(&settings.profile),
             first_law: settings.law,
             settings,
             tracker,
@@ -180,7 +183,7 @@ impl Pilot {
             }
             Input::VesselTelemetry(telemetry) => {
                 if let Some(vessel) = &mut self.vessel {
-                    vessel.on_vessel_report(&telemetry.report);
+                    vessel.on_vessel_report(&telemetry);
                 }
                 None
             }
@@ -393,6 +396,7 @@ impl Pilot {
         self.rested_at = decision.wake_at.filter(|_| is_link_switched).map(|at| at.plus(RENEWAL_GRACE));
         let command = self.executable(decision.command, now);
         self.law.on_command_applied(command, now);
+        self.unasked_motion.on_command(command, now);
         if decision.mode != Mode::Searching {
             self.search = None;
         }
@@ -412,6 +416,7 @@ impl Pilot {
             wake_at: decision.wake_at,
             is_confirming: self.drawn_selection.is_some(),
             net_yaw,
+            unasked_motion: self.unasked_motion.turning().filter(|_| self.safety.path() == CommandPath::Link),
             search_refusal: self.search_refusal(now),
             vessel,
             earth: self.earth.at(now),

@@ -14,11 +14,12 @@ use core::time::Duration;
 use barrelman_control::CameraModel;
 use barrelman_vocab::telemetry::Report;
 use barrelman_vocab::{
-    DrawnMark, Localisation, MarkKind, OperatorRequest, PictureSize, StopCause, Telemetry, Timestamp,
-    VesselCommand, VesselProfile, WaterPoint,
+    DrawnMark, Localisation, OperatorRequest, PictureSize, StopCause, Telemetry, Timestamp, VesselCommand,
+    VesselProfile, WaterPoint,
 };
 
 use crate::history::KEPT;
+use crate::outcome::Notice;
 use crate::refusal::{HoldCause, Refusal};
 use crate::vehicle::CommandPath;
 
@@ -29,14 +30,17 @@ pub mod marks;
 
 pub mod frame_view;
 
+pub mod unasked_speed;
+
 pub use frame_view::FrameView;
 pub use gate::{VesselHold, VesselMode, VesselStop};
 pub use guiding::{Guidance, GuidanceBasis, GuidanceLaw};
 pub use marks::{Mark, Marks};
 
 use gate::{GateInput, VesselGate};
-use guiding::{Guide, GuideView};
+use guiding::{GO_AGAIN, Guide, GuideView, NoWater};
 use marks::{MarkRefusal, RouteChange};
+use unasked_speed::UnaskedSpeed;
 
 /// A reported height holds for this time.
 const HEIGHT_LASTS: Duration = Duration::from_secs(10);
@@ -65,6 +69,10 @@ pub struct VesselOutcome {
     pub command: VesselCommand,
     /// Time by which the pilot renews the command.
     pub renew_by: Option<Timestamp>,
+    /// Whether another Go would be accepted that was refused just now, as the boat would go in the picture.
+    pub asks_go_again: bool,
+    /// The speed of a boat that moves although neutral is commanded, m/s; `None`: no such motion is reported.
+    pub unasked_speed_m_per_s: Option<f64>,
     /// What the guidance did last; `None`: nothing yet.
     pub guidance: Option<Guidance>,
     /// The operator's marks.
@@ -81,6 +89,8 @@ impl VesselOutcome {
             mode: VesselMode::Absent,
             command: VesselCommand::NEUTRAL,
             renew_by: None,
+            asks_go_again: false,
+            unasked_speed_m_per_s: None,
             guidance: None,
             marks: Marks::default(),
             frame_view: None,
@@ -128,9 +138,14 @@ pub(crate) enum Observed<'a> {
 pub struct VesselPilot {
     profile: VesselProfile,
     gate: VesselGate,
+    unasked_speed: UnaskedSpeed,
     guide: Guide,
     marks: Marks,
     height: Option<(f64, Timestamp)>,
+    /// Whether the boat went over the water at the last Go.
+    goes_over_water: bool,
+    /// When a Go was refused that would have gone in the picture.
+    gone_in_picture_at: Option<Timestamp>,
     tilt_reported_at: Option<Timestamp>,
     frame_view: Option<FrameView>,
 }
@@ -141,10 +156,13 @@ impl VesselPilot {
         let VesselSettings { profile, guidance, path } = settings;
         Self {
             gate: VesselGate::new(profile, path),
+            unasked_speed: UnaskedSpeed::new(),
             profile,
             guide: Guide::new(guidance),
             marks: Marks::default(),
             height: None,
+            goes_over_water: false,
+            gone_in_picture_at: None,
             tilt_reported_at: None,
             frame_view: None,
         }
@@ -191,8 +209,9 @@ impl VesselPilot {
     }
 
     /// What the vessel or its link reports.
-    pub(crate) fn on_vessel_report(&mut self, report: &Report) {
-        self.gate.on_report(report);
+    pub(crate) fn on_vessel_report(&mut self, telemetry: &Telemetry) {
+        self.gate.on_report(&telemetry.report);
+        self.unasked_speed.on_report(&telemetry.report, telemetry.at);
     }
 
     /// Whether a further stop would change nothing.
@@ -205,7 +224,7 @@ impl VesselPilot {
         self.gate.stop(VesselStop::Everything(cause));
     }
 
-    /// Processes a request about the vessel. Returns the number and the kind of a mark that was set.
+    /// Processes a request about the vessel. Returns what the operator has to know.
     ///
     /// # Errors
     /// The reason, if the request is not permitted now. It then has no effect.
@@ -215,13 +234,13 @@ impl VesselPilot {
         picture: Option<PictureSize>,
         is_boat_seen: bool,
         view: VesselView<'_>,
-    ) -> Result<Option<(u32, MarkKind)>, Refusal> {
+    ) -> Result<Option<Notice>, Refusal> {
         // What the operator wants now is not what the boat went on with.
         self.gate.set_clear(false);
         self.marks.set_rules_of_9(view.has_rules_of_9);
         match request {
             OperatorRequest::Mark(drawn) => {
-                return self.mark(drawn, picture, view).map(|id| Some((id, drawn.kind)));
+                return self.mark(drawn, picture, view).map(|id| Some(Notice::Marked(id, drawn.kind)));
             }
             OperatorRequest::MoveMark(moved) => {
                 let frame_view = self.view_of(moved.captured, picture, view)?;
@@ -236,11 +255,11 @@ impl VesselPilot {
             OperatorRequest::NextMark => {
                 self.marks.choose_next().ok_or(Refusal::NothingMarked)?;
             }
-            OperatorRequest::Guide => self.engage(is_boat_seen, view)?,
+            OperatorRequest::Guide => return self.engage(is_boat_seen, view).map(Some),
             OperatorRequest::GoHome => {
                 let before = self.marks;
                 self.marks.choose_home().ok_or(Refusal::NoHome)?;
-                self.engage(is_boat_seen, view).inspect_err(|_| self.marks = before)?;
+                return self.engage(is_boat_seen, view).inspect_err(|_| self.marks = before).map(Some);
             }
             OperatorRequest::Steer(command) => self.gate.steer(*command, view.now)?,
             OperatorRequest::StopBoat(by) => self.gate.stop_boat(*by),
@@ -250,7 +269,9 @@ impl VesselPilot {
         Ok(None)
     }
 
-    fn engage(&mut self, is_boat_seen: bool, view: VesselView<'_>) -> Result<(), Refusal> {
+    /// The operator presses Go. Returns on which basis the boat goes. Where it would go in the picture though people or areas are
+    /// marked, which it could then run into, Go has to be pressed twice.
+    fn engage(&mut self, is_boat_seen: bool, view: VesselView<'_>) -> Result<Notice, Refusal> {
         if self.guide.law() == GuidanceLaw::ByHand {
             return Err(Refusal::ByHandOnly);
         }
@@ -261,12 +282,37 @@ impl VesselPilot {
             return Err(Refusal::BoatNotSeen);
         }
         let was_guiding = self.gate.is_guiding();
+        let no_water = self.no_water(view.now);
+        if let Some(why) =
+            no_water.filter(|why| *why != NoWater::Law && !was_guiding && self.marks.have_circles())
+        {
+            let is_confirmed = |at: Timestamp| at <= view.now && view.now.since(at) <= GO_AGAIN;
+            if !self.gone_in_picture_at.is_some_and(is_confirmed) {
+                // A boat that cannot be commanded is refused for that, and not asked about.
+                self.gate.clone().guide(view.now, view.has_rules_of_9)?;
+                self.gone_in_picture_at = Some(view.now);
+                return Err(Refusal::PictureOnly(why));
+            }
+        }
         self.gate.guide(view.now, view.has_rules_of_9)?;
         if !was_guiding {
             self.guide.expect_answer();
             self.marks.begin_route();
+            self.goes_over_water = no_water.is_none();
         }
-        Ok(())
+        self.gone_in_picture_at = None;
+        Ok(Notice::Going(no_water))
+    }
+
+    /// Why the boat would be guided in the picture; `None`: it is guided over the water.
+    fn no_water(&self, now: Timestamp) -> Option<NoWater> {
+        let is_tilt_current = self.tilt_reported_at.is_some_and(|at| now.since(at) <= HEIGHT_LASTS);
+        match (self.guide.law(), is_tilt_current, self.height_m(now)) {
+            (GuidanceLaw::Laboratory | GuidanceLaw::ByHand, ..) => Some(NoWater::Law),
+            (GuidanceLaw::LineOfSight, false, _) => Some(NoWater::NoTilt),
+            (GuidanceLaw::LineOfSight, true, None) => Some(NoWater::NoHeight),
+            (GuidanceLaw::LineOfSight, true, Some(_)) => None,
+        }
     }
 
     fn mark(
@@ -350,6 +396,10 @@ impl VesselPilot {
                 };
                 let advice = self.guide.step(seen, guide_view, &self.marks, &self.profile, now);
                 self.gate.set_clear(self.guide.has_room());
+                let is_water_lost = self.goes_over_water && self.marks.have_circles();
+                if is_water_lost && self.gate.is_guiding() && self.no_water(now).is_some() {
+                    self.gate.stop(VesselStop::WaterLost);
+                }
                 if view.needs_answer && self.gate.is_guiding() && self.guide.is_unanswered() {
                     self.gate.stop(VesselStop::NoAnswer);
                 }
@@ -364,11 +414,15 @@ impl VesselPilot {
         }
         let decision = self.gate.decide(sight, now);
         self.guide.on_command_applied(decision.command, now);
+        let is_commanded = decision.mode != VesselMode::Released;
+        self.unasked_speed.on_command(is_commanded.then_some(decision.command), now);
         VesselOutcome {
             profile: self.profile,
             mode: decision.mode,
             command: decision.command,
             renew_by: decision.renew_by,
+            asks_go_again: self.gone_in_picture_at.is_some_and(|at| at <= now && now.since(at) <= GO_AGAIN),
+            unasked_speed_m_per_s: self.unasked_speed.moving(),
             guidance: self.guide.newest(),
             marks: self.marks,
             frame_view: self.frame_view,

@@ -29,6 +29,7 @@ pub(crate) fn idle(at: Timestamp) -> Outcome {
         wake_at: None,
         is_confirming: false,
         net_yaw: NetYawState::default(),
+        unasked_motion: None,
         search_refusal: None,
         vessel: VesselOutcome::absent(),
         earth: Err(barrelman_pilot::on_earth::NotOnEarth::NoPosition),

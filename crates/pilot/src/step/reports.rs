@@ -11,6 +11,7 @@ impl Pilot {
     /// Passes reports of the camera on to the law, and those of the vehicle to the safety rule.
     pub(super) fn on_telemetry(&mut self, telemetry: &Telemetry) {
         self.safety.on_report(&telemetry.report);
+        self.unasked_motion.on_telemetry(telemetry);
         if let Some(vessel) = &mut self.vessel {
             vessel.on_camera_report(telemetry);
         }

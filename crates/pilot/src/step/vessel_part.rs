@@ -18,7 +18,7 @@ impl Pilot {
             return Some(Notice::RequestRefused(Refusal::NoVessel));
         };
         match vessel.on_request(request, self.picture, is_boat_seen, view) {
-            Ok(marked) => marked.map(|(id, kind)| Notice::Marked(id, kind)),
+            Ok(notice) => notice,
             Err(refusal) => Some(Notice::RequestRefused(refusal)),
         }
     }

@@ -15,7 +15,8 @@
 //! ```
 //!
 //! 1. A stop outranks everything. After a stop, a helm that is still held does nothing until it was let go, also one that was
-//!    without effect at the stop (for want of video or of a link); guidance takes another request.
+//!    without effect at the stop (for want of video or of a link); guidance takes another request. The same holds after a time in
+//!    which the boat took no commands: disarmed, in another mode, restarted, or without a link. Who arms a boat stands beside it.
 //! 2. Guidance starts with fresh video only, and moves the boat only while fresh localisations of the boat arrive. The last command lasts at most
 //!    [`GUIDED_LASTS`] after the last one, then the boat is neutral. A hold of more than [`HOLD_LASTS`] ends the guidance.
 //!    So does a boat that does not answer ([`VesselStop::NoAnswer`]): the wrong object may be followed.
@@ -28,10 +29,12 @@
 //!    ([`VesselGate::set_clear`]). Each request of the operator, each stop and each obstacle ends it; it does not begin again.
 //! 5. The throttle grows by at most the profile's rate; less throttle takes effect at once.
 
+use core::fmt;
 use core::time::Duration;
 
 use barrelman_vocab::acceptance::Acceptance;
-use barrelman_vocab::telemetry::Report;
+use barrelman_vocab::drive_mode::DriveMode;
+use barrelman_vocab::telemetry::{LinkState, Report};
 use barrelman_vocab::{BoatStop, FailSafe, KeepWay, StopCause, Timestamp, VesselCommand, VesselProfile};
 
 use crate::refusal::{HoldCause, Refusal};
@@ -94,12 +97,42 @@ pub enum VesselStop {
     Everything(StopCause),
     /// What the vessel reported.
     Vessel(StopCause),
+    /// The boat takes no commands any more.
+    NotAccepted(Said),
     /// Another boat was selected, or none.
     OtherBoat,
     /// The guidance waited for too long, for this reason.
     HeldTooLong(VesselHold),
+    /// Height or tilt of the camera are not reported any more, and circles are marked: in the picture they would not be kept.
+    WaterLost,
     /// What is followed did not move as the commanded boat would have.
     NoAnswer,
+}
+
+/// What a boat says to commands, with the mode that it is in.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Said {
+    /// What it says.
+    pub acceptance: Acceptance,
+    /// Its mode, where it reports one.
+    pub mode: Option<DriveMode>,
+}
+
+/// Why the boat takes no commands, and what to do: the armed state, the mode, or what its autopilot says.
+impl fmt::Display for Said {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match (self.acceptance, self.mode) {
+            (Acceptance::OtherClient, Some(mode)) => write!(
+                f,
+                "the boat is in {mode}: its remote control or another program steers it; Go asks for the mode in which it is \
+                 steered from here"
+            ),
+            (Acceptance::ModeRefused, Some(mode)) => {
+                write!(f, "the boat is in {mode}: {}", Acceptance::ModeRefused.text())
+            }
+            (said, _) => write!(f, "the boat: {}", said.text()),
+        }
+    }
 }
 
 /// What one step saw of the boat.
@@ -145,8 +178,8 @@ enum Helm {
     Free,
     /// Held: a command that is not neutral was the last one.
     Held,
-    /// Held through a stop: without effect until it is let go.
-    HeldAtStop,
+    /// Held through a stop, or while the boat took no commands: without effect until it is let go.
+    Barred,
 }
 
 /// The rule with its state.
@@ -156,6 +189,9 @@ pub struct VesselGate {
     holder: Holder,
     helm: Helm,
     vessel: VehicleState,
+    /// What the boat says to commands, and its mode.
+    said: Option<Said>,
+    mode: Option<DriveMode>,
     last_video_at: Option<Timestamp>,
     /// Whether the boat went ahead at the last fresh localisation with room to keep way.
     is_clear: bool,
@@ -182,6 +218,8 @@ impl VesselGate {
             holder: Holder::Released,
             helm: Helm::Free,
             vessel: VehicleState::new(path),
+            said: None,
+            mode: None,
             last_video_at: None,
             is_clear: false,
             command: VesselCommand::NEUTRAL,
@@ -205,14 +243,30 @@ impl VesselGate {
     /// Takes a report of the vessel or its link. Some stop the boat: a boat that somebody else steers, and one that goes by itself and
     /// takes no commands any more, wait for another request, whether or not the link was up meanwhile.
     pub fn on_report(&mut self, report: &Report) {
+        if self.vessel.path() != CommandPath::Link {
+            return;
+        }
+        match *report {
+            Report::DriveMode(mode) => self.mode = Some(mode),
+            Report::Acceptance(acceptance) => {
+                let said = Said { acceptance, mode: self.mode };
+                self.said = Some(said);
+                if acceptance.is_elsewhere() || (self.is_guiding() && acceptance != Acceptance::Accepted) {
+                    self.stop(VesselStop::NotAccepted(said));
+                }
+            }
+            Report::Link(LinkState::Up) => {}
+            Report::Link(_) => (self.said, self.mode) = (None, None),
+            _ => {}
+        }
         if let Some(cause) = self.vessel.on_report(report) {
             self.stop(VesselStop::Vessel(cause));
         }
-        if self.vessel.path() == CommandPath::Link
-            && let Report::Acceptance(said) = report
-            && (said.is_elsewhere() || (self.is_guiding() && *said != Acceptance::Accepted))
-        {
-            self.stop(VesselStop::Vessel(StopCause::ControlLost));
+        if self.vessel.obstacle().is_some() {
+            self.bar_helm();
+            if matches!(self.holder, Holder::ByHand { .. }) {
+                self.holder = Holder::Neutral;
+            }
         }
     }
 
@@ -244,7 +298,7 @@ impl VesselGate {
 
     const fn bar_helm(&mut self) {
         if matches!(self.helm, Helm::Held) {
-            self.helm = Helm::HeldAtStop;
+            self.helm = Helm::Barred;
         }
     }
 
@@ -296,11 +350,14 @@ impl VesselGate {
             }
             return Ok(());
         }
-        if self.helm == Helm::HeldAtStop {
-            return Err(Refusal::HelmHeldAtStop);
+        if let Err(refusal) = self.refuse_without_way() {
+            self.helm = Helm::Barred;
+            return Err(refusal);
+        }
+        if self.helm == Helm::Barred {
+            return Err(Refusal::HelmHeld);
         }
         self.helm = Helm::Held;
-        self.refuse_without_way()?;
         if !self.has_video(now) {
             return Err(Refusal::NoFreshVideo);
         }
@@ -309,7 +366,11 @@ impl VesselGate {
     }
 
     fn refuse_without_way(&self) -> Result<(), Refusal> {
-        self.vessel.obstacle().map_or(Ok(()), |cause| Err(Refusal::NoVesselMotion(cause)))
+        match (self.vessel.obstacle(), self.said) {
+            (None, _) => Ok(()),
+            (Some(HoldCause::NoControl), Some(said)) => Err(Refusal::NotAccepted(said)),
+            (Some(cause), _) => Err(Refusal::NoVesselMotion(cause)),
+        }
     }
 
     fn has_video(&self, now: Timestamp) -> bool {

@@ -313,6 +313,11 @@ impl Marks {
             .any(|mark| mark.is_on_route(self.destination) || mark.radius_m(profile, false) > 0.0)
     }
 
+    /// Whether there are people or areas that a boat keeps out of.
+    pub fn have_circles(&self) -> bool {
+        self.iter().any(|mark| matches!(mark.kind, MarkKind::Person | MarkKind::Forbidden))
+    }
+
     /// The guidance begins here and now: its line starts where the boat is.
     pub const fn begin_route(&mut self) {
         self.route += 1;

@@ -1,8 +1,8 @@
 //! A guided boat that does not move as commanded is stopped.
 
-use barrelman_pilot::VesselMode;
 use barrelman_pilot::behaviour::DISPLACED_CAMERA;
 use barrelman_pilot::vessel::VesselStop;
+use barrelman_pilot::{Notice, VesselMode};
 use barrelman_vocab::{ImagePoint, MarkKind, OperatorRequest, PixelPoint};
 
 use crate::scenes::INSIDE;
@@ -42,7 +42,7 @@ fn a_guided_boat_that_does_not_move_is_stopped_until_the_next_request() {
         assert_eq!(mode, NO_ANSWER);
         assert!((7.0..10.0).contains(&since_s), "{since_s}");
         let outcome = bench.ask(OperatorRequest::Guide);
-        assert_eq!((outcome.notice, outcome.vessel.mode), (None, VesselMode::Guided));
+        assert_eq!((outcome.notice, outcome.vessel.mode), (Some(Notice::Going(None)), VesselMode::Guided));
     }
     assert_eq!(mode_after(&mut bench, 12.0, moving(8.0, 8.0)), (VesselMode::Guided, 0.0));
 }
@@ -63,7 +63,7 @@ fn another_destination_far_away_is_no_fault_of_the_boat() {
     bench.mark(MarkKind::Place, TARGET);
     bench.ask(OperatorRequest::Guide);
     assert_eq!(mode_after(&mut bench, 6.0, moving(10.0, -4.0)), (VesselMode::Guided, 0.0));
-    assert_eq!(bench.ask(OperatorRequest::GoHome).notice, None);
+    assert_eq!(bench.ask(OperatorRequest::GoHome).notice, Some(Notice::Going(None)));
     let turned = |seconds: f64| moving(60.0 - 10.0 * seconds, -24.0 + 4.0 * seconds)(1.0);
     assert_eq!(mode_after(&mut bench, 25.0, turned), (VesselMode::Guided, 0.0));
 }

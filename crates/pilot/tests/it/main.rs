@@ -14,5 +14,6 @@ mod opposed_motion;
 mod scenes;
 mod searching;
 mod telemetry;
+mod unasked_motion;
 mod vehicle;
 mod vessel;

@@ -5,6 +5,7 @@ use core::time::Duration;
 use barrelman_pilot::behaviour::{ANSWERING_BOAT, BOW_BEFORE_RETREAT, NEWEST, PLACED_MARKS};
 use barrelman_pilot::on_earth::NotOnEarth;
 use barrelman_pilot::outcome::HoldCause;
+use barrelman_pilot::vessel::guiding::NoWater;
 use barrelman_pilot::vessel::{GuidanceBasis, GuidanceLaw, VesselHold, VesselStop};
 use barrelman_pilot::{CommandPath, Input, Notice, Outcome, Pilot, Refusal, VesselMode, VesselSettings};
 use barrelman_vocab::earth::GeoPoint;
@@ -91,7 +92,7 @@ impl Bench {
         bench.see_water().see(INSIDE);
         bench.mark(kind, TARGET);
         let outcome = bench.ask(OperatorRequest::Guide);
-        assert_eq!(outcome.notice, None);
+        assert_eq!(outcome.notice, Some(Notice::Going(None)));
         for _ in 0..10 {
             bench.see(INSIDE);
         }
@@ -243,7 +244,11 @@ fn guidance_needs_fresh_video() {
     };
     let refused = Some(Notice::RequestRefused(Refusal::NoFreshVideo));
     for request in [OperatorRequest::Guide, OperatorRequest::GoHome] {
-        assert_eq!(asked_after(NEWEST, 249, request), (None, VesselMode::Guided), "{request:?}");
+        assert_eq!(
+            asked_after(NEWEST, 249, request),
+            (Some(Notice::Going(None)), VesselMode::Guided),
+            "{request:?}"
+        );
         for ms in [250, 60_000] {
             assert_eq!(
                 asked_after(NEWEST, ms, request),
@@ -251,7 +256,8 @@ fn guidance_needs_fresh_video() {
                 "{request:?}"
             );
         }
-        assert_eq!(asked_after(BOW_BEFORE_RETREAT, 60_000, request), (None, VesselMode::Guided));
+        let going = Some(Notice::Going(Some(NoWater::NoTilt)));
+        assert_eq!(asked_after(BOW_BEFORE_RETREAT, 60_000, request), (going, VesselMode::Guided));
     }
 }
 
@@ -308,8 +314,9 @@ fn a_person_who_was_marked_before_the_height_was_known_has_a_circle_when_it_is()
     bench.mark(MarkKind::Place, TARGET);
     bench.ask(OperatorRequest::NextMark);
     let marks = |outcome: &Outcome| outcome.vessel.marks.iter().copied().collect::<Vec<_>>();
+    refused(&bench.ask(OperatorRequest::Guide), Refusal::PictureOnly(NoWater::NoHeight));
     let before = bench.ask(OperatorRequest::Guide);
-    assert_eq!(before.notice, None);
+    assert_eq!(before.notice, Some(Notice::Going(Some(NoWater::NoHeight))));
     assert!(marks(&before).iter().all(|mark| mark.water.is_none()));
     bench.see_water();
     let after = bench.see(INSIDE);
@@ -631,7 +638,57 @@ fn without_height_or_tilt_the_boat_is_guided_by_the_picture() {
     let near = INSIDE.in_pixels(crate::scenes::PICTURE);
     bench.mark(MarkKind::Person, PixelPoint { u: near.u + 50.0, v: near.v });
     bench.ask(OperatorRequest::Guide);
+    bench.ask(OperatorRequest::Guide);
+    assert_eq!(bench.see(INSIDE).vessel.mode, VesselMode::Guided);
     assert!(bench.see(INSIDE).vessel.command.is_neutral());
+}
+
+#[test]
+fn with_people_marked_and_no_water_go_is_asked_for_twice_within_five_seconds() {
+    let no_height = Refusal::PictureOnly(NoWater::NoHeight);
+    let going = Some(Notice::Going(Some(NoWater::NoHeight)));
+    for (marks, waits_ms, second) in [
+        (&[MarkKind::Person][..], 0, None),
+        (&[MarkKind::Person], 4_900, None),
+        (&[MarkKind::Person], 5_100, Some(no_height)),
+        (&[MarkKind::Place, MarkKind::Forbidden], 1_000, None),
+        (&[MarkKind::Place, MarkKind::Person], 1_000, None),
+    ] {
+        let mut bench = Bench::new();
+        bench.tell(Report::CameraTilt(Angle::from_degrees(-40.0)));
+        bench.see(INSIDE);
+        for kind in marks {
+            bench.mark(*kind, TARGET);
+        }
+        let first = bench.ask(OperatorRequest::Guide);
+        refused(&first, no_height);
+        assert_eq!(first.vessel.mode, VesselMode::Released);
+        bench.ms += waits_ms;
+        bench.tell(Report::CameraTilt(Angle::from_degrees(-40.0)));
+        bench.see(INSIDE);
+        let notice = bench.ask(OperatorRequest::Guide).notice;
+        assert_eq!(notice, second.map_or(going.clone(), |refusal| Some(Notice::RequestRefused(refusal))));
+    }
+    // Without people and areas one press is enough, and the operator is told.
+    let mut bench = Bench::new();
+    bench.see(INSIDE);
+    bench.mark(MarkKind::Place, TARGET);
+    assert_eq!(bench.ask(OperatorRequest::Guide).notice, Some(Notice::Going(Some(NoWater::NoTilt))));
+    // A refusal says what to do.
+    let text = no_height.to_string();
+    assert!(text.contains("press Go again within 5 s"), "{text}");
+}
+
+#[test]
+fn a_boat_that_goes_around_people_stops_when_the_height_is_not_reported_any_more() {
+    let mut bench = Bench::going(MarkKind::Person);
+    let mut last = None;
+    for frame in 0..400 {
+        bench.tell(Report::CameraTilt(Angle::from_degrees(-40.0)));
+        let underway = ImagePoint { x: f64::from(frame) - 150.0, ..INSIDE };
+        last = Some(bench.see(underway).vessel.mode);
+    }
+    assert_eq!(last, Some(VesselMode::Stopped(VesselStop::WaterLost)));
 }
 
 #[test]

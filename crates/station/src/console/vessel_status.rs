@@ -1,5 +1,7 @@
 //! The API's form of the boat that is commanded.
 
+use std::time::Duration;
+
 use barrelman_control::guidance::GuidanceState;
 use barrelman_control::water::earth::place_on_earth;
 use barrelman_pilot::vessel::{FrameView, Guidance, GuidanceBasis, Mark};
@@ -9,6 +11,8 @@ use barrelman_vocab::{MarkKind, PictureSize, PixelPoint, Timestamp, VesselProfil
 use super::api::{MarkStatus, PlaceStatus, ProgressStatus, VesselStatus};
 use crate::snapshot::Snapshot;
 
+/// How long a text of the boat is shown.
+const TEXT_LASTS: Duration = Duration::from_secs(30);
 /// Points of a circle.
 const RING_POINTS: usize = 24;
 
@@ -38,6 +42,8 @@ pub(super) fn vessel_of(snapshot: &Snapshot) -> Option<VesselStatus> {
             GuidanceBasis::Water => "water",
             GuidanceBasis::Picture => "picture",
         }),
+        go_again: vessel.asks_go_again,
+        says: says(snapshot, outcome.at),
         guidance: vessel.guidance.map(|guidance| state_name(guidance.state)),
         progress: vessel.guidance.and_then(|guidance| progress_of(guidance, outcome)),
         marks: vessel
@@ -53,6 +59,12 @@ pub(super) fn vessel_of(snapshot: &Snapshot) -> Option<VesselStatus> {
             .zip(picture)
             .and_then(|(frame_view, picture)| footprint(frame_view, picture)),
     })
+}
+
+/// What the boat said last, while that is new.
+fn says(snapshot: &Snapshot, now: Timestamp) -> Option<String> {
+    let (text, at) = snapshot.vessel_text?;
+    (now.since(at) <= TEXT_LASTS).then(|| text.to_string())
 }
 
 const fn state_name(state: GuidanceState) -> &'static str {

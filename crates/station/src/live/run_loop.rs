@@ -28,8 +28,10 @@ use crate::config::lens::misfit;
 use crate::link::boat_link::BoatLink;
 use crate::link::{LinkReport, VehicleLink};
 use crate::operator::{Answer, Answers, Gateway, Request, Submitted};
-use crate::snapshot::{Publisher, RecordingState, VideoSourceState, link_state_text};
+use crate::snapshot::{Alarm, Publisher, RecordingState, VideoSourceState, link_state_text};
 
+/// The alarms that are also logged: a run without a page must tell them, too.
+const UNASKED: [Alarm; 2] = [Alarm::CameraTurns, Alarm::BoatMoves];
 /// Longest wait for an event: bounds the delay of the status line.
 const MAX_WAIT: Duration = Duration::from_millis(200);
 
@@ -216,7 +218,9 @@ impl RunLoop<'_> {
             (request, &outcome.notice),
             (
                 OperatorRequest::Guide | OperatorRequest::GoHome,
-                Some(Notice::RequestRefused(Refusal::NoVesselMotion(HoldCause::NoControl)))
+                Some(Notice::RequestRefused(
+                    Refusal::NoVesselMotion(HoldCause::NoControl) | Refusal::NotAccepted(_)
+                ))
             )
         );
         if let (true, Some(boat)) = (asks_for_boat, self.boat) {
@@ -279,6 +283,9 @@ impl RunLoop<'_> {
                 if let Report::Link(link) = telemetry.report {
                     tracing::info!("{}", link_state_text(link));
                 }
+                if let Report::GimbalDevice(device) = telemetry.report {
+                    tracing::info!("the camera is on gimbal device {device}");
+                }
                 self.step(state, Input::Telemetry(telemetry));
             }
             LinkReport::Lost { reason, may_be_turning: false } => {
@@ -310,7 +317,12 @@ impl RunLoop<'_> {
                     tracing::info!("boat: {}", link_state_text(link));
                     state.is_boat_loss_told &= link != LinkState::Up;
                 }
+                let before = self.publisher.newest().vessel_text;
                 self.step(state, Input::VesselTelemetry(telemetry));
+                let said = self.publisher.newest().vessel_text;
+                if let Some((text, _)) = said.filter(|_| said != before) {
+                    tracing::info!("the boat says: {text}");
+                }
             }
             // A port that is refused again and again is told once.
             LinkReport::Lost { reason, .. } => {
@@ -382,7 +394,14 @@ impl RunLoop<'_> {
         };
         state.wake_at = outcome.next_step_at();
         state.boat_mode = Some(outcome.vessel.mode);
+        let raised = |publisher: &Publisher| UNASKED.map(|alarm| publisher.newest().alarms.contains(&alarm));
+        let before = raised(&self.publisher);
         self.publisher.on_step(&input, &outcome, rates, self.pilot.law_id());
+        for ((alarm, was), is) in UNASKED.iter().zip(before).zip(raised(&self.publisher)) {
+            if is && !was {
+                tracing::error!("{}", alarm.text());
+            }
+        }
         outcome
     }
 

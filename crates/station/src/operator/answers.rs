@@ -29,7 +29,7 @@ impl Answers {
                 self.supersede_selection("the target was changed");
                 answer.give(Answer::ACCEPTED);
             }
-            _ => answer.give(Answer::ACCEPTED),
+            _ => answer.give(Answer::Accepted(going(outcome))),
         }
     }
 
@@ -53,6 +53,11 @@ impl Answers {
             earlier.give(Answer::Superseded(why.to_owned()));
         }
     }
+}
+
+/// On which basis the boat goes.
+fn going(outcome: &Outcome) -> Option<String> {
+    outcome.notice.as_ref().filter(|notice| matches!(notice, Notice::Going(_))).map(ToString::to_string)
 }
 
 #[cfg(test)]

@@ -13,6 +13,10 @@ pub enum Alarm {
     LinkDown,
     /// Nothing reaches a camera that was turning.
     CameraMayTurn,
+    /// The camera turns although zero is commanded.
+    CameraTurns,
+    /// The boat moves although neutral is commanded.
+    BoatMoves,
     /// The vehicle does not accept commands from this program.
     ControlLost,
     /// The camera is near a mechanical end stop.
@@ -40,6 +44,8 @@ impl Alarm {
             Self::NoVideo => "no-video",
             Self::LinkDown => "link-down",
             Self::CameraMayTurn => "camera-may-turn",
+            Self::CameraTurns => "camera-turns",
+            Self::BoatMoves => "boat-moves",
             Self::ControlLost => "control-lost",
             Self::EndStop => "end-stop",
             Self::Emergency => "emergency",
@@ -60,6 +66,10 @@ impl Alarm {
             Self::LinkDown => "the link is down: commands do not reach the camera",
             Self::CameraMayTurn => {
                 "nothing reaches the camera, which may be turning: stop it at the ground station"
+            }
+            Self::CameraTurns => "the camera turns although zero is commanded: stop it at the ground station",
+            Self::BoatMoves => {
+                "the boat moves although neutral is commanded: stop it with its remote control or at its ground station"
             }
             Self::ControlLost => "the vehicle does not accept commands from this program",
             Self::EndStop => "the camera is near its end stop",

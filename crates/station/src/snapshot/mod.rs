@@ -18,6 +18,7 @@ mod drive_state;
 mod event_log;
 mod frame_rate;
 mod step_time;
+mod text_rate;
 mod timing_text;
 mod vehicle;
 
@@ -26,6 +27,7 @@ use std::time::Duration;
 
 use barrelman_pilot::Outcome;
 use barrelman_video::sender_clock::VideoTiming;
+use barrelman_vocab::vehicle_text::VehicleText;
 use barrelman_vocab::{LawId, PictureSize, Timestamp, VehicleRates};
 
 pub use alarm::Alarm;
@@ -56,6 +58,8 @@ pub struct Snapshot {
     pub vehicle: VehicleSnapshot,
     /// The link to the boat that is commanded.
     pub vessel: VehicleSnapshot,
+    /// What the boat said last, and when.
+    pub vessel_text: Option<(VehicleText, Timestamp)>,
     /// Where the followed boat is on the water, where that is known.
     pub boat: Option<BoatOnWater>,
     /// The recording.

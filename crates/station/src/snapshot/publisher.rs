@@ -3,11 +3,13 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use barrelman_pilot::{Input, Notice, Outcome, VesselMode};
+use barrelman_pilot::{Input, Notice, Outcome, Refusal, VesselMode};
 use barrelman_video::sender_clock::VideoTiming;
 use barrelman_vocab::acceptance::Acceptance;
-use barrelman_vocab::telemetry::{ControlState, FlightState, LinkState};
-use barrelman_vocab::{Angle, LawId, Timestamp, Track, VehicleProfile, VehicleRates};
+use barrelman_vocab::drive_mode::DriveMode;
+use barrelman_vocab::telemetry::{ControlState, FlightState, LinkState, Report};
+use barrelman_vocab::vehicle_text::VehicleText;
+use barrelman_vocab::{Angle, LawId, Telemetry, Timestamp, Track, VehicleProfile, VehicleRates};
 use jiff::Zoned;
 use tokio::sync::watch;
 
@@ -17,12 +19,14 @@ use super::camera_work::CameraWorkMeter;
 use super::event_log::{EventLog, Level};
 use super::frame_rate::FrameRate;
 use super::step_time::StepTime;
+use super::text_rate::TextRate;
 use super::timing_text::timing_text;
-use super::vehicle::LinkStatus;
+use super::vehicle::{LinkStatus, VehicleSnapshot};
 use super::{DriveState, RecordingState, SharedSnapshot, Snapshot, VideoSourceState};
 use barrelman_pilot::Mode;
 use barrelman_pilot::net_yaw::NetYawLevel;
 use barrelman_pilot::outcome::HoldCause;
+use barrelman_pilot::vessel::gate::Said;
 
 /// Nearer to an end stop than this, the alarm is raised, rad (3 degrees).
 const END_STOP_MARGIN_RAD: f64 = 0.052;
@@ -38,6 +42,9 @@ pub struct Publisher {
     boat: BoatFinder,
     tilt_stops: (f64, f64),
     is_console_lost: bool,
+    /// The boat's mode when its acceptance was logged last.
+    logged_mode: Option<DriveMode>,
+    texts: TextRate,
 }
 
 impl Publisher {
@@ -56,6 +63,8 @@ impl Publisher {
             boat: BoatFinder::new(profile),
             tilt_stops: (low.radians(), high.radians()),
             is_console_lost: false,
+            logged_mode: None,
+            texts: TextRate::default(),
         }
     }
 
@@ -94,8 +103,13 @@ impl Publisher {
                 self.state.vehicle.on_telemetry(telemetry);
                 self.log_link_change(before.link, outcome.at);
                 self.log_acceptance(before.acceptance, outcome.at);
+                self.log_gimbal(telemetry);
             }
-            Input::VesselTelemetry(telemetry) => self.state.vessel.on_telemetry(telemetry),
+            Input::VesselTelemetry(telemetry) => {
+                let before = self.state.vessel;
+                self.state.vessel.on_telemetry(telemetry);
+                self.log_vessel(&before, telemetry);
+            }
             Input::Localisation(_) | Input::Request(_) | Input::Tick => {}
         }
         self.work.on_step(outcome);
@@ -259,6 +273,14 @@ impl Publisher {
             ),
             (Alarm::LinkDown, is_link_down),
             (Alarm::CameraMayTurn, vehicle.may_be_turning),
+            (
+                Alarm::CameraTurns,
+                state.outcome.as_ref().is_some_and(|outcome| outcome.unasked_motion.is_some()),
+            ),
+            (
+                Alarm::BoatMoves,
+                state.outcome.as_ref().is_some_and(|outcome| outcome.vessel.unasked_speed_m_per_s.is_some()),
+            ),
             (Alarm::ControlLost, vehicle.control == Some(ControlState::NotOurs)),
             (Alarm::EndStop, is_at_stop),
             (Alarm::Emergency, vehicle.flight == Some(FlightState::Emergency)),
@@ -297,6 +319,10 @@ impl Publisher {
         }
         match &outcome.notice {
             None => {}
+            Some(notice @ Notice::RequestRefused(Refusal::PictureOnly(_))) => {
+                add(Level::Warning, "picture-only", notice.to_string());
+            }
+            Some(notice @ Notice::Going(Some(_))) => add(Level::Warning, "notice", notice.to_string()),
             Some(
                 notice @ (Notice::RequestRefused(_)
                 | Notice::SelectionRefused(_)
@@ -312,6 +338,45 @@ impl Publisher {
         if let Some(said) = self.state.vehicle.acceptance.filter(|said| before != Some(*said)) {
             let level = if said == Acceptance::Accepted { Level::Info } else { Level::Warning };
             self.events.add(now, level, "acceptance", said.text());
+        }
+    }
+
+    fn log_gimbal(&self, telemetry: &Telemetry) {
+        if let Report::GimbalDevice(device) = telemetry.report {
+            let text = format!("the camera is on gimbal device {device}");
+            self.events.add(telemetry.at, Level::Info, "gimbal", text);
+        }
+    }
+
+    /// What the boat says: whether it takes commands, at each change, and its texts.
+    fn log_vessel(&mut self, before: &VehicleSnapshot, telemetry: &Telemetry) {
+        let at = telemetry.at;
+        match telemetry.report {
+            Report::Acceptance(acceptance) => {
+                let said = Said { acceptance, mode: self.state.vessel.drive_mode };
+                let is_new = (before.acceptance, self.logged_mode) != (Some(acceptance), said.mode);
+                self.logged_mode = said.mode;
+                let was_ours = before.acceptance.is_some_and(|before| !before.is_elsewhere());
+                match (acceptance, was_ours) {
+                    _ if !is_new => {}
+                    (Acceptance::Accepted, _) => {
+                        self.events.add(at, Level::Info, "boat", "the boat takes commands");
+                    }
+                    (said_now, true) if said_now.is_elsewhere() => {
+                        let text =
+                            format!("the boat has left the mode in which it is steered from here; {said}");
+                        self.events.add(at, Level::Warning, "boat", text);
+                    }
+                    _ => self.events.add(at, Level::Warning, "boat", said.to_string()),
+                }
+            }
+            Report::Text(text) if self.texts.takes(text.as_str(), at) => {
+                self.state.vessel_text = Some((text, at));
+                let is_warning = text.severity() <= VehicleText::WARNING;
+                let level = if is_warning { Level::Warning } else { Level::Info };
+                self.events.add(at, level, "boat-says", format!("the boat says: {text}"));
+            }
+            _ => {}
         }
     }
 

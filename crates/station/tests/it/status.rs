@@ -37,6 +37,7 @@ fn outcome(mode: Mode, track: Track, advised: Option<CameraCommand>) -> Outcome 
         wake_at: None,
         is_confirming: false,
         net_yaw: barrelman_pilot::net_yaw::NetYawState::default(),
+        unasked_motion: None,
         search_refusal: None,
         vessel: barrelman_pilot::VesselOutcome::absent(),
         earth: Err(barrelman_pilot::on_earth::NotOnEarth::NoPosition),

@@ -1,7 +1,5 @@
 //! One test for each edge of the modes, and for what each command needs.
 
-use barrelman_vocab::telemetry::LinkState;
-
 use super::*;
 
 const AHEAD: VesselCommand = VesselCommand { throttle: 0.5, rudder: 0.25 };
@@ -126,7 +124,7 @@ fn a_stop_holds_against_a_helm_that_is_still_held() {
     gate.stop(VesselStop::Everything(StopCause::Operator));
     let stopped = VesselMode::Stopped(VesselStop::Everything(StopCause::Operator));
     check(&mut gate, SEEN, 1_040, stopped, NEUTRAL);
-    assert_eq!(gate.steer(AHEAD, at(1_050)), Err(Refusal::HelmHeldAtStop));
+    assert_eq!(gate.steer(AHEAD, at(1_050)), Err(Refusal::HelmHeld));
     check(&mut gate, SEEN, 1_060, stopped, NEUTRAL);
     gate.steer(NEUTRAL, at(1_070)).unwrap();
     check(&mut gate, SEEN, 1_080, stopped, NEUTRAL);
@@ -210,10 +208,10 @@ fn a_helm_that_is_held_at_a_stop_does_nothing_until_it_was_let_go_whatever_it_di
     check(&mut gate, GateInput::NoObservation, 1_300, VesselMode::Neutral, NEUTRAL);
     gate.stop(everything);
     gate.on_video(at(1_400));
-    assert_eq!(gate.steer(AHEAD, at(1_400)), Err(Refusal::HelmHeldAtStop));
+    assert_eq!(gate.steer(AHEAD, at(1_400)), Err(Refusal::HelmHeld));
     // A release is no letting go.
     gate.release();
-    assert_eq!(gate.steer(AHEAD, at(1_410)), Err(Refusal::HelmHeldAtStop));
+    assert_eq!(gate.steer(AHEAD, at(1_410)), Err(Refusal::HelmHeld));
     check(&mut gate, SEEN, 1_420, VesselMode::Released, NEUTRAL);
     gate.steer(NEUTRAL, at(1_430)).unwrap();
     gate.steer(AHEAD, at(1_440)).unwrap();
@@ -228,7 +226,7 @@ fn a_helm_that_is_held_at_a_stop_does_nothing_until_it_was_let_go_whatever_it_di
     gate.stop_boat(BoatStop::Operator);
     assert!(gate.is_at_rest_by_stop());
     gate.on_video(at(3_010));
-    assert_eq!(gate.steer(AHEAD, at(3_010)), Err(Refusal::HelmHeldAtStop));
+    assert_eq!(gate.steer(AHEAD, at(3_010)), Err(Refusal::HelmHeld));
 }
 
 #[test]
@@ -259,10 +257,13 @@ fn linked_gate() -> VesselGate {
 
 #[test]
 fn a_boat_that_was_disarmed_or_taken_waits_for_another_request() {
-    let stopped = VesselMode::Stopped(VesselStop::Vessel(StopCause::ControlLost));
-    for (said, loses_link) in
-        [(Acceptance::NotReady, false), (Acceptance::OtherClient, false), (Acceptance::OtherClient, true)]
-    {
+    for (said, loses_link) in [
+        (Acceptance::Disarmed, false),
+        (Acceptance::StartingUp, false),
+        (Acceptance::OtherClient, false),
+        (Acceptance::OtherClient, true),
+    ] {
+        let stopped = VesselMode::Stopped(VesselStop::NotAccepted(Said { acceptance: said, mode: None }));
         let mut gate = linked_gate();
         gate.guide(at(1_000), true).unwrap();
         check(&mut gate, SEEN, 1_030, VesselMode::Guided, AHEAD);
@@ -283,7 +284,7 @@ fn a_boat_that_was_disarmed_or_taken_waits_for_another_request() {
     gate.on_report(&Report::Link(LinkState::Up));
     gate.on_report(&Report::Acceptance(Acceptance::OtherClient));
     gate.on_report(&Report::Acceptance(Acceptance::Accepted));
-    assert_eq!(gate.steer(AHEAD, at(1_060)), Err(Refusal::HelmHeldAtStop));
+    assert_eq!(gate.steer(AHEAD, at(1_060)), Err(Refusal::HelmHeld));
 }
 
 #[test]
@@ -394,7 +395,8 @@ fn every_stop_the_lost_console_and_the_lost_link_end_the_way_at_once() {
     }
     let mut gate = keeping_way(CommandPath::Link);
     gate.on_report(&Report::Acceptance(Acceptance::OtherClient));
-    let taken = VesselMode::Stopped(VesselStop::Vessel(StopCause::ControlLost));
+    let said = Said { acceptance: Acceptance::OtherClient, mode: None };
+    let taken = VesselMode::Stopped(VesselStop::NotAccepted(said));
     check(&mut gate, LOST, 1_340, taken, NEUTRAL);
 }
 
@@ -454,4 +456,70 @@ fn a_hand_and_a_clock_that_is_wrong_keep_no_way() {
     let way = VesselCommand { throttle: KeepWay::MAX_THROTTLE, rudder: 0.0 };
     check(&mut gate, LOST, 1_330, VesselMode::KeepingWay(LOST_HOLD), way);
     check(&mut gate, LOST, 4_280, VesselMode::Holding(LOST_HOLD), NEUTRAL);
+}
+
+#[test]
+fn a_helm_that_is_held_while_the_boat_takes_no_commands_does_nothing_until_it_was_let_go() {
+    use Acceptance::{Accepted, ChecksFail, Disarmed, ModeRefused, OtherClient, StartingUp};
+    let said = Report::Acceptance;
+    let edges: [&[Report]; 9] = [
+        &[said(Disarmed)],
+        &[said(ChecksFail)],
+        &[said(OtherClient)],
+        &[said(ModeRefused)],
+        &[said(StartingUp)],
+        &[Report::Link(LinkState::Opening), Report::Link(LinkState::Up)],
+        &[Report::Link(LinkState::Silent), Report::Link(LinkState::Starting), Report::Link(LinkState::Up)],
+        &[Report::Link(LinkState::Opening), Report::Link(LinkState::Up), said(Disarmed)],
+        &[said(Disarmed), said(OtherClient), said(StartingUp)],
+    ];
+    for edge in edges {
+        // The helm was held before, also one without effect for want of video; or it is pressed meanwhile.
+        for (is_held_before, has_video, renews) in
+            [(true, true, false), (true, true, true), (true, false, true), (false, true, true)]
+        {
+            let mut gate = linked_gate();
+            if is_held_before {
+                let before = if has_video { 1_000 } else { 1_400 };
+                assert_eq!(gate.steer(AHEAD, at(before)).is_ok(), has_video);
+            }
+            for report in edge {
+                gate.on_report(report);
+                let is_open = gate.vessel.obstacle().is_none();
+                if renews && !is_open {
+                    assert!(gate.steer(AHEAD, at(1_410)).is_err(), "{edge:?}");
+                }
+            }
+            gate.on_report(&said(Accepted));
+            gate.on_video(at(1_440));
+            assert_eq!(gate.steer(AHEAD, at(1_450)), Err(Refusal::HelmHeld), "{edge:?} {is_held_before}");
+            assert!(gate.decide(SEEN, at(1_450)).command.is_neutral(), "{edge:?}");
+            gate.steer(VesselCommand::NEUTRAL, at(1_460)).unwrap();
+            gate.steer(AHEAD, at(1_470)).unwrap();
+            check(&mut gate, SEEN, 1_480, VesselMode::ByHand, AHEAD);
+        }
+    }
+}
+
+#[test]
+fn a_refusal_names_the_mode_or_the_armed_state_and_never_just_says_that_the_boat_takes_no_commands() {
+    for (acceptance, mode, part) in [
+        (Acceptance::Disarmed, Some(15), "not armed"),
+        (Acceptance::ChecksFail, Some(15), "checks before arming fail"),
+        (Acceptance::StartingUp, Some(16), "still starting"),
+        (Acceptance::OtherClient, Some(0), "in MANUAL"),
+        (Acceptance::OtherClient, Some(4), "in HOLD"),
+        (Acceptance::OtherClient, Some(10), "in AUTO"),
+        (Acceptance::OtherClient, Some(11), "in RTL"),
+        (Acceptance::OtherClient, Some(77), "in mode 77"),
+        (Acceptance::ModeRefused, Some(4), "EKF"),
+    ] {
+        let mut gate = linked_gate();
+        gate.on_report(&Report::DriveMode(DriveMode(mode.unwrap())));
+        gate.on_report(&Report::Acceptance(acceptance));
+        for refusal in [gate.guide(at(1_000), true).unwrap_err(), gate.steer(AHEAD, at(1_000)).unwrap_err()] {
+            let text = refusal.to_string();
+            assert!(text.contains(part), "{acceptance:?}: {text}");
+        }
+    }
 }

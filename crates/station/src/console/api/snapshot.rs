@@ -64,7 +64,8 @@ pub struct StatusSnapshot {
     pub recording: RecordingStatus,
     /// The camera's work so far, and that of the paper's schema beside it.
     pub work: CameraWork,
-    /// Alarms in force, by their keys: `stale-video`, `no-video`, `link-down`, `camera-may-turn`, `control-lost`, `end-stop`,
+    /// Alarms in force, by their keys: `stale-video`, `no-video`, `link-down`, `camera-may-turn`, `camera-turns`,
+    /// `boat-moves`, `control-lost`, `end-stop`,
     /// `emergency`, `battery-low`, `recording-failed`, `console-lost`, `track-lost`, `net-yaw`, `net-yaw-limit`.
     pub alarms: Vec<&'static str>,
     /// How many presses of Stop have been taken so far; a press is acknowledged when this reaches its number.

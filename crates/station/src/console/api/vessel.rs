@@ -21,6 +21,11 @@ pub struct VesselStatus {
     /// What the guidance steers by: `water`, or `picture` where height or tilt of the camera are not known; `null`: no
     /// destination yet.
     pub basis: Option<&'static str>,
+    /// Whether another Go is asked for: it was refused just now, as the boat would go in the picture, which keeps out of no circles.
+    /// A second Go within 5 s is accepted.
+    pub go_again: bool,
+    /// What the boat said last in words, for half a minute; `null`: nothing. ASCII of at most 120 characters, of the vehicle's choice.
+    pub says: Option<String>,
     /// What the guidance is doing: `getting-way`, `under-way`, `avoiding`, `blocked`, `holding`, `standing-off`, `no-fix` or
     /// `no-destination`.
     pub guidance: Option<&'static str>,

@@ -2,10 +2,10 @@
 
 use std::time::Duration;
 
-use barrelman_pilot::Refusal;
+use barrelman_pilot::VesselOutcome;
 use barrelman_pilot::outcome::Unconfirmed;
-use barrelman_vocab::telemetry::Report;
-use barrelman_vocab::{Angle, StopCause, Telemetry};
+use barrelman_pilot::vessel::guiding::NoWater;
+use barrelman_vocab::{Angle, AngularRate, StopCause};
 
 use super::*;
 use crate::test_scenes::{PICTURE, at, command, frame, idle, localisation};
@@ -398,4 +398,104 @@ fn changes_of_the_video_are_logged_once_however_often_it_fails_to_connect() {
     keys.retain(|key| key.starts_with("video-"));
     assert_eq!(keys, ["video-up", "video-lost", "video-up", "video-ended"]);
     assert_eq!(publisher.newest().video.state, VideoSourceState::Ended);
+}
+
+#[test]
+fn unasked_motion_is_an_alarm_as_long_as_it_lasts() {
+    let turning = |rate: Option<f64>| {
+        let unasked_motion = rate.map(AngularRate::from_radians_per_second);
+        Outcome { unasked_motion, mode: Mode::Stopped(StopCause::Operator), ..idle(at(0)) }
+    };
+    let moving = |speed: Option<f64>| {
+        let vessel = VesselOutcome { unasked_speed_m_per_s: speed, ..VesselOutcome::absent() };
+        Outcome { vessel, ..idle(at(0)) }
+    };
+    for (fault, end, alarm) in [
+        (turning(Some(0.33)), turning(None), Alarm::CameraTurns),
+        (moving(Some(3.0)), moving(None), Alarm::BoatMoves),
+    ] {
+        let mut publisher = publisher();
+        step(&mut publisher, &fault);
+        assert_eq!(publisher.newest().alarms, [alarm]);
+        let raised = (Level::Alarm, alarm.key().to_owned(), alarm.text().to_owned());
+        assert!(events(&publisher).contains(&raised));
+        assert!(alarm.text().contains("stop it"), "the alarm says what to do");
+        step(&mut publisher, &end);
+        assert!(publisher.newest().alarms.is_empty());
+    }
+}
+
+#[test]
+fn what_the_boat_says_is_logged_at_each_change_and_its_texts_once() {
+    let mut publisher = publisher();
+    let mut tell = |seconds: u64, report| {
+        let input = Input::VesselTelemetry(Telemetry { at: at(1_000 * seconds), report });
+        publisher.on_step(&input, &idle(at(1_000 * seconds)), VehicleRates::REST, None);
+    };
+    let said = Report::Acceptance;
+    let mode = |number| Report::DriveMode(DriveMode(number));
+    let text = |text: &str| Report::Text(VehicleText::of(2, text.as_bytes()));
+    for (seconds, report) in [
+        (0, mode(4)),
+        (0, said(Acceptance::OtherClient)),
+        (1, mode(4)),
+        (1, said(Acceptance::OtherClient)),
+        (2, mode(11)),
+        (2, said(Acceptance::OtherClient)),
+        (3, mode(15)),
+        (3, said(Acceptance::ChecksFail)),
+        (3, text("PreArm: EKF attitude is bad")),
+        (4, said(Acceptance::Accepted)),
+        (33, text("PreArm: EKF attitude is bad")),
+        (34, said(Acceptance::Disarmed)),
+        (35, mode(4)),
+        (35, said(Acceptance::OtherClient)),
+    ] {
+        tell(seconds, report);
+    }
+    let logged: Vec<String> = events(&publisher)
+        .into_iter()
+        .filter(|(_, key, _)| key == "boat" || key == "boat-says")
+        .map(|(_, _, text)| {
+            text.split(':').next().unwrap_or_default().to_owned()
+                + if text.contains("has left") { " (left)" } else { "" }
+        })
+        .collect();
+    let expected = [
+        "the boat is in HOLD",
+        "the boat is in RTL",
+        "the boat",
+        "the boat says",
+        "the boat takes commands",
+        "the boat",
+        "the boat has left the mode in which it is steered from here; the boat is in HOLD (left)",
+    ];
+    assert_eq!(logged, expected);
+    let texts: Vec<_> = events(&publisher).into_iter().map(|(_, _, text)| text).collect();
+    assert!(texts.iter().any(|text| text.contains("PreArm: EKF attitude is bad")));
+    assert!(texts.iter().any(|text| text.contains("checks before arming fail")));
+    assert!(texts.iter().any(|text| text == "the boat: not armed: arm it at its own ground station"));
+    assert_eq!(
+        publisher.newest().vessel_text.map(|(text, _)| text.to_string()).as_deref(),
+        Some("PreArm: EKF attitude is bad")
+    );
+}
+
+#[test]
+fn a_go_in_the_picture_is_asked_about_and_told_with_keys_of_their_own() {
+    let mut publisher = publisher();
+    for notice in [
+        Notice::RequestRefused(Refusal::PictureOnly(NoWater::NoHeight)),
+        Notice::Going(Some(NoWater::NoHeight)),
+        Notice::Going(None),
+    ] {
+        step(&mut publisher, &Outcome { notice: Some(notice), ..idle(at(0)) });
+    }
+    let logged: Vec<_> = events(&publisher).into_iter().map(|(level, key, _)| (level, key)).collect();
+    let expected = [
+        (Level::Warning, "picture-only".to_owned()),
+        (Level::Warning, "notice".to_owned()),
+        (Level::Info, "notice".to_owned()),
+    ];
+    assert!(logged.ends_with(&expected), "{logged:?}");
 }
