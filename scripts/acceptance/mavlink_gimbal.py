@@ -24,6 +24,8 @@ from independent_gimbal import NOBODY, OTHER, OWN, GimbalManager, UNDER_WAY
 
 MOVES_WITHIN = 25.0
 REST_LIMIT = 0.35
+# The laboratory's camera turns on for half a second; half a second of reports shows that it does not get slower.
+TOLD_WITHIN = 1.4
 # The guard looks at its pipe, and the peer at its socket.
 RENEWED_WITHIN = 0.2
 LINK_UP_WITHIN = 15.0
@@ -96,6 +98,28 @@ def follow(rows, args, folder):
         interval = [message.param2 for _, message in manager.commands(511) if int(message.param1) == 285]
         rows.require("follow: the attitude is asked for at 20 Hz", interval and set(interval) == {50_000.0})
     rows.require("end of the run: exit code 0, the control is released", run.child.returncode == 0 and manager.primary == NOBODY, f"code {run.child.returncode}, primary {manager.primary}")
+    return manager
+
+
+def deaf(rows, args, folder):
+    """A Stop that does not arrive, while the gimbal's reports do."""
+    manager = GimbalManager()
+    with Run(args, folder, manager, "deaf") as run:
+        run.wait_until_it_moves()
+        common.wait_until(lambda: max(map(abs, manager.rates)) >= 0.1, MOVES_WITHIN, "a fast motion")
+        manager.is_deaf = True
+        at = time.monotonic()
+        run.request("stop")
+        common.wait_until(lambda: "camera-turns" in run.ask("status")["alarms"], 5, "the alarm")
+        told = time.monotonic() - at
+        rows.require("commands lost one way: the alarm is raised", told <= TOLD_WITHIN, f"after {told * 1e3:.0f} ms at {max(map(abs, manager.rates)):.2f} rad/s", f"at most {TOLD_WITHIN * 1e3:.0f} ms")
+        time.sleep(3)
+        rows.require("commands lost one way: the alarm lasts as long as the motion", "camera-turns" in run.ask("status")["alarms"])
+        manager.is_deaf = False
+        at = time.monotonic()
+        rests(rows, "commands arrive again", manager, at)
+        common.wait_until(lambda: "camera-turns" not in run.ask("status")["alarms"], 3, "the end of the alarm")
+        rows.require("commands arrive again: the alarm ends", True, f"after {(time.monotonic() - at) * 1e3:.0f} ms")
     return manager
 
 
@@ -359,7 +383,7 @@ def main():
 
         return table.try_again_through_standstills(safely)
 
-    cases = [follow, ended, killed, stopped, guard_killed, stolen, guard_killed_after_a_loss, held, silent, lossy, reluctant, denied, signed, signed_wrong]
+    cases = [follow, deaf, ended, killed, stopped, guard_killed, stolen, guard_killed_after_a_loss, held, silent, lossy, reluctant, denied, signed, signed_wrong]
     with concurrent.futures.ThreadPoolExecutor(args.at_once) as pool:
         list(pool.map(attempt, [case for case in cases if wanted is None or case.__name__ in wanted]))
     if wanted is None or "check_says" in wanted:

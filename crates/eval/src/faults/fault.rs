@@ -44,11 +44,12 @@ pub(super) enum FaultKind {
     ConsoleClosed,
     ConsoleSilent,
     BoatDisarmed,
+    CommandsLost,
 }
 
 impl FaultKind {
     /// Every kind.
-    pub(super) const ALL: [Self; 39] = [
+    pub(super) const ALL: [Self; 40] = [
         Self::VideoStalls,
         Self::VideoLate,
         Self::VideoDelayStands,
@@ -88,6 +89,7 @@ impl FaultKind {
         Self::ConsoleClosed,
         Self::ConsoleSilent,
         Self::BoatDisarmed,
+        Self::CommandsLost,
     ];
 
     /// The fault in words.
@@ -132,6 +134,7 @@ impl FaultKind {
             Self::ConsoleSilent => "console silent",
             Self::VideoClockJumps => "video clock jumps",
             Self::BoatDisarmed => "boat disarmed",
+            Self::CommandsLost => "Stop lost on the way",
         }
     }
 
@@ -169,6 +172,7 @@ impl FaultKind {
                 | Self::LineDelays
                 | Self::LineRepeats
                 | Self::ServerHangs
+                | Self::CommandsLost
         )
     }
 }
@@ -216,6 +220,8 @@ pub(super) fn draw(number: u64, kinds: &[FaultKind], rng: &mut Rng) -> Vec<Fault
         let from_ms = if is_from_start { 0 } else { rng.uniform(4_500.0, 7_000.0) as u64 };
         let lasts_ms = match kind {
             FaultKind::ProgramStopped => 5_000,
+            // Long enough to see that the operator is told.
+            FaultKind::CommandsLost => rng.uniform(2_500.0, 4_000.0) as u64,
             _ => rng.uniform(50.0, 4_000.0) as u64,
         };
         Fault { kind, from_ms, until_ms: from_ms + lasts_ms }

@@ -46,6 +46,11 @@ impl Line {
         })
     }
 
+    /// Whether what the ground station sends arrives at once, and undamaged.
+    pub(super) fn is_heard(&self, at_ms: u64) -> bool {
+        !self.faults.iter().any(|fault| fault.kind != FaultKind::CommandsLost && fault.is_active(at_ms))
+    }
+
     /// Lets time pass. A line that is cut loses what is on its way, but for a part of a packet to the ground station.
     pub(super) fn advance(&mut self, at_ms: u64) {
         let is_cut = self.is_active(FaultKind::LineCut, at_ms);
@@ -62,6 +67,9 @@ impl Line {
 
     /// Sends a packet to the ground station.
     pub(super) fn send_up(&mut self, packet: Vec<u8>, at_ms: u64) {
+        if self.is_active(FaultKind::CommandsLost, at_ms) {
+            return;
+        }
         let passed = self.passed(packet, at_ms);
         self.up.0.extend(passed);
     }

@@ -121,6 +121,14 @@ impl<C: GuardedCommand> Machine<C> {
         self.program_gone_at_ms.is_none() && !self.is_active(FaultKind::ProgramStopped, at_ms)
     }
 
+    /// Whether program and pilot run now, and do not end.
+    pub(super) fn runs(&self, at_ms: u64) -> bool {
+        self.is_program_running(at_ms)
+            && !self.is_suspended
+            && !self.is_closing
+            && !self.is_active(FaultKind::PilotHangs, at_ms)
+    }
+
     /// Lets the link run. Returns whether the guard was killed.
     pub(super) fn advance_link(&mut self, end: &mut LinkEnd<C>, moment: Moment) -> bool {
         let Moment { now, at_ms, .. } = moment;

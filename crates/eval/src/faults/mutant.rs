@@ -19,6 +19,8 @@ pub(super) enum Mutant {
     CommandsLast,
     /// A late picture counts as a fresh one.
     ForgetsDelays,
+    /// A camera that turns although zero is commanded is not told.
+    NoMotionWatch,
     /// A boat whose console is gone is not stopped.
     NoConsoleTimeOut,
 }

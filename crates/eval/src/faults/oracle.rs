@@ -110,6 +110,13 @@ impl Oracle {
         self.violation.get_or_insert((at_ms, text));
     }
 
+    /// The camera turns fast, zero is commanded, and the vehicle's reports arrive, for this time, without a word to the operator.
+    pub(super) fn is_silent_about_motion(&mut self, at_ms: u64, for_ms: u64) {
+        let text =
+            format!("has turned for {for_ms} ms although zero is commanded, and the operator is not told");
+        self.violation.get_or_insert((at_ms, text));
+    }
+
     /// Judges a millisecond.
     pub(super) fn judge(&mut self, at_ms: u64, is_moving: bool) {
         if !is_moving {

@@ -1,6 +1,8 @@
 //! The simulated program: the real pilot on the truth, and its side of the pipe to the guard, or its messages to the link's
 //! thread.
 
+use core::time::Duration;
+
 use anyhow::Result;
 use barrelman_experiments::tracker_choice::{TrackerName, TrackerSettings};
 use barrelman_link::RequestedRates;
@@ -14,6 +16,9 @@ use super::link_end::{LinkEnd, LinkEvent};
 use super::oracle::Oracle;
 use super::video_path::Arrived;
 
+/// A reported attitude counts for this time.
+const ATTITUDE_LASTS: Duration = Duration::from_millis(300);
+
 /// The program.
 pub(super) struct Program {
     pilot: Pilot,
@@ -24,6 +29,10 @@ pub(super) struct Program {
     flight: Option<FlightState>,
     uptime_s: f64,
     lost_since: Option<Timestamp>,
+    /// Whether zero is commanded, and whether the operator knows of a camera that turns.
+    pub(super) is_rest_commanded: bool,
+    pub(super) is_motion_told: bool,
+    attitude_at: Option<Timestamp>,
     /// The program's end of the link.
     pub(super) end: LinkEnd,
 }
@@ -41,6 +50,9 @@ impl Program {
             flight: None,
             uptime_s: 0.0,
             lost_since: None,
+            is_rest_commanded: true,
+            is_motion_told: false,
+            attitude_at: None,
             end: LinkEnd::new(RequestedRates::REST),
         })
     }
@@ -102,9 +114,17 @@ impl Program {
                     oracle.withdraw();
                 }
             }
+            Report::GimbalAttitude(_) => self.attitude_at = Some(now),
             _ => {}
         }
         self.step(Input::Telemetry(telemetry), now);
+    }
+
+    /// Whether the vehicle flies, obeys this program, and has reported its attitude just now.
+    pub(super) fn sees_camera(&self, now: Timestamp) -> bool {
+        self.control != Some(ControlState::NotOurs)
+            && self.flight.is_none_or(|state| state == FlightState::Flying)
+            && self.attitude_at.is_some_and(|at| now.since(at) <= ATTITUDE_LASTS)
     }
 
     /// A picture has arrived.
@@ -130,6 +150,8 @@ impl Program {
     fn step(&mut self, input: Input<'_>, now: Timestamp) {
         let outcome = self.pilot.step(input, now);
         self.wake_at = outcome.wake_at;
+        self.is_rest_commanded = outcome.command.is_rest();
+        self.is_motion_told = outcome.unasked_motion.is_some();
         let requested =
             RequestedRates { command: self.profile.to_vehicle(outcome.command), renew_by: outcome.wake_at };
         self.end.request(requested, now);

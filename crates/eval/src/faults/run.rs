@@ -28,6 +28,13 @@ const NUDGE_INTERVAL_MS: u64 = 100;
 /// A gimbal of another commander is left alone after this time on a line without faults, ms: a manager that tells a change once,
 /// on a line that loses what it tells, is asked again each second.
 const YIELDS_WITHIN_MS: u64 = 1_500;
+/// A turn that nobody commands is told within this time, ms: the laboratory's camera turns on for half a second at full rate, then
+/// half a second of reports has to show that it does not get slower.
+const TOLD_WITHIN_MS: u64 = 1_300;
+/// From the loss of commands to the Stop that is lost, ms.
+const LOST_STOP_MS: u64 = 50;
+/// A slower turn may be one that is running out, or sway, rad/s.
+const FAST_RAD_PER_S: f64 = 0.25;
 /// An operator engages again this long after a fault, in half of the runs, ms.
 const ENGAGES_AGAIN_MS: u64 = 1_000;
 
@@ -40,6 +47,8 @@ struct World {
     station: Box<dyn Station>,
     /// Since when another commander has commanded the camera, on a line without faults.
     elsewhere_since_ms: Option<u64>,
+    /// Since when the camera has turned fast although zero is commanded, and the vehicle says so.
+    unasked_since_ms: Option<u64>,
     program: Program,
     video: VideoPath,
     oracle: Oracle,
@@ -78,6 +87,7 @@ pub(super) fn run(
         station: vehicle.station(&faults, is_worst, mutant),
         program: Program::new(vehicle.profile(), law)?,
         elsewhere_since_ms: None,
+        unasked_since_ms: None,
         machine: Machine::start(vehicle.link_plan(mutant)?, faults, Rng::from_name("line", number ^ seed)),
         video: VideoPath::new(mutant),
         oracle: Oracle::new(vehicle.rest_limit_ms()),
@@ -107,6 +117,29 @@ impl World {
             self.advance_program(moment);
         }
         self.judge(at_ms);
+        self.judge_unasked_motion(at_ms);
+    }
+
+    /// A stop that does not arrive, while the vehicle's reports do, is told.
+    fn judge_unasked_motion(&mut self, at_ms: u64) {
+        let rates = self.station.rates();
+        let fastest = [rates.yaw, rates.pitch].map(|rate| rate.radians_per_second().abs());
+        let is_unasked = fastest.into_iter().fold(0.0, f64::max) >= FAST_RAD_PER_S
+            && self.program.is_rest_commanded
+            && self.program.sees_camera(self.machine.now(at_ms))
+            && self.machine.line.is_heard(at_ms)
+            && self.machine.has_link()
+            && self.machine.runs(at_ms)
+            && !self.station.is_anothers();
+        let is_told = self.program.is_motion_told && self.mutant != Mutant::NoMotionWatch;
+        if !is_unasked || is_told {
+            self.unasked_since_ms = None;
+            return;
+        }
+        let since_ms = *self.unasked_since_ms.get_or_insert(at_ms);
+        if at_ms - since_ms > TOLD_WITHIN_MS {
+            self.oracle.is_silent_about_motion(at_ms, at_ms - since_ms);
+        }
     }
 
     /// The pictures of the camera: the boat swings to and fro before it.
@@ -149,6 +182,11 @@ impl World {
         }
         if self.machine.is_closing {
             return;
+        }
+        let is_lost_stop = self.machine.begins(FaultKind::CommandsLost, at_ms.saturating_sub(LOST_STOP_MS));
+        if is_lost_stop {
+            self.oracle.withdraw();
+            self.program.request(OperatorRequest::Stop(StopCause::Operator), now);
         }
         if self.machine.begins(FaultKind::OperatorStops, at_ms) {
             self.oracle.withdraw();

@@ -66,6 +66,8 @@ impl Vehicle {
     pub(super) fn can_have(self, fault: FaultKind) -> bool {
         match fault {
             FaultKind::GuardKilled => self.has_guard(),
+            // A Sigma's commands end by themselves.
+            FaultKind::CommandsLost => self.has_guard(),
             FaultKind::LineDamagesBytes | FaultKind::LineRepeats => self != Self::FotokiteSigma,
             FaultKind::Emergency => self != Self::MavlinkGimbal,
             FaultKind::BatteryLow => self == Self::FotokitePro,
@@ -95,6 +97,7 @@ impl Vehicle {
                 Mutant::NoGuard,
                 Mutant::NoZerosFirst,
                 Mutant::ForgetsDelays,
+                Mutant::NoMotionWatch,
             ],
             Self::FotokiteSigma => {
                 &[Mutant::NoTimeToLive, Mutant::NoLatch, Mutant::CommandsLast, Mutant::ForgetsDelays]

@@ -32,7 +32,7 @@ use super::motion::MotionWatch;
 use super::pacing::{Pacing, ZERO_REFRESH, ZERO_REPEATS, ZERO_SPACING};
 use super::start_up::start_up;
 use super::telemetry_reader::{Received, TelemetryReader};
-use crate::closing_zeros::ClosingZeros;
+use crate::closing_zeros::{ClosingZeros, SWAY};
 use crate::framing::Framing;
 use crate::session::{LinkHistory, NextAction, RestEvidence, Session, WillStep};
 
@@ -124,6 +124,8 @@ pub struct FotokiteProSession {
     is_anothers: bool,
     /// Whether the start-up was completed in this session.
     has_started: bool,
+    /// Whether the newest attitudes show that the camera turns: zeros that were sent may not have arrived.
+    is_seen_turning: bool,
 }
 
 impl FotokiteProSession {
@@ -143,6 +145,7 @@ impl FotokiteProSession {
             fell_silent: false,
             is_anothers: false,
             has_started: false,
+            is_seen_turning: false,
         }
     }
 
@@ -166,6 +169,8 @@ impl FotokiteProSession {
 
     fn on_report(&mut self, report: &Report, now: Timestamp) {
         self.motion.on_report(report, now);
+        let evidence = self.motion.since(Timestamp::ZERO, now);
+        self.is_seen_turning = matches!(evidence, RestEvidence::Moving { rate } if rate > SWAY);
         let Report::Ground { control, .. } = report else { return };
         self.has_reported = true;
         match (self.state, control) {
@@ -296,6 +301,7 @@ impl FotokiteProSession {
         ClosingZeros {
             sent: zeros_sent,
             least: self.least_zeros,
+            sway: SWAY,
             evidence: self.motion.since(since, now),
             has_seen: self.motion.has_seen(),
             is_missing: is_silent && (self.needs_answer || self.last_telemetry.is_some()),
@@ -399,7 +405,7 @@ impl Session for FotokiteProSession {
     fn may_be_turning(&self) -> bool {
         // A shut-down that is cut off may not have stopped it.
         let is_ours = matches!(self.state, State::Up { .. } | State::Closing { .. }) || self.fell_silent;
-        is_ours && self.pacing.may_be_turning()
+        is_ours && (self.pacing.may_be_turning() || self.is_seen_turning)
     }
 
     fn rest_evidence(&self, now: Timestamp) -> RestEvidence {

@@ -134,6 +134,8 @@ pub struct GimbalSession {
     fell_silent: bool,
     /// Whether rates other than zero were sent, and the gimbal manager was not heard since the zeros after them.
     has_unheard_motion: bool,
+    /// Whether the newest attitudes show that the gimbal turns: zeros that were sent may not have arrived.
+    is_seen_turning: bool,
 }
 
 impl GimbalSession {
@@ -168,6 +170,7 @@ impl GimbalSession {
             least_zeros: ZEROS_AT_REST,
             fell_silent: false,
             has_unheard_motion: false,
+            is_seen_turning: false,
         }
     }
 
@@ -294,7 +297,7 @@ impl Session for GimbalSession {
     fn may_be_turning(&self) -> bool {
         // A shut-down that is cut off may not have stopped it.
         let is_ours = matches!(self.state, State::Up | State::Closing { .. }) || self.fell_silent;
-        is_ours && (self.pacing.may_be_turning() || self.has_unheard_motion)
+        is_ours && (self.pacing.may_be_turning() || self.has_unheard_motion || self.is_seen_turning)
     }
 
     fn rest_evidence(&self, now: Timestamp) -> RestEvidence {

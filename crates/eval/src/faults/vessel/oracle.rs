@@ -12,6 +12,7 @@
 //! - After a suspension, times count from the end of it: the clock stood still.
 //! - Consent to the guidance ends by each stop, by a boat that another commander took, by a console that is gone, and by a wait for
 //!   the boat of more than 5 s.
+//! - Consent by hand ends by each stop, by a boat that takes no commands, and by a lost link: until the helm is pressed anew.
 
 use barrelman_vocab::{FailSafe, VesselCommand};
 
@@ -153,6 +154,11 @@ impl VesselOracle {
     /// The consent to the guidance ends; a helm is the operator's.
     pub(super) fn withdraw_guidance(&mut self) {
         self.consent = self.consent.filter(|licence| *licence != VesselLicence::Guided);
+    }
+
+    /// The consent by hand ends until the helm is pressed again; that to the guidance lasts.
+    pub(super) fn withdraw_helm(&mut self) {
+        self.consent = self.consent.filter(|licence| *licence != VesselLicence::ByHand);
     }
 
     /// A destination is marked, or no more.

@@ -109,15 +109,18 @@ impl VesselProgram {
         self.request(OperatorRequest::Stop(StopCause::Suspended), now);
     }
 
-    /// What takes another Go, judged apart from the pilot: a boat that fell silent, and one that does not take commands any more.
+    /// What takes another Go, or a helm that is let go and pressed again, judged apart from the pilot: a boat that fell silent, a link
+    /// that is lost, and a boat that does not take commands any more.
     fn on_telemetry(&mut self, telemetry: Telemetry, oracle: &mut VesselOracle, now: Timestamp) {
         match telemetry.report {
             Report::Link(LinkState::Silent) => oracle.withdraw(),
             Report::Link(LinkState::Up) => {}
-            Report::Link(_) => oracle.end_way(),
+            Report::Link(_) => {
+                oracle.end_way();
+                oracle.withdraw_helm();
+            }
             Report::Acceptance(Acceptance::Accepted) => {}
-            Report::Acceptance(Acceptance::OtherClient) => oracle.withdraw(),
-            Report::Acceptance(_) => oracle.withdraw_guidance(),
+            Report::Acceptance(_) => oracle.withdraw(),
             _ => {}
         }
         self.step(Input::VesselTelemetry(telemetry), now);
@@ -157,8 +160,13 @@ impl VesselProgram {
     /// The operator presses Go. A boat that another commander steers is asked for.
     pub(super) fn go(&mut self, now: Timestamp) {
         self.console.commands_boat(now);
-        let refused = Notice::RequestRefused(Refusal::NoVesselMotion(HoldCause::NoControl));
-        if self.request(OperatorRequest::Guide, now) == Some(refused) {
+        let notice = self.request(OperatorRequest::Guide, now);
+        if matches!(
+            notice,
+            Some(Notice::RequestRefused(
+                Refusal::NoVesselMotion(HoldCause::NoControl) | Refusal::NotAccepted(_)
+            ))
+        ) {
             self.end.take_control();
         }
     }

@@ -1,7 +1,7 @@
 //! What a session sends, and when.
 
 use barrelman_vocab::mavlink::Address;
-use barrelman_vocab::{Timestamp, VehicleRates};
+use barrelman_vocab::{AngularRate, Timestamp, VehicleRates};
 
 use super::{
     ASK_AGAIN, ASK_SPACING, ASKS_FOR_INFORMATION, ATTITUDE_INTERVAL, CLAIM_GRACE, CLAIM_TIMEOUT,
@@ -258,6 +258,7 @@ impl GimbalSession {
         ClosingZeros {
             sent: zeros_sent,
             least: self.least_zeros,
+            sway: AngularRate::ZERO,
             evidence: self.evidence_since(since, now),
             has_seen: self.attitude.has_seen(),
             is_missing: is_silent && (self.needs_answer || self.gimbal.is_some()),

@@ -6,7 +6,7 @@ use barrelman_vocab::{Telemetry, Timestamp};
 use super::{GimbalSession, MAX_CANDIDATES, RELEASES, State, searching};
 use crate::closing_zeros::ZEROS_AT_REST;
 use crate::mavlink::gimbal_reader::{Claim, Holder, Received};
-use crate::session::Session as _;
+use crate::session::{RestEvidence, Session as _};
 
 impl GimbalSession {
     pub(super) fn on_received(
@@ -68,6 +68,8 @@ impl GimbalSession {
     fn on_attitude(&mut self, attitude: Quaternion, now: Timestamp) {
         self.last_attitude = Some(now);
         self.attitude.on_attitude(attitude, now);
+        let evidence = self.evidence_since(Timestamp::ZERO, now);
+        self.is_seen_turning = matches!(evidence, RestEvidence::Moving { .. });
     }
 
     fn on_holder(&mut self, holder: Holder) {
