@@ -114,6 +114,10 @@ class Boat:
             self.mode, self.heartbeat_at = int(message.param2), 0.0
             self._send(mavlink.MAVLink_command_ack_message(message.command, mavlink.MAV_RESULT_ACCEPTED, 0, 0, *sender))
             return
+        if name == "COMMAND_LONG" and message.command == mavlink.MAV_CMD_SET_MESSAGE_INTERVAL:
+            self._require(int(message.param1) in (33, 74, 1), f"an interval for message {message.param1}")
+            self._send(mavlink.MAVLink_command_ack_message(message.command, mavlink.MAV_RESULT_ACCEPTED, 0, 0, *sender))
+            return
         self._require(False, f"{name} {getattr(message, 'command', '')} is not expected")
 
     def since(self, begin):

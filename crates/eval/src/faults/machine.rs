@@ -39,6 +39,8 @@ pub(super) struct Machine<C: GuardedCommand = VehicleRates> {
     guard_starts_at_ms: Option<u64>,
     /// Whether the guard before has sent zeros and stop.
     is_stop_sent: bool,
+    /// Whether a guard that took the program for gone has ended.
+    has_guard_ended: bool,
     guard_died_at_ms: Option<u64>,
     program_gone_at_ms: Option<u64>,
     /// Whether the program ends in order.
@@ -58,6 +60,7 @@ impl<C: GuardedCommand> Machine<C> {
             faults,
             guard_starts_at_ms: None,
             is_stop_sent: false,
+            has_guard_ended: false,
             guard_died_at_ms: None,
             program_gone_at_ms: None,
             is_closing: false,
@@ -121,6 +124,13 @@ impl<C: GuardedCommand> Machine<C> {
         self.program_gone_at_ms.is_none() && !self.is_active(FaultKind::ProgramStopped, at_ms)
     }
 
+    /// Whether program or guard have ended in a run in which commands get lost.
+    pub(super) fn has_ended_deaf(&self, at_ms: u64) -> bool {
+        let has_ended = self.is_closing || self.program_gone_at_ms.is_some() || self.has_guard_ended;
+        let was_deaf = |fault: &Fault| fault.kind == FaultKind::CommandsLost && fault.from_ms <= at_ms;
+        has_ended && self.faults.iter().any(was_deaf)
+    }
+
     /// Whether program and pilot run now, and do not end.
     pub(super) fn runs(&self, at_ms: u64) -> bool {
         self.is_program_running(at_ms)
@@ -154,7 +164,7 @@ impl<C: GuardedCommand> Machine<C> {
             && !self.is_closing
             && is_there
         {
-            self.is_stop_sent = is_stop_sent;
+            (self.is_stop_sent, self.has_guard_ended) = (is_stop_sent, true);
             // A guard that took the program for gone has ended; the program starts another.
             self.link = None;
             end.reports.push_back(LinkReport::GuardLost("it has ended".to_owned()));

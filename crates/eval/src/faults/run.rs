@@ -31,6 +31,8 @@ const YIELDS_WITHIN_MS: u64 = 1_500;
 /// A turn that nobody commands is told within this time, ms: the laboratory's camera turns on for half a second at full rate, then
 /// half a second of reports has to show that it does not get slower.
 const TOLD_WITHIN_MS: u64 = 1_300;
+/// A camera that turns no faster may sway, rad/s.
+const SWAY_RAD_PER_S: f64 = 0.15;
 /// From the loss of commands to the Stop that is lost, ms.
 const LOST_STOP_MS: u64 = 50;
 /// A slower turn may be one that is running out, or sway, rad/s.
@@ -120,11 +122,16 @@ impl World {
         self.judge_unasked_motion(at_ms);
     }
 
+    /// The rate in force of the faster axis.
+    fn fastest_rad_per_s(&self) -> f64 {
+        let rates = self.station.rates();
+        let [yaw, pitch] = [rates.yaw, rates.pitch].map(|rate| rate.radians_per_second().abs());
+        yaw.max(pitch)
+    }
+
     /// A stop that does not arrive, while the vehicle's reports do, is told.
     fn judge_unasked_motion(&mut self, at_ms: u64) {
-        let rates = self.station.rates();
-        let fastest = [rates.yaw, rates.pitch].map(|rate| rate.radians_per_second().abs());
-        let is_unasked = fastest.into_iter().fold(0.0, f64::max) >= FAST_RAD_PER_S
+        let is_unasked = self.fastest_rad_per_s() >= FAST_RAD_PER_S
             && self.program.is_rest_commanded
             && self.program.sees_camera(self.machine.now(at_ms))
             && self.machine.line.is_heard(at_ms)
@@ -264,6 +271,10 @@ impl World {
         // The motion is that of another commander.
         if self.station.is_anothers() {
             self.oracle.excuse(at_ms);
+            return;
+        }
+        // A shut-down cannot tell a slow turn from rest or sway, and ends though its zeros got lost.
+        if self.machine.has_ended_deaf(at_ms) && self.fastest_rad_per_s() <= SWAY_RAD_PER_S {
             return;
         }
         self.oracle.judge(at_ms, !self.station.rates().is_rest());
