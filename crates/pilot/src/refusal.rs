@@ -4,8 +4,8 @@ use core::fmt;
 use core::time::Duration;
 
 use crate::purpose::Purpose;
-use crate::vessel::gate::Said;
-use crate::vessel::guiding::{GO_AGAIN, NoWater};
+use crate::vessel::no_water::{GO_AGAIN, NoWater};
+use crate::vessel::said::Said;
 
 /// A target must be lost for this time before the operator can ask for a search: the tracker's own search is faster.
 pub const LOST_BEFORE_SEARCH: Duration = Duration::from_secs(3);

@@ -14,16 +14,17 @@ use core::time::Duration;
 use barrelman_control::CameraModel;
 use barrelman_vocab::telemetry::Report;
 use barrelman_vocab::{
-    DrawnMark, Localisation, OperatorRequest, PictureSize, StopCause, Telemetry, Timestamp, VesselCommand,
-    VesselProfile, WaterPoint,
+    DrawnMark, Localisation, MarkKind, OperatorRequest, PictureSize, StopCause, Telemetry, Timestamp,
+    VesselCommand, VesselProfile, WaterPoint,
 };
 
 use crate::history::KEPT;
-use crate::outcome::Notice;
 use crate::refusal::{HoldCause, Refusal};
 use crate::vehicle::CommandPath;
 
 pub mod gate;
+pub mod no_water;
+pub mod said;
 
 pub mod guiding;
 pub mod marks;
@@ -133,6 +134,15 @@ pub(crate) enum Observed<'a> {
     Nothing,
 }
 
+/// What the operator has to know of a request about the vessel.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum VesselNotice {
+    /// The mark of this number was set.
+    Marked(u32, MarkKind),
+    /// The boat goes: over the water, or, for this reason, in the picture.
+    Going(Option<NoWater>),
+}
+
 /// The second actuator with its state.
 #[derive(Debug, Clone)]
 pub struct VesselPilot {
@@ -234,13 +244,13 @@ impl VesselPilot {
         picture: Option<PictureSize>,
         is_boat_seen: bool,
         view: VesselView<'_>,
-    ) -> Result<Option<Notice>, Refusal> {
+    ) -> Result<Option<VesselNotice>, Refusal> {
         // What the operator wants now is not what the boat went on with.
         self.gate.set_clear(false);
         self.marks.set_rules_of_9(view.has_rules_of_9);
         match request {
             OperatorRequest::Mark(drawn) => {
-                return self.mark(drawn, picture, view).map(|id| Some(Notice::Marked(id, drawn.kind)));
+                return self.mark(drawn, picture, view).map(|id| Some(VesselNotice::Marked(id, drawn.kind)));
             }
             OperatorRequest::MoveMark(moved) => {
                 let frame_view = self.view_of(moved.captured, picture, view)?;
@@ -271,7 +281,7 @@ impl VesselPilot {
 
     /// The operator presses Go. Returns on which basis the boat goes. Where it would go in the picture though people or areas are
     /// marked, which it could then run into, Go has to be pressed twice.
-    fn engage(&mut self, is_boat_seen: bool, view: VesselView<'_>) -> Result<Notice, Refusal> {
+    fn engage(&mut self, is_boat_seen: bool, view: VesselView<'_>) -> Result<VesselNotice, Refusal> {
         if self.guide.law() == GuidanceLaw::ByHand {
             return Err(Refusal::ByHandOnly);
         }
@@ -301,7 +311,7 @@ impl VesselPilot {
             self.goes_over_water = no_water.is_none();
         }
         self.gone_in_picture_at = None;
-        Ok(Notice::Going(no_water))
+        Ok(VesselNotice::Going(no_water))
     }
 
     /// Why the boat would be guided in the picture; `None`: it is guided over the water.

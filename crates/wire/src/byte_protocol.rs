@@ -93,7 +93,7 @@ impl OpenSession for ByteProtocol {
         match self.protocol {
             ByteProtocolName::FotokitePro => ReportReader::FotokitePro(TelemetryReader::default()),
             ByteProtocolName::MavlinkGimbal { peers, signing } => {
-                ReportReader::MavlinkGimbal(GimbalReader::new(peers, signing))
+                ReportReader::MavlinkGimbal(Box::new(GimbalReader::new(peers, signing)))
             }
         }
     }
@@ -105,7 +105,7 @@ pub enum ReportReader {
     /// Those of a Fotokite Pro.
     FotokitePro(TelemetryReader),
     /// Those of a MAVLink gimbal manager.
-    MavlinkGimbal(GimbalReader),
+    MavlinkGimbal(Box<GimbalReader>),
     /// Those of a MAVLink boat.
     MavlinkRover(Box<RoverReader>),
     /// None: the vehicle says nothing.

@@ -117,6 +117,12 @@ impl Oracle {
         self.violation.get_or_insert((at_ms, text));
     }
 
+    /// The operator is told of motion though the camera has been at rest for this time.
+    pub(super) fn tells_of_no_motion(&mut self, at_ms: u64, for_ms: u64) {
+        let text = format!("tells of a camera that turns, which has been at rest for {for_ms} ms");
+        self.violation.get_or_insert((at_ms, text));
+    }
+
     /// Judges a millisecond.
     pub(super) fn judge(&mut self, at_ms: u64, is_moving: bool) {
         if !is_moving {

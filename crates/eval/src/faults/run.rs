@@ -35,6 +35,8 @@ const TOLD_WITHIN_MS: u64 = 1_300;
 const SWAY_RAD_PER_S: f64 = 0.15;
 /// From the loss of commands to the Stop that is lost, ms.
 const LOST_STOP_MS: u64 = 50;
+/// An alarm about motion ends within this time of the end of the motion, ms.
+const UNTOLD_WITHIN_MS: u64 = 1_000;
 /// A slower turn may be one that is running out, or sway, rad/s.
 const FAST_RAD_PER_S: f64 = 0.25;
 /// An operator engages again this long after a fault, in half of the runs, ms.
@@ -51,6 +53,8 @@ struct World {
     elsewhere_since_ms: Option<u64>,
     /// Since when the camera has turned fast although zero is commanded, and the vehicle says so.
     unasked_since_ms: Option<u64>,
+    /// Since when the camera has been at rest, and the vehicle says so.
+    resting_since_ms: Option<u64>,
     program: Program,
     video: VideoPath,
     oracle: Oracle,
@@ -90,6 +94,7 @@ pub(super) fn run(
         program: Program::new(vehicle.profile(), law)?,
         elsewhere_since_ms: None,
         unasked_since_ms: None,
+        resting_since_ms: None,
         machine: Machine::start(vehicle.link_plan(mutant)?, faults, Rng::from_name("line", number ^ seed)),
         video: VideoPath::new(mutant),
         oracle: Oracle::new(vehicle.rest_limit_ms()),
@@ -120,6 +125,23 @@ impl World {
         }
         self.judge(at_ms);
         self.judge_unasked_motion(at_ms);
+        self.judge_false_alarm(at_ms);
+    }
+
+    /// Nothing is told of a camera that rests.
+    fn judge_false_alarm(&mut self, at_ms: u64) {
+        let is_resting = self.station.rates().is_rest()
+            && self.machine.line.is_heard(at_ms)
+            && self.machine.runs(at_ms)
+            && self.program.sees_camera(self.machine.now(at_ms));
+        if !is_resting {
+            self.resting_since_ms = None;
+            return;
+        }
+        let since_ms = *self.resting_since_ms.get_or_insert(at_ms);
+        if self.program.is_motion_told && at_ms - since_ms > UNTOLD_WITHIN_MS {
+            self.oracle.tells_of_no_motion(at_ms, at_ms - since_ms);
+        }
     }
 
     /// The rate in force of the faster axis.

@@ -7,7 +7,7 @@ use super::Pilot;
 use crate::behaviour;
 use crate::outcome::{HoldCause, Notice, Refusal};
 use crate::safety::ObservationResult;
-use crate::vessel::{Observed, VesselOutcome, VesselView};
+use crate::vessel::{Observed, VesselNotice, VesselOutcome, VesselView};
 
 impl Pilot {
     /// Processes a request about the vessel. Returns what the operator has to know.
@@ -18,7 +18,10 @@ impl Pilot {
             return Some(Notice::RequestRefused(Refusal::NoVessel));
         };
         match vessel.on_request(request, self.picture, is_boat_seen, view) {
-            Ok(notice) => notice,
+            Ok(notice) => notice.map(|notice| match notice {
+                VesselNotice::Marked(id, kind) => Notice::Marked(id, kind),
+                VesselNotice::Going(no_water) => Notice::Going(no_water),
+            }),
             Err(refusal) => Some(Notice::RequestRefused(refusal)),
         }
     }

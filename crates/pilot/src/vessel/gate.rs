@@ -29,7 +29,6 @@
 //!    ([`VesselGate::set_clear`]). Each request of the operator, each stop and each obstacle ends it; it does not begin again.
 //! 5. The throttle grows by at most the profile's rate; less throttle takes effect at once.
 
-use core::fmt;
 use core::time::Duration;
 
 use barrelman_vocab::acceptance::Acceptance;
@@ -39,6 +38,8 @@ use barrelman_vocab::{BoatStop, FailSafe, KeepWay, StopCause, Timestamp, VesselC
 
 use crate::refusal::{HoldCause, Refusal};
 use crate::vehicle::{CommandPath, VehicleState};
+
+pub use super::said::Said;
 
 /// How long a command of the guidance lasts after the last fresh localisation of the boat.
 pub const GUIDED_LASTS: Duration = Duration::from_millis(250);
@@ -107,32 +108,6 @@ pub enum VesselStop {
     WaterLost,
     /// What is followed did not move as the commanded boat would have.
     NoAnswer,
-}
-
-/// What a boat says to commands, with the mode that it is in.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct Said {
-    /// What it says.
-    pub acceptance: Acceptance,
-    /// Its mode, where it reports one.
-    pub mode: Option<DriveMode>,
-}
-
-/// Why the boat takes no commands, and what to do: the armed state, the mode, or what its autopilot says.
-impl fmt::Display for Said {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match (self.acceptance, self.mode) {
-            (Acceptance::OtherClient, Some(mode)) => write!(
-                f,
-                "the boat is in {mode}: its remote control or another program steers it; Go asks for the mode in which it is \
-                 steered from here"
-            ),
-            (Acceptance::ModeRefused, Some(mode)) => {
-                write!(f, "the boat is in {mode}: {}", Acceptance::ModeRefused.text())
-            }
-            (said, _) => write!(f, "the boat: {}", said.text()),
-        }
-    }
 }
 
 /// What one step saw of the boat.

@@ -3,8 +3,6 @@
 //! The line-of-sight law steers over the water. Where height or tilt of the camera are not known, the laboratory's law
 //! steers in the picture instead ([`GuidanceBasis::Picture`]): it knows no distances, no current and no circles.
 
-use core::time::Duration;
-
 use barrelman_control::guidance::input::Progress;
 use barrelman_control::guidance::{
     BoatFix, GuidanceInput, GuidanceState, KeepOut, LabBranch, LabInput, LabLaw, LabSettings, LineOfSight,
@@ -17,6 +15,8 @@ use barrelman_vocab::{
 use super::frame_view::FrameView;
 use super::gate::{GUIDED_LASTS, VesselHold};
 use super::marks::{MAX_MARKS, Marks};
+
+pub use super::no_water::{GO_AGAIN, NoWater};
 
 /// In the picture, the boat stops this many of its own lengths before a person: a boat of 1.2 m and a stand-off of 2 m,
 /// with room to stop.
@@ -44,31 +44,6 @@ pub enum GuidanceBasis {
     Water,
     /// In the picture, without distances.
     Picture,
-}
-
-/// A second Go within this time confirms that the boat goes in the picture.
-pub const GO_AGAIN: Duration = Duration::from_secs(5);
-
-/// Why a boat is guided in the picture.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum NoWater {
-    /// The height of the camera is not reported, or it is on the ground.
-    NoHeight,
-    /// The tilt of the camera is not reported.
-    NoTilt,
-    /// The law steers in the picture.
-    Law,
-}
-
-impl NoWater {
-    /// The reason in words.
-    pub const fn text(self) -> &'static str {
-        match self {
-            Self::NoHeight => "the height of the camera is not reported",
-            Self::NoTilt => "the tilt of the camera is not reported",
-            Self::Law => "the laboratory's law steers in the picture",
-        }
-    }
 }
 
 /// What the guidance did in a step.

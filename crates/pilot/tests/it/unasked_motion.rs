@@ -124,7 +124,7 @@ fn a_camera_that_stops_as_its_profile_says_is_no_fault() {
         let (dead, lag) =
             (profile.camera.pan.stop_dead_time.as_secs_f64(), profile.camera.pan.lag.as_secs_f64());
         let found =
-            bench.turn(4_000, |s| (if s < dead { 0.3 } else { 0.3 * (-(s - dead) / lag).exp() }, 0.0));
+            bench.turn(4_000, |s| (if s < dead { 0.3 } else { 0.3 * libm::exp(-(s - dead) / lag) }, 0.0));
         assert_eq!(found, None, "{}", profile.name);
     }
 }
@@ -135,7 +135,7 @@ fn a_kite_that_sways_is_no_fault_but_a_slow_turn_in_one_direction_is() {
         let is_held = profile.name == "mavlink-gimbal";
         let mut bench = Bench::new(profile.clone());
         // Eight degrees to and fro in six seconds.
-        let sway = |s: f64| 0.14 * (core::f64::consts::TAU / 6.0 * s).cos();
+        let sway = |s: f64| 0.14 * libm::cos(core::f64::consts::TAU / 6.0 * s);
         if !is_held {
             assert_eq!(bench.turn(60_000, |s| (sway(s), 0.5 * sway(s + 1.0))), None, "{}", profile.name);
         }
@@ -231,8 +231,8 @@ fn a_boat_whose_drive_goes_on_is_found_and_one_that_runs_out_or_drifts_is_not() 
     for (speed, said, command, is_found) in [
         (goes_on, Acceptance::Accepted, stop, true),
         (gets_faster, Acceptance::Accepted, stop, true),
-        (|s| 3.0 * (-s / 5.0).exp() + 0.4, Acceptance::Accepted, stop, false),
-        (|s| 0.9 + 0.5 * (1.5 * s).sin(), Acceptance::Accepted, stop, false),
+        (|s| 3.0 * libm::exp(-s / 5.0) + 0.4, Acceptance::Accepted, stop, false),
+        (|s| 0.9 + 0.5 * libm::sin(1.5 * s), Acceptance::Accepted, stop, false),
         (goes_on, Acceptance::OtherClient, stop, false),
         (goes_on, Acceptance::Accepted, None, false),
         (goes_on, Acceptance::Accepted, steered, false),

@@ -12,9 +12,9 @@ use mavlink::dialects::common::{
     COMMAND_LONG_DATA, GIMBAL_MANAGER_SET_PITCHYAW_DATA, GimbalManagerFlags, MavCmd, MavType,
 };
 
+use super::command_long::{command_long, set_interval};
 use super::frame::FrameWriter;
 use super::heartbeat::heartbeat;
-use super::subscription::set_interval;
 
 /// A gimbal of a gimbal manager.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -134,22 +134,4 @@ fn configure(gimbal: Gimbal, primary: [f32; 2]) -> COMMAND_LONG_DATA {
     const KEEP: f32 = -1.0;
     let parameters = [primary[0], primary[1], KEEP, KEEP, 0.0, 0.0, f32::from(gimbal.device)];
     command_long(gimbal.manager, MavCmd::MAV_CMD_DO_GIMBAL_MANAGER_CONFIGURE, parameters)
-}
-
-/// A command to a component.
-pub(super) fn command_long(to: Address, command: MavCmd, parameters: [f32; 7]) -> COMMAND_LONG_DATA {
-    let [param1, param2, param3, param4, param5, param6, param7] = parameters;
-    COMMAND_LONG_DATA {
-        param1,
-        param2,
-        param3,
-        param4,
-        param5,
-        param6,
-        param7,
-        command,
-        target_system: to.system.0,
-        target_component: to.component.0,
-        confirmation: 0,
-    }
 }

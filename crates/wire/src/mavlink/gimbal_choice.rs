@@ -16,7 +16,7 @@ use core::fmt;
 use barrelman_vocab::mavlink::Address;
 
 use super::command::Gimbal;
-use super::gimbal_reader::Information;
+use super::gimbal_information::Information;
 
 /// How long a device that says nothing of its axes waits for one that does, seconds.
 pub const UNDESCRIBED_S: f64 = 1.0;

@@ -11,7 +11,9 @@ mod autopilot_reports;
 mod heartbeat;
 
 pub mod command;
+mod command_long;
 pub mod gimbal_choice;
+pub mod gimbal_information;
 pub mod gimbal_reader;
 pub mod pacing;
 pub mod probe;
@@ -24,6 +26,7 @@ pub mod gimbal_manager;
 
 pub mod rover;
 pub mod rover_boat;
+pub mod rover_link;
 pub mod rover_reader;
 
 pub mod tracking_camera;

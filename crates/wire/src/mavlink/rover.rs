@@ -21,7 +21,7 @@
 
 use core::time::Duration;
 
-use barrelman_vocab::mavlink::{Address, MavlinkPeers, SystemId};
+use barrelman_vocab::mavlink::{Address, SystemId};
 use barrelman_vocab::telemetry::LinkState;
 use barrelman_vocab::{Telemetry, Timestamp, VesselCommand, VesselOrder};
 use mavlink::dialects::common::{
@@ -34,6 +34,9 @@ use super::heartbeat::heartbeat;
 use super::rover_reader::{ASKED_FOR, RoverReader};
 use super::subscription::Subscription;
 use crate::session::{LinkHistory, NextAction, Session, WillStep};
+
+pub(super) use super::rover_link::GROUND_STATION;
+pub use super::rover_link::{GUIDED, MANUAL, RoverDrive, RoverLink};
 
 /// The speed of full throttle, m/s: that of a jet boat of 1.2 m.
 pub const FULL_SPEED_M_PER_S: f64 = 3.6;
@@ -58,8 +61,6 @@ const SUBSCRIBED_INTERVALS: [Duration; 3] =
 const HEARTBEAT_INTERVAL: Duration = Duration::from_secs(1);
 /// The search for a boat is told as failed after this time.
 const SEARCH_TIMEOUT: Duration = Duration::from_secs(10);
-/// ArduPilot Rover's number of the mode GUIDED.
-pub const GUIDED: u32 = 15;
 /// Use the velocity along x and the yaw rate, and ignore everything else: 0x5C7.
 const SPEED_AND_TURN: PositionTargetTypemask = PositionTargetTypemask::from_bits_truncate(0x5C7);
 
@@ -73,31 +74,10 @@ const NO_BOAT: NextAction = NextAction::Reopen {
     reason: "no boat was heard: are address, baud rate and vessel.vehicle_system right?",
 };
 
-/// ArduPilot Rover's number of the mode MANUAL: the sticks steer, or what overrides them.
-pub const MANUAL: u32 = 0;
 /// A full deflection of MANUAL_CONTROL.
 pub(super) const FULL_DEFLECTION: f64 = 1000.0;
-/// The system id of a ground station that an ArduPilot boat obeys by default (`MAV_GCS_SYSID`).
-pub(super) const GROUND_STATION: u8 = 255;
-
-/// How the boat is driven.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum RoverDrive {
-    /// Speed and turn rate, which the autopilot controls.
-    Guided,
-    /// Throttle and steering, in place of the sticks.
-    Manual,
-}
 
 impl RoverDrive {
-    /// ArduPilot Rover's number of the mode in which the boat is driven.
-    pub const fn mode(self) -> u32 {
-        match self {
-            Self::Guided => GUIDED,
-            Self::Manual => MANUAL,
-        }
-    }
-
     /// The packet of a command.
     fn packet(self, writer: &mut FrameWriter, boat: Address, command: VesselCommand) -> Vec<u8> {
         match self {
@@ -105,25 +85,6 @@ impl RoverDrive {
             Self::Manual => writer.write(&manual_control(boat, command)),
         }
     }
-}
-
-/// Who speaks to which boat, and how it is driven.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct RoverLink {
-    /// The addresses.
-    pub peers: MavlinkPeers,
-    /// How the boat is driven.
-    pub drive: RoverDrive,
-}
-
-impl RoverLink {
-    /// In GUIDED, from an onboard computer.
-    pub const GUIDED: Self = Self { peers: MavlinkPeers::DEFAULT, drive: RoverDrive::Guided };
-    /// In MANUAL, with the system id of the ground station.
-    pub const MANUAL: Self = Self {
-        peers: MavlinkPeers { own: Address::new(GROUND_STATION, 191), ..MavlinkPeers::DEFAULT },
-        drive: RoverDrive::Manual,
-    };
 }
 
 /// One session with a boat.

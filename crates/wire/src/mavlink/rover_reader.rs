@@ -19,7 +19,7 @@ use mavlink::dialects::common::{
 };
 
 use super::frame::{Frame, FrameReader};
-use super::rover::RoverLink;
+use super::rover_link::RoverLink;
 use super::status_texts::StatusTexts;
 
 /// The component id of an autopilot.

@@ -6,9 +6,9 @@ use core::time::Duration;
 
 use barrelman_vocab::Timestamp;
 use barrelman_vocab::mavlink::Address;
-use mavlink::dialects::common::{COMMAND_LONG_DATA, MavCmd};
+use mavlink::dialects::common::COMMAND_LONG_DATA;
 
-use super::command::command_long;
+use super::command_long::set_interval;
 
 /// Interval of the requests.
 const ASK_SPACING: Duration = Duration::from_secs(1);
@@ -50,10 +50,4 @@ impl Subscription {
         self.ask_at = now.plus(if self.asked < PATIENCE { ASK_SPACING } else { SLOW_SPACING });
         Some(set_interval(to, self.message, self.interval))
     }
-}
-
-/// MAV_CMD_SET_MESSAGE_INTERVAL (511).
-pub(super) fn set_interval(to: Address, message: u32, interval: Duration) -> COMMAND_LONG_DATA {
-    let parameters = [message as f32, interval.as_micros() as f32, 0.0, 0.0, 0.0, 0.0, 0.0];
-    command_long(to, MavCmd::MAV_CMD_SET_MESSAGE_INTERVAL, parameters)
 }

@@ -4,6 +4,7 @@ use super::super::rover_boat::{HOLD, RoverBoat, RoverBoatSettings};
 use super::*;
 use barrelman_vocab::acceptance::Acceptance;
 use barrelman_vocab::drive_mode::DriveMode;
+use barrelman_vocab::mavlink::MavlinkPeers;
 use barrelman_vocab::telemetry::Report;
 use barrelman_vocab::vehicle_text::VehicleText;
 use mavlink::dialects::common::{
