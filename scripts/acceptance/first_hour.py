@@ -22,7 +22,7 @@ FIRST_SCREEN = 60
 DOCUMENTS = ("console", "report", "simulation", "api", "law", "optimal-law", "tracking")
 # Devices, addresses and consents that the script does not have, and the words by which the program must name them.
 ABSENT = {
-    "192.168.2.100": "192.168.2.100", "/dev/ttyACM0": "/dev/ttyACM0", "--turn-the-camera": "not confirmed",
+    "camera.example": "camera.example", "sigma.example": "sigma.example", "/dev/ttyACM0": "/dev/ttyACM0", "--turn-the-camera": "not confirmed",
     "--link udp://127.0.0.1:14550": "nobody takes packets there",
 }
 # Options whose value is a file or a folder that the command writes.

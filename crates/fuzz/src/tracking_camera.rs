@@ -25,7 +25,7 @@ pub fn tracking_camera(bytes: &[u8]) {
     let mut rest = bytes.iter().copied();
     let first = rest.next().unwrap_or(0);
     let settings = CameraSettings { marks_coasting: first & 1 == 1, ..CameraSettings::DEFAULT };
-    let stream = VideoStream::new("rtsp://192.168.1.2/live", Some(60)).filter(|_| first & 2 == 0);
+    let stream = VideoStream::new("rtsp://camera.example/live", Some(60)).filter(|_| first & 2 == 0);
     let description = CameraDescription { model: "any".to_owned(), version: [0, 1, 0], stream };
     let mut station = FrameWriter::new(Address::new(255, 190), None);
     let mut talk = Talk {

@@ -240,12 +240,12 @@ mod tests {
     fn addresses_are_read_or_refused_with_the_remedy() {
         check("serial:/dev/ttyACM0", Ok("serial:/dev/ttyACM0?baud=115200"));
         check("serial:/dev/ttyACM0?baud=9600", Ok("serial:/dev/ttyACM0?baud=9600"));
-        check("tcp://10.0.0.2:5000", Ok("tcp://10.0.0.2:5000"));
+        check("tcp://station.example:5000", Ok("tcp://station.example:5000"));
         check("tcp://[::1]:5000?fault=stall@3s", Ok("tcp://[::1]:5000"));
         check("udp://127.0.0.1:14550", Ok("udp://127.0.0.1:14550"));
         check("udp://127.0.0.1", Err("names no port"));
         check("udp://127.0.0.1:1?baud=9600", Err("baud=9600"));
-        check("http://192.168.2.100:3128/api", Ok("http://192.168.2.100:3128/api"));
+        check("http://sigma.example:3128/api", Ok("http://sigma.example:3128/api"));
         check("https://sigma.local/api/", Ok("https://sigma.local:443/api"));
         check("http://[::1]:80", Ok("http://[::1]:80"));
         check("https://", Err("names no port"));

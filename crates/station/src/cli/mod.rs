@@ -67,7 +67,7 @@ pub use values::Shard;
   barrelman
   barrelman trials lab1 --perception truth
   barrelman run --video sim:arena1 --link sim: --hands-on
-  barrelman check --video rtsp://192.168.2.100/live
+  barrelman check --video rtsp://camera.example/live
 
 Without a command, barrelman runs demo."
 )]

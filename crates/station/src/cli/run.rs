@@ -19,7 +19,7 @@ use super::values::{parse_box, parse_mp4_path};
     after_help = "Examples:
   barrelman run --video sim:arena1 --link sim: --hands-on
   barrelman run --video file:clip.mp4 --select 293,138,48,23
-  barrelman run --video rtsp://192.168.2.100/live \\
+  barrelman run --video rtsp://camera.example/live \\
     --link serial:/dev/ttyACM0 --record sortie.mcap
   barrelman run barrelman.toml
 

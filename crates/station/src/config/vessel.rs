@@ -226,7 +226,7 @@ mod tests {
     #[test]
     fn a_complete_section_is_read_back_as_it_was() {
         let section = VesselSection {
-            url: Some("udp://192.168.1.4:5007".to_owned()),
+            url: Some("udp://boat.example:5007".to_owned()),
             profile: Some("lab-udp".to_owned()),
             guidance: Some(GuidanceName::Lab),
             throttle_ahead: Some(0.5),
@@ -243,7 +243,7 @@ mod tests {
         let neutral = VesselSection { keep_way_throttle: None, ..section }.resolve().unwrap().unwrap();
         assert_eq!(neutral.profile.fail_safe, FailSafe::Neutral);
         let of_two = VesselSection {
-            url: Some("udp://192.168.1.4:14550".to_owned()),
+            url: Some("udp://boat.example:14550".to_owned()),
             vehicle_system: Some(3),
             ..VesselSection::default()
         };

@@ -63,7 +63,7 @@ mod tests {
         assert!(endpoint("udp://127.0.0.1:14550").is_ok());
         assert!(endpoint("tcp://127.0.0.1:5760").is_ok());
         assert!(endpoint("serial:/dev/ttyACM0?baud=57600").is_ok());
-        for url in ["sim:", "http://192.168.2.100:3128/api", "udp://127.0.0.1", "127.0.0.1:14550"] {
+        for url in ["sim:", "http://sigma.example:3128/api", "udp://127.0.0.1", "127.0.0.1:14550"] {
             assert!(endpoint(url).is_err(), "{url}");
         }
     }

@@ -105,9 +105,9 @@ fn every_text_fits_the_tablet() {
 #[test]
 fn the_zoom_s_stream_is_the_main_one() {
     let streams = r#"[{"stream_id":"thermal","type":"Thermal"},{"stream_id":"overview","type":"Color"},
-        {"stream_id":"zoom","type":"Color","rtsp_url":"rtsp://192.168.2.100/zoom","new_field":1}]"#;
+        {"stream_id":"zoom","type":"Color","rtsp_url":"rtsp://camera.example/zoom","new_field":1}]"#;
     let streams: Vec<json::VideoStream> = json::read(streams.as_bytes()).unwrap();
-    assert_eq!(json::main_stream(&streams).unwrap().rtsp_url.as_deref(), Some("rtsp://192.168.2.100/zoom"));
+    assert_eq!(json::main_stream(&streams).unwrap().rtsp_url.as_deref(), Some("rtsp://camera.example/zoom"));
     assert_eq!(json::main_stream(&streams[..2]).unwrap().stream_id, "overview");
     assert_eq!(json::main_stream(&streams[..1]).unwrap().stream_id, "thermal");
 }

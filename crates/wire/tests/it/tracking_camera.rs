@@ -43,7 +43,7 @@ impl Bench {
     }
 
     fn with(settings: CameraSettings) -> Self {
-        let stream = VideoStream::new("rtsp://192.168.2.100/live", Some(63));
+        let stream = VideoStream::new("rtsp://camera.example/live", Some(63));
         let description = CameraDescription { model: "fotokite-pro".to_owned(), version: [0, 1, 2], stream };
         let mut camera = TrackingCamera::new(settings, description, None);
         camera.show(Shown { picture: Some(PICTURE), frames_per_second: 29.97, target: ShownTarget::None });
@@ -160,7 +160,7 @@ fn camera_and_stream_are_described_by_new_and_old_requests() {
         assert!(information.model_name.starts_with(b"fotokite-pro\0"));
         assert_eq!(information.cam_definition_uri.to_str(), Ok(""));
         let stream: VIDEO_STREAM_INFORMATION_DATA = read(&heard).unwrap();
-        assert_eq!(stream.uri.to_str(), Ok("rtsp://192.168.2.100/live"));
+        assert_eq!(stream.uri.to_str(), Ok("rtsp://camera.example/live"));
         assert_eq!((stream.stream_id, stream.count, stream.hfov), (1, 1, 63));
         assert_eq!((stream.resolution_h, stream.resolution_v), (1280, 720));
     }

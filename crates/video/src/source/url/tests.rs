@@ -38,18 +38,18 @@ fn a_file_of_exactly_that_name_wins() {
 
 #[test]
 fn an_rtsp_address_keeps_its_own_options_and_loses_ours() {
-    let url = parsed("rtsp://cam:8554/live?profile=2&fault=stall@3&fps=9");
-    assert_eq!(url.to_string(), "rtsp://cam:8554/live?profile=2&fps=9&fault=stall@3");
+    let url = parsed("rtsp://cam.example:8554/live?profile=2&fault=stall@3&fps=9");
+    assert_eq!(url.to_string(), "rtsp://cam.example:8554/live?profile=2&fps=9&fault=stall@3");
     let VideoSource::Rtsp { address, login: None } = url.source else { panic!("it is RTSP") };
-    assert_eq!(address.as_str(), "rtsp://cam:8554/live?profile=2");
+    assert_eq!(address.as_str(), "rtsp://cam.example:8554/live?profile=2");
 }
 
 #[test]
 fn a_stream_in_tls_is_reached_through_a_relay_and_shown_as_itself() {
-    let url = parsed("rtsps://u:secret@cam/live?profile=2");
-    assert_eq!(url.tls_server(), Some(("cam".to_owned(), 322)));
+    let url = parsed("rtsps://u:secret@cam.example/live?profile=2");
+    assert_eq!(url.tls_server(), Some(("cam.example".to_owned(), 322)));
     assert_eq!(parsed("rtsps://[fe80::1]:8322/live").tls_server(), Some(("fe80::1".to_owned(), 8322)));
-    assert_eq!(parsed("rtsp://cam/live").tls_server(), None);
+    assert_eq!(parsed("rtsp://cam.example/live").tls_server(), None);
     let reached = |url: &VideoUrl| {
         let VideoSource::Rtsp { address, .. } = &url.source else { panic!("it is RTSP") };
         url.reachable(address).map(String::from)
@@ -57,19 +57,19 @@ fn a_stream_in_tls_is_reached_through_a_relay_and_shown_as_itself() {
     assert_eq!(reached(&url), None);
     let url = url.through(SocketAddr::from(([127, 0, 0, 1], 5004)));
     assert_eq!(reached(&url), Some("rtsp://127.0.0.1:5004/live?profile=2".to_owned()));
-    assert_eq!(url.to_string(), "rtsps://***@cam/live?profile=2");
-    assert_eq!(reached(&parsed("rtsp://cam/live")), Some("rtsp://cam/live".to_owned()));
+    assert_eq!(url.to_string(), "rtsps://***@cam.example/live?profile=2");
+    assert_eq!(reached(&parsed("rtsp://cam.example/live")), Some("rtsp://cam.example/live".to_owned()));
 }
 
 #[test]
 fn a_password_is_used_and_never_printed() {
-    let url = parsed("rtsp://admin:s%40cret@cam/live");
+    let url = parsed("rtsp://admin:s%40cret@cam.example/live");
     for text in [url.to_string(), format!("{url:?}"), format!("{:?}", url.source)] {
         assert!(!text.contains("cret") && !text.contains("admin"), "{text}");
     }
     let VideoSource::Rtsp { login: Some(login), address } = url.source else { panic!("it has a login") };
     assert_eq!((login.user.as_str(), login.password.as_str()), ("admin", "s@cret"));
-    assert_eq!(address.as_str(), "rtsp://cam/live");
+    assert_eq!(address.as_str(), "rtsp://cam.example/live");
     assert!(!format!("{login:?}").contains("cret"));
     for text in ["rtmp://u:secret@h/x", "rtsp://u:secret@", "rtsp://u:sec/ret@h:x/"] {
         let error = VideoUrl::parse(text).unwrap_err();
@@ -80,11 +80,11 @@ fn a_password_is_used_and_never_printed() {
 #[test]
 fn a_login_given_beside_the_address_is_used_and_given_once() {
     let login = Login::parse("admin:s:cret").unwrap();
-    let url = parsed("rtsp://cam/live").with_login(login.clone()).unwrap();
-    assert_eq!(url.to_string(), "rtsp://***@cam/live");
+    let url = parsed("rtsp://cam.example/live").with_login(login.clone()).unwrap();
+    assert_eq!(url.to_string(), "rtsp://***@cam.example/live");
     let VideoSource::Rtsp { login: Some(used), .. } = &url.source else { panic!("it has a login") };
     assert_eq!((used.user.as_str(), used.password.as_str()), ("admin", "s:cret"));
-    for text in ["rtsp://root:other@cam/live", "clip.mp4"] {
+    for text in ["rtsp://root:other@cam.example/live", "clip.mp4"] {
         let error = parsed(text).with_login(login.clone()).unwrap_err().to_string();
         assert!(!error.contains("cret") && !error.contains("other"), "{error}");
     }
@@ -98,9 +98,9 @@ fn what_is_not_read_by_this_build_comes_with_a_remedy() {
     for (text, remedy) in [
         ("v4l2:///dev/video0", "ffmpeg -f v4l2 -i /dev/video0"),
         ("udp://127.0.0.1:5600", "MediaMTX"),
-        ("https://cam/live.m3u8", "MediaMTX"),
+        ("https://cam.example/live.m3u8", "MediaMTX"),
         ("sim:arena1", "barrelman run --video sim:arena1"),
-        ("gopher://cam/live", "rtsp://HOST/PATH"),
+        ("gopher://cam.example/live", "rtsp://HOST/PATH"),
         ("clip.mp4?fps=0", "more than 0"),
         ("clip.mp4?fps=many", "?fps=30"),
         ("clip.mp4?fault=explode@1", "use stall"),
@@ -114,7 +114,7 @@ fn what_is_not_read_by_this_build_comes_with_a_remedy() {
 
 #[test]
 fn what_is_printed_reads_as_the_same() {
-    for text in ["clip.mp4", "frames?fps=12.5&fault=stall@1+2", "rtsp://cam/live?profile=2"] {
+    for text in ["clip.mp4", "frames?fps=12.5&fault=stall@1+2", "rtsp://cam.example/live?profile=2"] {
         assert_eq!(parsed(text).to_string(), text);
         assert!(parsed(&parsed(text).to_string()) == parsed(text));
     }
