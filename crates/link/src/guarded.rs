@@ -20,6 +20,9 @@ use crate::dead_mans_switch::RequestedCommand;
 use crate::guard::gate::{GuardedCommand, HEARTBEAT};
 use crate::guard::message::{FromGuard, GuardedVehicle, MessageCommand, Settings, ToGuard};
 use crate::guard::pipe::{Pipe, PipeRead};
+use crate::guard::watch::{
+    GuardWatch, HUNG_AT_START, HUNG_WHILE_OPENING, HUNG_WHILE_REOPENING, LOOK_INTERVAL,
+};
 use crate::handle::LinkHandle;
 use crate::port_io::poll_for;
 use crate::report::LinkReport;
@@ -27,12 +30,10 @@ use crate::url::LinkUrl;
 
 /// The guard's program.
 pub const GUARD_NAME: &str = "barrelman-guard";
-/// Longest wait for the guard to open the port, the first time: a name that is looked up, and some addresses.
-const OPEN_TIMEOUT: Duration = Duration::from_secs(15);
-/// A guard that is up and says nothing for this time is replaced: its port's writes are bounded by half of it.
-const HUNG_AFTER: Duration = Duration::from_secs(1);
-/// The same for a guard without a session: it may be connecting.
-const HUNG_WITHOUT_SESSION: Duration = Duration::from_secs(5);
+/// Longest wait for the end of a guard that was killed. One that does not end is left to the system: the next guard
+/// cannot open a port before it is gone.
+const REAPING_TIMEOUT: Duration = Duration::from_millis(50);
+const REAPING_INTERVAL: Duration = Duration::from_millis(2);
 /// Pause before a guard that could not be started is started again.
 const RESTART_PAUSE: Duration = Duration::from_millis(500);
 /// Longest wait for the end of the guard when the link is closed. The guard itself goes on after that.
@@ -63,10 +64,15 @@ pub enum GuardError {
     #[error("{0}")]
     Port(String),
     /// The guard has ended, or said nothing.
-    #[error("the guard {} has not opened the port: is it of the same build as barrelman?", path.display())]
+    #[error(
+        "the guard {} has not opened the port ({reason}): is it the barrelman-guard of the same build as barrelman?",
+        path.display()
+    )]
     NoAnswer {
         /// The guard's program.
         path: PathBuf,
+        /// What it did instead.
+        reason: String,
     },
 }
 
@@ -169,7 +175,6 @@ impl<C: Commands> GuardedLink<C> {
             settings,
             client: shared,
             report,
-            state: LinkState::Opening,
             history: LinkHistory::default(),
             opened: Some(opened),
         };
@@ -178,7 +183,7 @@ impl<C: Commands> GuardedLink<C> {
             .spawn(move || supervisor.run(guard))
             .map_err(start_error)?;
         let link = Self { client, thread: Some(thread) };
-        wait_until_open(&first, &path).map(|()| link)
+        wait_until_open(&first, path).map(|()| link)
     }
 
     /// Requests a command (rates in the vehicle's own signs), and replaces the one requested before. A command that moves
@@ -224,11 +229,22 @@ impl<C: Commands> Drop for GuardedLink<C> {
     }
 }
 
-fn wait_until_open(first: &Receiver<Result<(), String>>, path: &Path) -> Result<(), GuardError> {
-    match first.recv_timeout(OPEN_TIMEOUT) {
-        Ok(Ok(())) => Ok(()),
-        Ok(Err(reason)) => Err(GuardError::Port(reason)),
-        Err(_) => Err(GuardError::NoAnswer { path: path.to_path_buf() }),
+/// What became of the first opening of the port.
+enum FirstOpening {
+    Opened,
+    /// The port's error.
+    PortRefused(String),
+    /// The guard is gone, or hangs.
+    GuardFailed(String),
+}
+
+/// The thread of the link bounds the wait: it watches the guard.
+fn wait_until_open(first: &Receiver<FirstOpening>, path: PathBuf) -> Result<(), GuardError> {
+    match first.recv() {
+        Ok(FirstOpening::Opened) => Ok(()),
+        Ok(FirstOpening::PortRefused(reason)) => Err(GuardError::Port(reason)),
+        Ok(FirstOpening::GuardFailed(reason)) => Err(GuardError::NoAnswer { path, reason }),
+        Err(_) => Err(GuardError::NoAnswer { path, reason: "the thread of the link is gone".to_owned() }),
     }
 }
 
@@ -253,10 +269,13 @@ impl Guard {
         Ok(Self { child, pipe: Arc::new(pipe) })
     }
 
-    /// Ends a guard that is gone, hung, or has ended by itself.
+    /// Ends a guard that is gone, hung, or has ended by itself. A stopped process ends by the kill, too, and leaves its port.
     fn reap(mut self) {
         let _ = self.child.kill();
-        let _ = self.child.wait();
+        let killed_at = Instant::now();
+        while matches!(self.child.try_wait(), Ok(None)) && killed_at.elapsed() < REAPING_TIMEOUT {
+            std::thread::sleep(REAPING_INTERVAL);
+        }
     }
 }
 
@@ -267,7 +286,7 @@ enum GuardEnd {
     /// The first guard could not open the port: nothing was sent, and there is nothing to stop.
     NeverOpened,
     /// It is gone, or hung.
-    Gone(&'static str),
+    Gone(String),
     /// The link is closing, and the guard takes too long. It goes on by itself.
     TooLong,
 }
@@ -278,11 +297,10 @@ struct Supervisor<P: OpenSession, R> {
     client: Arc<Client<P::Command>>,
     report: R,
     reader: ReportReader,
-    state: LinkState,
     /// What the guard before has left.
     history: LinkHistory,
     /// Takes whether the first guard has opened the port.
-    opened: Option<SyncSender<Result<(), String>>>,
+    opened: Option<SyncSender<FirstOpening>>,
 }
 
 impl<P: OpenSession, R: Fn(LinkReport) -> bool> Supervisor<P, R>
@@ -315,6 +333,12 @@ where
             self.client.state().pipe = None;
             let is_closing = self.client.state().is_closing;
             let reason = match end {
+                // A first guard that fails before it has opened the port is told to who starts the run.
+                GuardEnd::Gone(reason) if self.opened.is_some() => {
+                    self.answer_opening(FirstOpening::GuardFailed(reason));
+                    served.reap();
+                    return false;
+                }
                 GuardEnd::TooLong => return false,
                 GuardEnd::NeverOpened => {
                     served.reap();
@@ -324,39 +348,41 @@ where
                     served.reap();
                     return is_stop_sent;
                 }
-                GuardEnd::Ended { .. } => "it has ended",
+                GuardEnd::Ended { .. } => "it has ended".to_owned(),
                 GuardEnd::Gone(reason) => reason,
             };
             served.reap();
             if attempts_to_close > 1 {
                 return false;
             }
-            (self.report)(LinkReport::GuardLost(reason.to_owned()));
+            (self.report)(LinkReport::GuardLost(reason));
             self.report_state(LinkState::Opening, self.settings.clock.now());
         }
     }
 
     /// Serves a guard until its end.
     fn serve(&mut self, guard: &Guard) -> GuardEnd {
-        let mut last_heard = Instant::now();
+        let patience = if self.opened.is_some() { HUNG_WHILE_OPENING } else { HUNG_WHILE_REOPENING };
+        let mut watch = GuardWatch::start(patience, self.settings.clock.now());
         let mut last_sent = Instant::now();
         let mut closing_since = None;
         loop {
-            poll_for(&mut [PollFd::new(&*guard.pipe, PollFlags::IN)], HEARTBEAT / 4);
+            poll_for(&mut [PollFd::new(&*guard.pipe, PollFlags::IN)], LOOK_INTERVAL);
             loop {
                 match guard.pipe.read() {
                     PipeRead::Nothing => break,
-                    PipeRead::End => return GuardEnd::Gone("it is gone"),
+                    PipeRead::End => return GuardEnd::Gone("it is gone".to_owned()),
                     PipeRead::Message(packet) => {
-                        last_heard = Instant::now();
+                        watch.heard();
                         match FromGuard::decode(&packet) {
+                            Ok(FromGuard::OpensPort) => watch.heard_opening(),
                             Ok(FromGuard::Ended { is_stop_sent }) => return GuardEnd::Ended { is_stop_sent },
                             Ok(FromGuard::NotOpened(reason)) if self.opened.is_some() => {
-                                self.answer_opening(Err(reason));
+                                self.answer_opening(FirstOpening::PortRefused(reason));
                                 return GuardEnd::NeverOpened;
                             }
                             Ok(message) => self.on_message(message),
-                            Err(_) => return GuardEnd::Gone("it says what cannot be read"),
+                            Err(_) => return GuardEnd::Gone("it says what cannot be read".to_owned()),
                         }
                     }
                 }
@@ -378,16 +404,19 @@ where
                     return GuardEnd::TooLong;
                 }
             }
-            let patience = if self.state == LinkState::Up { HUNG_AFTER } else { HUNG_WITHOUT_SESSION };
-            if last_heard.elapsed() > patience {
-                return GuardEnd::Gone("it hangs");
+            if watch.hangs(self.settings.clock.now()) {
+                return GuardEnd::Gone(if watch.is_starting() {
+                    format!("it has said nothing for {} s", HUNG_AT_START.as_secs())
+                } else {
+                    "it hangs".to_owned()
+                });
             }
         }
     }
 
     fn on_message(&mut self, message: FromGuard) {
         match message {
-            FromGuard::Opened => self.answer_opening(Ok(())),
+            FromGuard::Opened => self.answer_opening(FirstOpening::Opened),
             FromGuard::State(state, at) => self.report_state(state, at),
             FromGuard::Received(at, bytes) => {
                 let report = &self.report;
@@ -404,11 +433,11 @@ where
             FromGuard::Stopped(evidence) => drop((self.report)(LinkReport::Stopped(evidence))),
             FromGuard::Panicked => drop((self.report)(LinkReport::Panicked)),
             // A later guard goes on trying; its state says so.
-            FromGuard::NotOpened(_) | FromGuard::Alive | FromGuard::Ended { .. } => {}
+            FromGuard::NotOpened(_) | FromGuard::Alive | FromGuard::OpensPort | FromGuard::Ended { .. } => {}
         }
     }
 
-    fn answer_opening(&mut self, answer: Result<(), String>) {
+    fn answer_opening(&mut self, answer: FirstOpening) {
         if let Some(opened) = self.opened.take() {
             // Without a receiver, the opening was given up.
             let _ = opened.send(answer);
@@ -424,7 +453,6 @@ where
             }
             self.reader = reader;
         }
-        self.state = state;
         let telemetry = Telemetry { at, report: Report::Link(state) };
         // A state must not be lost: the pilot goes by it.
         while !(self.report)(LinkReport::Telemetry(telemetry)) && !self.client.state().is_closing {

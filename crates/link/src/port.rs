@@ -16,8 +16,8 @@ use serial2::SerialPort;
 
 use crate::url::Endpoint;
 
-/// Longest time of a write. The port then counts as lost.
-const WRITE_TIMEOUT: Duration = Duration::from_millis(500);
+/// Longest time of a write. The port then counts as lost. It is less than the silence after which a guard counts as hung.
+const WRITE_TIMEOUT: Duration = Duration::from_millis(100);
 /// Longest time of a connection attempt.
 const CONNECT_TIMEOUT: Duration = Duration::from_secs(1);
 

@@ -14,7 +14,7 @@ use barrelman_wire::{
 use crate::dead_mans_switch::RequestedCommand;
 
 /// Version of the messages. Program and guard come from one build; another version is refused.
-pub const VERSION: u16 = 6;
+pub const VERSION: u16 = 7;
 /// Largest message, bytes.
 pub const MAX_MESSAGE_BYTES: usize = 4096;
 
@@ -137,6 +137,8 @@ pub enum FromGuard {
     Panicked,
     /// The guard runs.
     Alive,
+    /// The guard begins to open its port, which may take seconds.
+    OpensPort,
     /// The guard ends.
     Ended {
         /// Whether zeros and stop were sent.
@@ -451,6 +453,7 @@ impl FromGuard {
             }
             Self::Panicked => out.push(9),
             Self::Alive => out.push(10),
+            Self::OpensPort => out.push(13),
             Self::Ended { is_stop_sent } => out.extend_from_slice(&[11, u8::from(*is_stop_sent)]),
             Self::Control { is_anothers } => out.extend_from_slice(&[12, u8::from(*is_anothers)]),
         }
@@ -489,6 +492,7 @@ impl FromGuard {
             10 => Self::Alive,
             11 => Self::Ended { is_stop_sent: fields.flag()? },
             12 => Self::Control { is_anothers: fields.flag()? },
+            13 => Self::OpensPort,
             _ => return Err(MessageError::Malformed),
         };
         fields.end(message)

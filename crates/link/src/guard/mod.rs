@@ -11,5 +11,6 @@ pub mod gate;
 
 pub mod message;
 pub mod pipe;
+pub mod watch;
 
 pub use gate::{Gate, GuardedCommand};

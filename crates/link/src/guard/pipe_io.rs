@@ -10,9 +10,10 @@ use barrelman_host::suspend::SuspendWatch;
 use barrelman_vocab::Timestamp;
 use rustix::event::{PollFd, PollFlags};
 
-use super::gate::{Gate, GuardedCommand, HEARTBEAT};
+use super::gate::{Gate, GuardedCommand};
 use super::message::{FromGuard, MessageCommand, ToGuard};
 use super::pipe::{Pipe, PipeRead};
+use super::watch::BEAT;
 use crate::port::{Port, PortError};
 use crate::port_io::{MachineIo, PortIo, poll_for};
 
@@ -58,10 +59,19 @@ impl<C: GuardedCommand + MessageCommand> PipeIo<C> {
         if self.is_connected.get() && self.gate.borrow().is_silent(now) {
             self.disconnect();
         }
-        if now.since(self.last_alive.get()) >= HEARTBEAT {
-            self.last_alive.set(now);
-            self.pipe.send(&FromGuard::Alive.encode());
+        self.beat(now);
+    }
+
+    /// Says that the guard runs, where that is due.
+    fn beat(&self, now: Timestamp) {
+        if now.since(self.last_alive.get()) >= BEAT {
+            self.beat_now(now);
         }
+    }
+
+    fn beat_now(&self, now: Timestamp) {
+        self.last_alive.set(now);
+        self.pipe.send(&FromGuard::Alive.encode());
     }
 
     fn disconnect(&self) {
@@ -80,11 +90,17 @@ impl<C: GuardedCommand + MessageCommand> PortIo for PipeIo<C> {
     }
 
     fn open(&self) -> Result<Port, PortError> {
-        self.machine.open()
+        self.pipe.send(&FromGuard::OpensPort.encode());
+        let opened = self.machine.open();
+        self.beat_now(self.now());
+        opened
     }
 
     fn send(&self, port: &mut Port, packet: &Vec<u8>) -> io::Result<()> {
-        self.machine.send(port, packet)
+        let sent = self.machine.send(port, packet);
+        // A port that is slow to take its bytes is no guard that hangs.
+        self.beat(self.now());
+        sent
     }
 
     fn receive(&self, port: &mut Port, each: &mut dyn FnMut(&[u8])) -> io::Result<()> {
@@ -95,6 +111,7 @@ impl<C: GuardedCommand + MessageCommand> PortIo for PipeIo<C> {
     }
 
     fn wait(&self, port: Option<&Port>, wait: Duration) -> bool {
+        let wait = wait.min(BEAT.saturating_sub(self.now().since(self.last_alive.get())));
         // A pipe at its end, and a signal, are readable for ever.
         let watched = if self.is_connected.get() { PollFlags::IN } else { PollFlags::empty() };
         let until_signal =
@@ -121,6 +138,12 @@ impl<C: GuardedCommand + MessageCommand> PortIo for PipeIo<C> {
     }
 
     fn sleep(&self, pause: Duration) {
-        std::thread::sleep(pause);
+        let mut left = pause;
+        while !left.is_zero() {
+            let slice = left.min(BEAT);
+            std::thread::sleep(slice);
+            left -= slice;
+            self.beat(self.now());
+        }
     }
 }

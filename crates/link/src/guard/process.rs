@@ -93,6 +93,7 @@ impl Parts<'_> {
         let Self { pipe, url, signalled, settings } = self;
         let clock = Clock::started_at(settings.clock_start_ns);
         let mailbox = Arc::new(Mailbox::new().map_err(|error| error.to_string())?);
+        pipe.send(&FromGuard::OpensPort.encode());
         let port = match Port::open(&url.endpoint) {
             Ok(port) => {
                 pipe.send(&FromGuard::Opened.encode());

@@ -74,6 +74,7 @@ fn every_message_is_read_as_it_was_written() {
         FromGuard::Stopped(RestEvidence::NoTelemetry),
         FromGuard::Panicked,
         FromGuard::Alive,
+        FromGuard::OpensPort,
         FromGuard::Ended { is_stop_sent: false },
     ];
     for message in states.into_iter().chain(others) {
