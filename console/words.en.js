@@ -43,7 +43,7 @@ export default {
     "video-ended": "the video ended", fault: "a fault", "dry-run": "dry run, nothing is sent", "link-down": "link not up",
     "no-control": "vehicle takes no commands", "control-lost": "vehicle gave the control away",
     "vehicle-restarted": "vehicle restarted", emergency: "vehicle emergency", landing: "vehicle lands",
-    "battery-low": "battery low", "vehicle-silent": "vehicle fell silent", suspended: "machine was suspended",
+    "battery-low": "battery low", "vehicle-silent": "vehicle fell silent", suspended: "program did not run for a while",
     "pan-opposed": "the picture turned against the pan: check vehicle.yaw_sign",
     "tilt-opposed": "the picture turned against the tilt: check vehicle.pitch_sign",
   },

@@ -4,6 +4,7 @@
 //! The other crates take time, bytes and files as arguments. The crates with access to the machine use this crate, so
 //! that every clock reading and every output file follows one rule.
 
+pub mod absence;
 pub mod clock;
 pub mod fault;
 pub mod fault_lines;

@@ -252,7 +252,7 @@ const fn stop_text(cause: StopCause) -> &'static str {
         StopCause::Landing => "stopped: the vehicle lands",
         StopCause::BatteryLow => "stopped: a battery of the vehicle is low",
         StopCause::VehicleSilent => "stopped: the vehicle fell silent",
-        StopCause::Suspended => "stopped: the machine was suspended",
+        StopCause::Suspended => "stopped: the program did not run for a while",
         StopCause::PanOpposed => {
             "stopped: the picture turned against the commanded pan; check vehicle.yaw_sign of the configuration"
         }

@@ -157,7 +157,7 @@ pub enum StopCause {
     BatteryLow,
     /// The vehicle fell silent, though its port was open.
     VehicleSilent,
-    /// The machine was suspended.
+    /// The machine was suspended, or the program did not run for a second or more.
     Suspended,
     /// The picture turned against the commanded pan: the sign of the yaw rate is probably wrong.
     PanOpposed,

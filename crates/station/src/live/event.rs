@@ -3,8 +3,8 @@
 use std::sync::mpsc::{Receiver, RecvTimeoutError};
 use std::time::Duration;
 
+use barrelman_host::absence::AbsenceWatch;
 use barrelman_host::clock::Clock;
-use barrelman_host::suspend::SuspendWatch;
 use barrelman_video::VideoState;
 use barrelman_video::sender_clock::VideoTiming;
 use barrelman_vocab::Timestamp;
@@ -75,7 +75,7 @@ pub trait EventSource {
     /// `Timeout` if no event arrived, `Disconnected` if no further event can arrive.
     fn next_event(&mut self, wait: Duration) -> Result<Event, RecvTimeoutError>;
 
-    /// How long the machine was suspended since the last call, if it was.
+    /// How long the loop made no turn since the last call, if it was away for a second or more, or the machine was suspended.
     fn suspension(&mut self) -> Option<Duration> {
         None
     }
@@ -88,8 +88,8 @@ pub struct EventQueue<'a> {
     pub queue: &'a Receiver<Event>,
     /// The program's clock.
     pub clock: Clock,
-    /// Detects suspensions of the machine.
-    pub suspend: SuspendWatch,
+    /// Detects that the loop was away.
+    pub absence: AbsenceWatch,
 }
 
 impl EventSource for EventQueue<'_> {
@@ -102,6 +102,6 @@ impl EventSource for EventQueue<'_> {
     }
 
     fn suspension(&mut self) -> Option<Duration> {
-        self.suspend.check()
+        self.absence.turn(self.clock.now())
     }
 }

@@ -349,9 +349,13 @@ impl RunLoop<'_> {
         self.publisher.set_may_be_turning(text, self.events.now());
     }
 
-    /// The machine was suspended: what arrived before says nothing about now, although its age seems small.
+    /// The machine was suspended, or the loop was away: what arrived before says nothing about now, although its age seems small.
     fn on_suspension(&mut self, state: &mut LoopState, gap: Duration) {
-        tracing::error!("the machine was suspended for {:.1} s: the camera is stopped", gap.as_secs_f64());
+        tracing::error!(
+            "the program did not run for {:.1} s (it was stopped or held up, or the machine was suspended): camera and boat \
+             are stopped until the operator engages",
+            gap.as_secs_f64()
+        );
         drop(self.latest.take());
         self.step(state, Input::Request(OperatorRequest::Stop(StopCause::Suspended)));
     }

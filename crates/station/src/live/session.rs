@@ -12,10 +12,10 @@ use std::sync::Arc;
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 
 use anyhow::{Context as _, Result};
+use barrelman_host::absence::AbsenceWatch;
 use barrelman_host::clock::Clock;
 use barrelman_host::latest::Latest;
 use barrelman_host::output::OutputFile;
-use barrelman_host::suspend::SuspendWatch;
 use barrelman_link_http::HttpSettings;
 use barrelman_pilot::Pilot;
 use barrelman_video::VideoHandle;
@@ -274,7 +274,7 @@ impl Session<'_> {
         let run_loop = RunLoop {
             pilot,
             profile: profile.clone(),
-            events: &mut EventQueue { queue, clock, suspend: SuspendWatch::start() },
+            events: &mut EventQueue { queue, clock, absence: AbsenceWatch::start(clock.now()) },
             gateway,
             publisher,
             latest,
