@@ -17,6 +17,7 @@ pub(super) enum FaultKind {
     ProgramStopped,
     ProgramEnds,
     GuardKilled,
+    GuardHangs,
     Suspension,
     LineCut,
     LineSilent,
@@ -49,7 +50,7 @@ pub(super) enum FaultKind {
 
 impl FaultKind {
     /// Every kind.
-    pub(super) const ALL: [Self; 40] = [
+    pub(super) const ALL: [Self; 41] = [
         Self::VideoStalls,
         Self::VideoLate,
         Self::VideoDelayStands,
@@ -62,6 +63,7 @@ impl FaultKind {
         Self::ProgramStopped,
         Self::ProgramEnds,
         Self::GuardKilled,
+        Self::GuardHangs,
         Self::Suspension,
         Self::LineCut,
         Self::LineSilent,
@@ -106,6 +108,7 @@ impl FaultKind {
             Self::ProgramStopped => "program stopped (5 s)",
             Self::ProgramEnds => "program ends",
             Self::GuardKilled => "guard killed",
+            Self::GuardHangs => "guard hangs",
             Self::Suspension => "machine suspended",
             Self::LineCut => "line cut",
             Self::LineSilent => "line silent",

@@ -9,6 +9,7 @@ use barrelman_host::fault::FaultPlan;
 use barrelman_link::guard::Gate;
 use barrelman_link::guard::gate::GuardedCommand;
 use barrelman_link::guard::message::ToGuard;
+use barrelman_link::guard::watch::BEAT;
 use barrelman_link::{LinkAction, LinkCore, LinkReport, RequestedCommand};
 use barrelman_vocab::{Timestamp, VehicleRates};
 use barrelman_wire::{ByteSession, LinkHistory};
@@ -34,6 +35,9 @@ pub(super) struct LinkHost<C: GuardedCommand = VehicleRates> {
     /// Whether zeros and stop were sent, of a link that has ended.
     ended: Option<bool>,
     poll_at: Timestamp,
+    beat_at: Timestamp,
+    /// Whether the program was told that the guard runs, and has not read it yet.
+    pub(super) has_beaten: bool,
     /// Messages on their way to the link.
     pub(super) inbox: VecDeque<ToGuard<C>>,
     /// Reports on their way to the program.
@@ -60,6 +64,8 @@ impl<C: GuardedCommand> LinkHost<C> {
             is_connected: true,
             ended: None,
             poll_at: Timestamp::ZERO,
+            beat_at: now,
+            has_beaten: true,
             inbox: VecDeque::new(),
             reports: VecDeque::new(),
             sent: Vec::new(),
@@ -85,6 +91,10 @@ impl<C: GuardedCommand> LinkHost<C> {
             return;
         }
         self.serve_pipe(is_program_there, now);
+        if self.beat_at <= now {
+            self.beat_at = now.plus(BEAT);
+            self.has_beaten = true;
+        }
         let mut received = Vec::new();
         if self.is_port_open {
             if self.sees_cuts && line.is_active(FaultKind::LineCut, at_ms) {

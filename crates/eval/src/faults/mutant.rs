@@ -13,6 +13,10 @@ pub(super) enum Mutant {
     NoLatch,
     /// The link is a thread of the program.
     NoGuard,
+    /// A guard that hangs is not replaced.
+    NoGuardWatch,
+    /// A pilot that was away for a second goes on.
+    NoAbsenceWatch,
     /// A session does not begin with zeros.
     NoZerosFirst,
     /// The vehicle's commands last ten seconds.

@@ -3,8 +3,9 @@
 //!
 //! Motion is permitted at the arrival of a fresh localisation while the operator's consent to follow lasts, at each
 //! renewal of a nudge, and at the arrival of a picture while the consent to a search or a calibration lasts. That consent
-//! ends where no picture permitted motion for the time to rest. After a fault of the line the time counts from the line's return, after the death of a guard from
-//! that, after a suspension from the end of it.
+//! ends where no picture permitted motion for the time to rest. Nothing permits motion while no guard carries out what the
+//! program asks for. After a fault of the line the time counts from the line's return, after the death of a guard and after
+//! the beginning of its hang from that, after a suspension from the end of it.
 
 /// Which licence a run moved the camera with.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -35,6 +36,8 @@ pub(super) struct Oracle {
     /// The longest time to rest, ms.
     rest_limit_ms: u64,
     consent: Option<Licence>,
+    /// Whether a guard carries out what the program asks for.
+    has_live_guard: bool,
     permitted_ms: Option<u64>,
     /// The newest moment from which the time to rest counts at the earliest.
     excused_until_ms: u64,
@@ -48,12 +51,18 @@ impl Oracle {
         Self {
             rest_limit_ms,
             consent: None,
+            has_live_guard: true,
             permitted_ms: None,
             excused_until_ms: 0,
             worst_ms: 0,
             moved: Vec::new(),
             violation: None,
         }
+    }
+
+    /// Whether a guard carries out what the program asks for.
+    pub(super) const fn set_live_guard(&mut self, is_live: bool) {
+        self.has_live_guard = is_live;
     }
 
     /// The operator consents.
@@ -79,6 +88,9 @@ impl Oracle {
 
     /// A picture arrived, with a fresh localisation or without.
     pub(super) fn saw(&mut self, at_ms: u64, is_fresh: bool) {
+        if !self.has_live_guard {
+            return;
+        }
         match self.consent {
             Some(Licence::Follow) if is_fresh => self.permitted_ms = Some(at_ms),
             Some(Licence::Search | Licence::Calibrate) => {
@@ -94,7 +106,7 @@ impl Oracle {
 
     /// A nudge was renewed.
     pub(super) fn nudged(&mut self, at_ms: u64) {
-        if self.consent == Some(Licence::Nudge) {
+        if self.consent == Some(Licence::Nudge) && self.has_live_guard {
             self.permitted_ms = Some(at_ms);
         }
     }

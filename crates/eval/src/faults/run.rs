@@ -117,10 +117,11 @@ impl World {
         self.station.advance(&mut self.machine.line, at_ms, trace);
         self.capture(at_ms);
         if let Some(moment) = self.machine.begin(at_ms) {
-            let is_killed = self.machine.advance_link(&mut self.program.end, moment);
-            if moment.was_suspended || is_killed {
+            let is_struck = self.machine.advance_link(&mut self.program.end, moment);
+            if moment.was_suspended || is_struck {
                 self.oracle.excuse(at_ms);
             }
+            self.oracle.set_live_guard(self.machine.has_live_guard());
             self.advance_program(moment);
         }
         self.judge(at_ms);
@@ -191,8 +192,14 @@ impl World {
         if !self.machine.advance_program(&mut self.program.end, moment) {
             return;
         }
+        let turn = self.machine.turn(moment);
+        if turn.was_away {
+            self.oracle.withdraw();
+        }
         if was_suspended {
             self.video.clear();
+        }
+        if was_suspended || turn.is_noticed {
             self.program.on_suspension(&mut self.oracle, now);
         }
         self.ask(now, at_ms);

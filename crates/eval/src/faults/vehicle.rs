@@ -65,7 +65,7 @@ impl Vehicle {
     /// its battery with each status.
     pub(super) fn can_have(self, fault: FaultKind) -> bool {
         match fault {
-            FaultKind::GuardKilled => self.has_guard(),
+            FaultKind::GuardKilled | FaultKind::GuardHangs => self.has_guard(),
             // A Sigma's commands end by themselves.
             FaultKind::CommandsLost => self.has_guard(),
             FaultKind::LineDamagesBytes | FaultKind::LineRepeats => self != Self::FotokiteSigma,
@@ -95,13 +95,19 @@ impl Vehicle {
                 Mutant::NoTimeToLive,
                 Mutant::NoLatch,
                 Mutant::NoGuard,
+                Mutant::NoGuardWatch,
+                Mutant::NoAbsenceWatch,
                 Mutant::NoZerosFirst,
                 Mutant::ForgetsDelays,
                 Mutant::NoMotionWatch,
             ],
-            Self::FotokiteSigma => {
-                &[Mutant::NoTimeToLive, Mutant::NoLatch, Mutant::CommandsLast, Mutant::ForgetsDelays]
-            }
+            Self::FotokiteSigma => &[
+                Mutant::NoTimeToLive,
+                Mutant::NoLatch,
+                Mutant::NoAbsenceWatch,
+                Mutant::CommandsLast,
+                Mutant::ForgetsDelays,
+            ],
         }
     }
 

@@ -9,6 +9,8 @@
 //! - **Way that is kept**, where the profile says so: the guidance of a boat that is not seen any more permits motion for the profile's
 //!   time beyond the 250 ms of its last command, while consent, destination and link last, and the program runs. Longer than the limit
 //!   on the wire after the last fresh localisation, the command at the boat is no more than the profile's throttle, amidships.
+//! - **A guard that hangs** permits no motion: the time to neutral at the boat counts from the beginning of the hang, where a new
+//!   guard can speak at once. A boat that has to be heard first has its own time-out, as after the death of a guard.
 //! - After a suspension, times count from the end of it: the clock stood still.
 //! - Consent to the guidance ends by each stop, by a boat that another commander took, by a console that is gone, and by a wait for
 //!   the boat of more than 5 s.
@@ -86,6 +88,9 @@ pub(super) struct VesselOracle {
     permitted_ms: Option<u64>,
     /// The end of the last suspension: the clock of every time to live stood still before it, ms.
     resumed_ms: u64,
+    /// The beginning of the last hang of a guard, ms.
+    hung_ms: u64,
+    has_live_guard: bool,
     console_gone_ms: Option<u64>,
     /// When line and guard were last not whole, ms.
     disturbed_ms: Option<u64>,
@@ -110,6 +115,8 @@ impl VesselOracle {
             video_ms: None,
             permitted_ms: None,
             resumed_ms: 0,
+            hung_ms: 0,
+            has_live_guard: true,
             console_gone_ms: None,
             disturbed_ms: None,
             worst_ms: [0; 3],
@@ -179,6 +186,16 @@ impl VesselOracle {
         self.resumed_ms = at_ms;
     }
 
+    /// A guard begins to hang, or is killed.
+    pub(super) const fn strike_guard(&mut self, at_ms: u64) {
+        self.hung_ms = at_ms;
+    }
+
+    /// Whether a guard carries out what the program asks for.
+    pub(super) const fn set_live_guard(&mut self, is_live: bool) {
+        self.has_live_guard = is_live;
+    }
+
     /// Line or guard are not whole.
     pub(super) const fn disturb(&mut self, at_ms: u64) {
         self.disturbed_ms = Some(at_ms);
@@ -187,7 +204,7 @@ impl VesselOracle {
     /// The helm was renewed.
     pub(super) fn steered(&mut self, at_ms: u64) {
         self.helm_ms = Some(at_ms);
-        if self.consent == Some(VesselLicence::ByHand) {
+        if self.consent == Some(VesselLicence::ByHand) && self.has_live_guard {
             self.permitted_ms = self.permitted_ms.max(self.video_ms);
         }
     }
@@ -202,12 +219,14 @@ impl VesselOracle {
             Some(VesselLicence::Guided) if at_ms > self.boat_seen_ms + CONSENT_LASTS_MS => self.withdraw(),
             Some(VesselLicence::Guided) if arrival.is_boat_found => {
                 self.boat_seen_ms = at_ms;
-                if self.has_destination {
+                if self.has_destination && self.has_live_guard {
                     self.permitted_ms = Some(at_ms);
                     self.has_way_ended = false;
                 }
             }
-            Some(VesselLicence::ByHand) if self.helm_ms.is_some_and(|helm| at_ms <= helm + HELM_LASTS_MS) => {
+            Some(VesselLicence::ByHand)
+                if self.has_live_guard && self.helm_ms.is_some_and(|helm| at_ms <= helm + HELM_LASTS_MS) =>
+            {
                 self.permitted_ms = Some(at_ms);
             }
             _ => {}
@@ -253,7 +272,7 @@ impl VesselOracle {
         let Some(permitted_ms) = self.last_permitted_ms() else {
             return self.violates(at_ms, "moves without ever an engagement of the boat".to_owned());
         };
-        let since_ms = at_ms.saturating_sub(permitted_ms.max(self.resumed_ms));
+        let since_ms = at_ms.saturating_sub(permitted_ms.max(self.resumed_ms).max(self.hung_ms));
         self.worst_ms[2] = self.worst_ms[2].max(since_ms);
         let is_whole = self.disturbed_ms.is_none_or(|disturbed| disturbed < permitted_ms);
         let limit_ms = if is_whole { WIRE_LIMIT_MS + ON_THE_LINE_MS } else { self.own_limit_ms };

@@ -98,7 +98,10 @@ impl World {
             if moment.was_suspended {
                 self.oracle.resume(at_ms);
             }
-            self.machine.advance_link(&mut self.program.end, moment);
+            if self.machine.advance_link(&mut self.program.end, moment) {
+                self.oracle.strike_guard(at_ms);
+            }
+            self.oracle.set_live_guard(self.machine.has_live_guard());
             self.advance_program(moment);
         }
         self.judge(at_ms);
@@ -123,8 +126,14 @@ impl World {
         if !self.machine.advance_program(&mut self.program.end, moment) {
             return;
         }
+        let turn = self.machine.turn(moment);
+        if turn.was_away {
+            self.oracle.withdraw();
+        }
         if was_suspended {
             self.video.clear();
+        }
+        if was_suspended || turn.is_noticed {
             self.program.on_suspension(&mut self.oracle, now);
         }
         if self.machine.begins(FaultKind::ProgramEnds, at_ms) && !self.machine.is_closing {
@@ -151,7 +160,11 @@ impl World {
 
     fn judge(&mut self, at_ms: u64) {
         let is_line_disturbed = self.machine.line.is_disturbed(at_ms);
-        if is_line_disturbed || !self.machine.has_link() || self.machine.is_suspended() {
+        // A guard that hung is replaced by one that opens the port at once, and speaks at once where the boat need not be heard.
+        let is_guard_gone = !self.machine.has_link()
+            && !(self.machine.replaces_hung_guard() && self.vessel.is_spoken_to_unheard());
+        let is_guard_gone = is_guard_gone || self.machine.is_excluded();
+        if is_line_disturbed || is_guard_gone || self.machine.is_suspended() {
             self.disturbed_until_ms = at_ms + self.vessel.settles_ms();
         }
         if at_ms <= self.disturbed_until_ms {

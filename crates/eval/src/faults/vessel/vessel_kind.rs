@@ -108,6 +108,14 @@ impl Vessel {
         }
     }
 
+    /// Whether neutral can be sent before the boat was heard.
+    pub(super) const fn is_spoken_to_unheard(self) -> bool {
+        match self {
+            Self::LabUdp | Self::LabUdpKeepingWay => true,
+            Self::MavlinkRover | Self::MavlinkRoverManual => false,
+        }
+    }
+
     /// The swing of the boat before the camera, as a share of that of the other campaigns: a boat that would pass the camera at
     /// 8 m/s has no room to keep way.
     pub(super) const fn swing(self) -> f64 {
@@ -135,6 +143,7 @@ impl Vessel {
             | FaultKind::ProgramStopped
             | FaultKind::ProgramEnds
             | FaultKind::GuardKilled
+            | FaultKind::GuardHangs
             | FaultKind::Suspension
             | FaultKind::LineCut
             | FaultKind::LineSilent
@@ -158,6 +167,8 @@ impl Vessel {
             Mutant::NoTimeToLive,
             Mutant::NoLatch,
             Mutant::NoGuard,
+            Mutant::NoGuardWatch,
+            Mutant::NoAbsenceWatch,
             Mutant::NoConsoleTimeOut,
             Mutant::CommandsLast,
             Mutant::ForgetsDelays,
