@@ -27,6 +27,7 @@ use crate::handle::LinkHandle;
 use crate::port_io::poll_for;
 use crate::report::LinkReport;
 use crate::url::LinkUrl;
+use crate::vehicle_lock::VehicleLock;
 
 /// The guard's program.
 pub const GUARD_NAME: &str = "barrelman-guard";
@@ -100,6 +101,8 @@ pub struct GuardedLinkSettings<P = ByteProtocol> {
     pub protocol: P,
     /// What the guard has to know of the vehicle.
     pub vehicle: GuardedVehicle,
+    /// The lock of the vehicle, which the guard holds, too, until it has sent its zeros; `None`: without a lock.
+    pub lock: Option<Arc<VehicleLock>>,
     /// The program's clock.
     pub clock: Clock,
 }
@@ -265,7 +268,11 @@ impl Guard {
             url: settings.url.with_faults(),
         });
         pipe.send(&first.encode());
-        let child = Command::new(&settings.guard).stdin(Stdio::from(other)).stdout(Stdio::null()).spawn()?;
+        let held = match &settings.lock {
+            Some(lock) => Stdio::from(lock.share()?),
+            None => Stdio::null(),
+        };
+        let child = Command::new(&settings.guard).stdin(Stdio::from(other)).stdout(held).spawn()?;
         Ok(Self { child, pipe: Arc::new(pipe) })
     }
 

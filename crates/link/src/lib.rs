@@ -35,6 +35,7 @@ pub mod waker;
 pub mod dead_mans_switch;
 pub mod port;
 pub mod report;
+pub mod vehicle_lock;
 
 pub mod url;
 
@@ -46,5 +47,6 @@ pub use mailbox::Mailbox;
 pub use port_io::PortIo;
 pub use report::LinkReport;
 pub use url::{LinkUrl, LinkUrlError};
+pub use vehicle_lock::{VehicleLock, VehicleRole};
 pub use waker::Waker;
 pub use worker::Worker;

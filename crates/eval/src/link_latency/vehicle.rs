@@ -77,6 +77,7 @@ impl Vehicle {
             protocol: ByteProtocol { protocol, framing, baud: url.baud() },
             url,
             vehicle: GuardedVehicle::Camera { limits, protocol, framing },
+            lock: None,
             clock,
         };
         Ok(MeasuredLink::Guarded(GuardedLink::open(settings, tell)?))

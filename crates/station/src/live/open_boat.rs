@@ -1,10 +1,12 @@
 //! Opens the link to the boat of a live run and connects its reports with the loop.
 
 use std::path::PathBuf;
+use std::sync::Arc;
 use std::sync::mpsc::SyncSender;
 
 use anyhow::{Context, Result, bail};
 use barrelman_host::clock::Clock;
+use barrelman_link::VehicleLock;
 use barrelman_link::guard::message::GuardedVehicle;
 use barrelman_vocab::telemetry::{LinkState, Report};
 use barrelman_vocab::{Telemetry, VesselCommand, VesselProfile};
@@ -24,7 +26,7 @@ use crate::simulated_source::LiveWorld;
 pub(super) fn open_boat(
     config: &VesselConfig,
     world: Option<&LiveWorld>,
-    guard: Option<PathBuf>,
+    (guard, lock): (Option<PathBuf>, Option<Arc<VehicleLock>>),
     clock: Clock,
     events: &SyncSender<Event>,
 ) -> Result<Boat> {
@@ -64,7 +66,7 @@ pub(super) fn open_boat(
     Ok(match guard {
         Some(guard) => {
             let vehicle = GuardedVehicle::Vessel { limits: largest(&config.profile), protocol };
-            let settings = GuardedLinkSettings { guard, url, protocol, vehicle, clock };
+            let settings = GuardedLinkSettings { guard, url, protocol, vehicle, lock, clock };
             Boat::Guarded(GuardedLink::open(settings, report).context(context)?)
         }
         None => Boat::Port(LinkHandle::open(&url, protocol, clock, report).context(context)?),

@@ -1,11 +1,13 @@
 //! Opens the link of a live run and connects its reports with the loop.
 
 use std::path::PathBuf;
+use std::sync::Arc;
 use std::sync::mpsc::SyncSender;
 
 use anyhow::{Context, Result};
 use barrelman_host::clock::Clock;
 use barrelman_link::guard::message::GuardedVehicle;
+use barrelman_link::{VehicleLock, VehicleRole};
 use barrelman_link_http::HttpSettings;
 use barrelman_vocab::telemetry::{LinkState, Report};
 use barrelman_vocab::{Telemetry, VehicleProfile, VehicleRates};
@@ -22,6 +24,8 @@ pub(super) struct LinkedVehicle<'a> {
     pub(super) framing: Framing,
     /// The guard's program; `None`: a thread of this process serves the port.
     pub(super) guard: Option<PathBuf>,
+    /// The lock of the vehicle's address.
+    pub(super) lock: Option<Arc<VehicleLock>>,
     /// How packets are signed, where they are.
     pub(super) signing: Option<Signing>,
     /// How the vehicle is reached over HTTP; `None`: by bytes.
@@ -45,7 +49,7 @@ pub(super) fn open_link(
             open_camera_link(url, world, clock, events).map(Some)
         }
         (Some(url), _) => {
-            let LinkedVehicle { profile, framing, guard, signing, http } = vehicle;
+            let LinkedVehicle { profile, framing, guard, lock, signing, http } = vehicle;
             let report = move |report| pass_on(report, &events);
             let context = "the link cannot be opened";
             if let Some(http) = http {
@@ -63,7 +67,8 @@ pub(super) fn open_link(
                         protocol: protocol.protocol,
                         framing: protocol.framing,
                     };
-                    let settings = GuardedLinkSettings { guard, url: url.clone(), protocol, vehicle, clock };
+                    let settings =
+                        GuardedLinkSettings { guard, url: url.clone(), protocol, vehicle, lock, clock };
                     Link::Guarded(GuardedLink::open(settings, report).context(context)?)
                 }
                 None => Link::Port(LinkHandle::open(url, protocol, clock, report).context(context)?),
@@ -74,6 +79,17 @@ pub(super) fn open_link(
             Ok(None)
         }
     }
+}
+
+/// Takes the lock of a vehicle's address: one run commands a vehicle. Waits for the guard of a run that was killed.
+///
+/// # Errors
+/// If another run has the vehicle.
+pub(super) fn take_lock(url: &LinkUrl, role: VehicleRole) -> Result<Option<Arc<VehicleLock>>> {
+    let waits = |holder: &str| {
+        tracing::warn!("waiting for the guard of an earlier run ({holder}), which sends its zeros to {url}");
+    };
+    Ok(VehicleLock::take(&url.endpoint, role, waits)?.map(Arc::new))
 }
 
 /// Passes a report to the loop. What the link says after the loop has ended is logged here. Returns whether there was room.

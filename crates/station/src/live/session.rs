@@ -16,6 +16,7 @@ use barrelman_host::absence::AbsenceWatch;
 use barrelman_host::clock::Clock;
 use barrelman_host::latest::Latest;
 use barrelman_host::output::OutputFile;
+use barrelman_link::{VehicleLock, VehicleRole};
 use barrelman_link_http::HttpSettings;
 use barrelman_pilot::Pilot;
 use barrelman_video::VideoHandle;
@@ -25,7 +26,7 @@ use barrelman_vocab::{OperatorRequest, PixelBox};
 use super::calibration::LiveCalibration;
 use super::event::{Event, EventQueue};
 use super::open_boat::open_boat;
-use super::open_link::{LinkedVehicle, open_link};
+use super::open_link::{LinkedVehicle, open_link, take_lock};
 use super::overlay_video::OverlayVideo;
 use super::recorder::Recorder;
 use super::recording_folder::DiskReserve;
@@ -39,6 +40,7 @@ use super::terminal::{KEYS, Terminal};
 use super::threads::FaultInjector;
 use super::video_sink::LiveVideoSink;
 use crate::config::Configuration;
+use crate::config::vessel::SIMULATED;
 use crate::console::{
     ConsoleParts, ConsoleServer, ConsoleSettings, PictureSlot, SessionFacts, SessionTime, VideoRelay,
 };
@@ -123,17 +125,21 @@ impl Session<'_> {
         let terminal =
             Terminal::watch(Arc::clone(&gateway), events.clone(), self.clock, self.fault_injector.clone())?;
         let key_file = self.configuration.signing_key_file.as_deref().filter(|_| self.link.is_some());
+        // Held until the links are closed.
+        let lock = self.link.as_ref().map(|url| take_lock(url, VehicleRole::Camera)).transpose()?.flatten();
+        let boat_lock = self.lock_of_boat()?;
         let vehicle = LinkedVehicle {
             profile: &self.configuration.profile,
             framing: self.configuration.framing,
             guard: self.guard.clone(),
+            lock: lock.clone(),
             signing: secrets::mavlink_signing(key_file, self.clock)?,
             http: self.http.clone(),
         };
         let link = open_link(self.link.as_ref(), self.source.world(), vehicle, self.clock, &events)?;
         let boat = match &self.configuration.vessel {
             Some(vessel) => {
-                let guard = self.boat_guard.clone();
+                let guard = (self.boat_guard.clone(), boat_lock.clone());
                 Some(open_boat(vessel, self.source.world(), guard, self.clock, &events)?)
             }
             None => None,
@@ -142,7 +148,15 @@ impl Session<'_> {
         self.warn_without_selection();
         let end = self.run_with((link, boat), gateway, events, &queue, terminal.watches_keys())?;
         drop(terminal);
+        drop((lock, boat_lock));
         Ok(end)
+    }
+
+    /// The lock of the boat's address; `None`: there is no boat, or a simulated one.
+    fn lock_of_boat(&self) -> Result<Option<Arc<VehicleLock>>> {
+        let vessel = self.configuration.vessel.as_ref();
+        let Some(vessel) = vessel.filter(|vessel| vessel.url != SIMULATED) else { return Ok(None) };
+        take_lock(&LinkUrl::parse(&vessel.url).context("vessel.url")?, VehicleRole::Boat)
     }
 
     fn warn_without_selection(&self) {
