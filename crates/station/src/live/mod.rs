@@ -15,6 +15,7 @@ pub mod event;
 pub mod run_loop;
 
 pub mod calibration;
+mod killed_together;
 mod open_boat;
 mod open_link;
 pub mod recording_folder;

@@ -25,6 +25,7 @@ use barrelman_vocab::{OperatorRequest, PixelBox};
 
 use super::calibration::LiveCalibration;
 use super::event::{Event, EventQueue};
+use super::killed_together;
 use super::open_boat::open_boat;
 use super::open_link::{LinkedVehicle, open_link, take_lock};
 use super::overlay_video::OverlayVideo;
@@ -144,6 +145,9 @@ impl Session<'_> {
             }
             None => None,
         };
+        if self.guard.is_some() || self.boat_guard.is_some() {
+            killed_together::warn();
+        }
         let _awake = link.as_ref().filter(|link| link.reaches_vehicle()).and_then(|_| SleepInhibitor::hold());
         self.warn_without_selection();
         let end = self.run_with((link, boat), gateway, events, &queue, terminal.watches_keys())?;
