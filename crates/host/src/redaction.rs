@@ -1,4 +1,4 @@
-//! Hides logins in texts that are shown, logged or recorded.
+//! Logins in addresses: hidden in texts that are shown, logged or recorded, and found where a password is not percent-encoded.
 
 /// The text with the login of every address replaced by `***`, also in addresses that cannot be parsed. An address ends
 /// at white space or a quotation mark.
@@ -10,7 +10,8 @@ pub fn without_logins(text: &str) -> String {
         shown += "://";
         let end = after.find(|c: char| c.is_whitespace() || "\"'`".contains(c)).unwrap_or(after.len());
         // The @ in a plan of faults does not belong to a login.
-        let address = after[..end].split("fault=").next().unwrap_or_default();
+        let address = &after[..end];
+        let address = fault_plan(address).map_or(address, |at| &address[..at]);
         let authority = address.split(['/', '?', '#']).next().unwrap_or_default();
         // A slash in a password ends the authority early: then the text up to the last @ is hidden.
         let hidden_to = if authority.contains('@') { authority.rfind('@') } else { address.rfind('@') };
@@ -25,9 +26,59 @@ pub fn without_logins(text: &str) -> String {
     shown + rest
 }
 
+/// Whether an address has an @ elsewhere than once before its host. Where a password is not percent-encoded, a part of it
+/// would be read as the host, or as the port, and would be looked up. The @ in a plan of faults at the end is none of these.
+pub fn has_stray_at(address: &str) -> bool {
+    let rest = address.split_once("://").map_or(address, |(_, rest)| rest);
+    let rest = fault_plan(rest).map_or(rest, |at| &rest[..at]);
+    let (authority, path) = rest.split_at(rest.find(['/', '?', '#']).unwrap_or(rest.len()));
+    path.contains('@') || authority.matches('@').count() > 1
+}
+
+/// Where the plan of faults of an address begins: `KIND@SECONDS`, and more of them behind commas. A part of a password is none.
+fn fault_plan(address: &str) -> Option<usize> {
+    let begins = ["?fault=", "&fault="].into_iter().filter_map(|name| Some(address.find(name)? + name.len()));
+    let at = begins.min()?;
+    let is_fault = |text: &str| {
+        text.split_once('@').is_none_or(|(kind, times)| {
+            kind.bytes().all(|byte| byte.is_ascii_lowercase())
+                && times.split('+').all(|time| time.trim_end_matches('s').parse::<f64>().is_ok())
+        })
+    };
+    let plan = address[at..].split('&').next().unwrap_or_default();
+    plan.split(',').all(is_fault).then_some(at)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn an_at_that_is_not_the_one_before_the_host_is_found() {
+        for text in [
+            "rtsp://u:se@cret@h/x",
+            "rtsp://u:se/cret@h/x",
+            "rtsp://u:se?cret@h/x",
+            "rtsp://u:se#cret@h/x",
+            "rtsp://u:80/cret@h/x",
+            "rtsp://u:80?fault=cret@h/x",
+            "rtsp://u:80?fault=cret@10.0.0.1",
+            "http://h/x@y",
+            "tcp://u:p@h@i:1",
+        ] {
+            assert!(has_stray_at(text), "{text}");
+        }
+        for text in [
+            "rtsp://u:secret@h/x",
+            "rtsp://u:se%40cret@h:8554/x?y=1",
+            "rtsp://u:se:cret@h/x",
+            "rtsp://h/x?fault=stall@12.5s,drop@3+2",
+            "tcp://h:1?fault=explode@3",
+            "tcp://h:1",
+        ] {
+            assert!(!has_stray_at(text), "{text}");
+        }
+    }
 
     #[test]
     fn logins_are_hidden_in_any_text() {
@@ -39,6 +90,7 @@ mod tests {
         );
         check("url = \"rtsp://u:secret@cam\" # mail@home", "url = \"rtsp://***@cam\" # mail@home");
         check("tcp://host?fault=stall@3", "tcp://host?fault=stall@3");
+        check("tcp://u:12?fault=secret@host/x", "tcp://***@host/x");
         check("no address: user@host", "no address: user@host");
     }
 }

@@ -5,7 +5,7 @@ use std::fmt;
 use std::path::PathBuf;
 
 use barrelman_host::fault::{FaultPlan, FaultPlanError};
-use barrelman_host::redaction::without_logins;
+use barrelman_host::redaction::{has_stray_at, without_logins};
 
 /// Default baud rate: that of all public clients.
 pub const DEFAULT_BAUD: u32 = 115_200;
@@ -120,6 +120,12 @@ pub enum LinkUrlError {
     /// The address contains a login, but no link uses one.
     #[error("the link {0:?} has a login, but no link uses one: remove the part before the @")]
     Login(String),
+    /// A part of a password would be read as the host or the port.
+    #[error(
+        "the link's address has an @ that is not the one before its host, and is not used: no link uses a login; remove it from the \
+         address, and write an @ in a path as %40"
+    )]
+    StrayAt,
     /// An option is unknown, or its value is unusable.
     #[error(
         "the link's option {0:?} is unusable: a serial link has baud=9600 or baud=115200, and every link fault=KIND@SECONDS"
@@ -136,6 +142,10 @@ impl LinkUrl {
     /// # Errors
     /// [`LinkUrlError`] names the unusable part and the remedy.
     pub fn parse(text: &str) -> Result<Self, LinkUrlError> {
+        // A device may have any name.
+        if !text.starts_with("serial:") && has_stray_at(text) {
+            return Err(LinkUrlError::StrayAt);
+        }
         let (address, options) = text.split_once('?').unwrap_or((text, ""));
         let missing_port = || LinkUrlError::MissingPort(without_logins(text));
         let mut endpoint = if let Some(path) = address.strip_prefix("serial:") {

@@ -14,7 +14,7 @@ use super::feed::FeedSettings;
 use super::sender_clock::TimingSettings;
 use crate::codec::decoder::DecodeMode;
 use barrelman_host::fault::{FaultPlan, FaultPlanError};
-use barrelman_host::redaction::without_logins;
+use barrelman_host::redaction::{has_stray_at, without_logins};
 
 /// A video source with its options.
 #[derive(Clone, PartialEq)]
@@ -52,6 +52,8 @@ pub struct Login {
     pub user: String,
     /// The password.
     pub password: String,
+    /// Whether the password may be sent as it is (Basic): in TLS, or where the configuration permits it.
+    pub permits_basic: bool,
 }
 
 impl Login {
@@ -61,7 +63,7 @@ impl Login {
     /// A text without a user or without a colon. The message does not repeat the text.
     pub fn parse(text: &str) -> Result<Self, LoginError> {
         let (user, password) = text.split_once(':').filter(|(user, _)| !user.is_empty()).ok_or(LoginError)?;
-        Ok(Self { user: user.to_owned(), password: password.to_owned() })
+        Ok(Self { user: user.to_owned(), password: password.to_owned(), permits_basic: false })
     }
 }
 
@@ -100,6 +102,13 @@ pub enum VideoUrlError {
         /// What is wrong.
         reason: String,
     },
+    /// A part of a password would be read as the host or the port.
+    #[error(
+        "the address of the video has an @ that is not the one before its host, and is not used: in a user's name, a password and \
+         a path, write @ as %40, / as %2F, ? as %3F, # as %23, : as %3A and % as %25; or leave the login out of the address and give \
+         --video-login-file FILE (video.login_file), a file with user:password as it is"
+    )]
+    StrayAt,
     /// A login was given for a source without one.
     #[error("{url} takes no login: only rtsp:// does")]
     LoginNotSupported {
@@ -155,7 +164,8 @@ impl VideoUrl {
         }
         match scheme_of(text) {
             None => Self::parse_path(text),
-            Some("rtsp" | ENCRYPTED) => Self::parse_rtsp(text),
+            Some(_) if has_stray_at(text) => Err(VideoUrlError::StrayAt),
+            Some("rtsp" | ENCRYPTED) => Self::parse_stream(text),
             Some(scheme) => Err(unsupported(scheme, text)),
         }
     }
@@ -179,21 +189,51 @@ impl VideoUrl {
         let url = self.to_string();
         match &mut self.source {
             VideoSource::Rtsp { login: Some(_), .. } => Err(VideoUrlError::LoginGivenTwice { url }),
-            VideoSource::Rtsp { login, .. } => {
-                *login = Some(new);
+            VideoSource::Rtsp { login, address } => {
+                let permits_basic = new.permits_basic || address.scheme() == ENCRYPTED;
+                *login = Some(Login { permits_basic, ..new });
                 Ok(self)
             }
             VideoSource::File(_) => Err(VideoUrlError::LoginNotSupported { url }),
         }
     }
 
+    /// The server of a stream: its host, without brackets, and its port; `None`: the source is no stream.
+    pub fn server(&self) -> Option<(String, u16)> {
+        match &self.source {
+            VideoSource::Rtsp { address, .. } => {
+                let host = address.host_str()?.trim_matches(['[', ']']).to_owned();
+                let usual = if address.scheme() == ENCRYPTED { ENCRYPTED_PORT } else { RTSP_PORT };
+                Some((host, address.port().unwrap_or(usual)))
+            }
+            VideoSource::File(_) => None,
+        }
+    }
+
+    /// The names of this program's own options in the text of an address.
+    pub fn options_in(text: &str) -> impl Iterator<Item = &'static str> + use<'_> {
+        let query = text.split_once('?').map_or("", |(_, query)| query);
+        query.split('&').filter_map(|option| {
+            KNOWN_OPTIONS
+                .into_iter()
+                .find(|name| option.starts_with(name))
+                .map(|name| name.trim_end_matches('='))
+        })
+    }
+
+    /// The source, whose login may be sent as it is, without TLS (Basic).
+    #[must_use]
+    pub const fn permitting_basic(mut self) -> Self {
+        if let VideoSource::Rtsp { login: Some(login), .. } = &mut self.source {
+            login.permits_basic = true;
+        }
+        self
+    }
+
     /// The server that the stream comes from in TLS: host and port; `None`: the source needs no TLS.
     pub fn tls_server(&self) -> Option<(String, u16)> {
         match &self.source {
-            VideoSource::Rtsp { address, .. } if address.scheme() == ENCRYPTED => {
-                let host = address.host_str()?.trim_matches(['[', ']']).to_owned();
-                Some((host, address.port().unwrap_or(ENCRYPTED_PORT)))
-            }
+            VideoSource::Rtsp { address, .. } if address.scheme() == ENCRYPTED => self.server(),
             VideoSource::Rtsp { .. } | VideoSource::File(_) => None,
         }
     }
@@ -244,7 +284,14 @@ impl VideoUrl {
         Ok(url)
     }
 
-    fn parse_rtsp(text: &str) -> Result<Self, VideoUrlError> {
+    /// Reads the address of a stream, `rtsp://` or `rtsps://`, whatever files exist.
+    ///
+    /// # Errors
+    /// An unusable address or option.
+    pub fn parse_stream(text: &str) -> Result<Self, VideoUrlError> {
+        if has_stray_at(text) {
+            return Err(VideoUrlError::StrayAt);
+        }
         let malformed = |reason: String| VideoUrlError::Malformed { url: without_logins(text), reason };
         let mut address = Url::parse(text).map_err(|error| malformed(error.to_string()))?;
         if address.host_str().is_none_or(str::is_empty) {
@@ -263,6 +310,7 @@ impl VideoUrl {
         let login = (!address.username().is_empty()).then(|| Login {
             user: percent_decoded(address.username()),
             password: percent_decoded(address.password().unwrap_or_default()),
+            permits_basic: address.scheme() == ENCRYPTED,
         });
         // Removing the user and the password succeeds for an address with a host.
         let _ = address.set_username("");
@@ -290,6 +338,8 @@ const KNOWN_OPTIONS: [&str; 2] = ["fps=", "fault="];
 /// The scheme of RTSP in TLS, and its usual port.
 const ENCRYPTED: &str = "rtsps";
 const ENCRYPTED_PORT: u16 = 322;
+/// The usual port of RTSP.
+pub(super) const RTSP_PORT: u16 = 554;
 
 /// The scheme of an address: letters, digits, `+-.` before the first colon. A single letter is a Windows drive.
 fn scheme_of(text: &str) -> Option<&str> {
