@@ -61,7 +61,7 @@ run_in_front() {
 
 # What needs one core and no exact times runs beside what mostly waits.
 start_beside "first_hour"
-run_in_front "law" "rule $with_clip" "bad_input $with_clip" "kills --count 3 $with_clip" "live --restarts 2" "rtsps" \
+run_in_front "law" "rule $with_clip" "bad_input $with_clip" "kills --count 3 $with_clip" "live --restarts 2" "rtsps" "hostile_servers" \
   "camshift $with_clip" "tracking_camera" "api" "reconnect" "campaigns --trials 100"
 # What measures times that leave little room, alone.
 run_in_order "guard --few $with_clip" "stops $with_clip"

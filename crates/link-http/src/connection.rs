@@ -21,6 +21,8 @@ use crate::settings::HttpSettings;
 
 /// Largest body of an answer, bytes.
 const MAX_BODY_BYTES: usize = 256 << 10;
+/// Largest head of an answer, bytes.
+const MAX_HEAD_BYTES: usize = 64 << 10;
 /// Longest time until a connection is made, TLS included.
 pub(crate) const CONNECT_TIMEOUT: Duration = Duration::from_secs(2);
 
@@ -84,7 +86,11 @@ pub(crate) struct Connection {
 impl Connection {
     pub(crate) async fn open(connector: &Connector) -> io::Result<Self> {
         let stream = connector.connect().await?;
-        let (sender, connection) = http1::handshake(TokioIo::new(stream)).await.map_err(io::Error::other)?;
+        let (sender, connection) = http1::Builder::new()
+            .max_buf_size(MAX_HEAD_BYTES)
+            .handshake(TokioIo::new(stream))
+            .await
+            .map_err(io::Error::other)?;
         // The end of a connection is seen by its next request.
         let driver = tokio::spawn(async move { drop(connection.await) });
         Ok(Self { sender, driver })

@@ -18,6 +18,8 @@ use crate::lane::Queued;
 
 /// Largest message, bytes.
 const MAX_MESSAGE_BYTES: usize = 64 << 10;
+/// Bytes that wait for a vehicle that does not read, at most: answers to its pings. What is beyond ends the WebSocket.
+const MAX_UNSENT_BYTES: usize = 256 << 10;
 
 /// Opens a WebSocket for each request, and passes its messages on until it ends.
 pub(crate) async fn serve(
@@ -63,7 +65,9 @@ async fn open(
     request.headers_mut().insert(AUTHORIZATION, value);
     let config = WebSocketConfig::default()
         .max_message_size(Some(MAX_MESSAGE_BYTES))
-        .max_frame_size(Some(MAX_MESSAGE_BYTES));
+        .max_frame_size(Some(MAX_MESSAGE_BYTES))
+        .write_buffer_size(0)
+        .max_write_buffer_size(MAX_UNSENT_BYTES);
     client_async_with_config(request, stream, Some(config)).await.map(|(socket, _)| socket)
 }
 

@@ -17,5 +17,7 @@ mod fault_filter;
 pub mod demux;
 
 mod rtsp;
+mod rtsp_filter;
+mod rtsp_relay;
 pub mod sender_clock;
 pub mod supervision;

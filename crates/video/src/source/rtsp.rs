@@ -19,6 +19,8 @@ use tokio::time::{Instant, timeout_at};
 use url::Url;
 
 use super::feed::{Feed, StopSignal};
+use super::rtsp_filter::Refusal;
+use super::rtsp_relay::{self, RelayEnd};
 use super::sender_clock::{ArrivedPicture, SenderClock, SenderReport, VideoTiming};
 use super::sink::{VideoSink, VideoState};
 use super::supervision::{Action, Event, Loss, State, Supervision};
@@ -85,8 +87,8 @@ enum End {
 
 /// A connection, or an attempt to connect.
 enum Connection<'a> {
-    Connecting(Pin<&'a mut dyn Future<Output = Result<Demuxed, ConnectError>>>),
-    Up(Box<Demuxed>),
+    Connecting(Pin<&'a mut dyn Future<Output = Result<(Demuxed, RelayEnd), ConnectError>>>),
+    Up(Box<Demuxed>, RelayEnd),
 }
 
 /// A failed attempt to connect, or a broken connection.
@@ -101,7 +103,7 @@ enum ConnectError {
 enum ConnectionEvent {
     /// No event before the timeout.
     Timeout,
-    Connected(Box<Demuxed>),
+    Connected(Box<Demuxed>, RelayEnd),
     Item(CodecItem),
     Broken(ConnectError),
 }
@@ -146,8 +148,8 @@ impl<S: VideoSink> Receiver<'_, S> {
                     Ok(()) => self.notify(Event::Tick),
                     Err(end) => return end,
                 },
-                ConnectionEvent::Connected(session) => {
-                    connection = Connection::Up(session);
+                ConnectionEvent::Connected(session, relay) => {
+                    connection = Connection::Up(session, relay);
                     self.clock.on_connected();
                     self.notify(Event::Connected)
                 }
@@ -274,20 +276,55 @@ impl Connection<'_> {
         match self {
             Self::Connecting(attempt) => match timeout_at(until, attempt.as_mut()).await {
                 Err(_) => ConnectionEvent::Timeout,
-                Ok(Ok(session)) => ConnectionEvent::Connected(Box::new(session)),
+                Ok(Ok((session, relay))) => ConnectionEvent::Connected(Box::new(session), relay),
                 Ok(Err(error)) => ConnectionEvent::Broken(error),
             },
-            Self::Up(session) => match timeout_at(until, session.next()).await {
+            Self::Up(session, relay) => match timeout_at(until, session.next()).await {
                 Err(_) => ConnectionEvent::Timeout,
                 Ok(Some(Ok(item))) => ConnectionEvent::Item(item),
-                Ok(Some(Err(error))) => ConnectionEvent::Broken(ConnectError::Temporary(error.to_string())),
-                Ok(None) => ConnectionEvent::Broken(ConnectError::Temporary(Loss::Broken.to_string())),
+                Ok(Some(Err(error))) => {
+                    let reason = relay.reason().unwrap_or_else(|| error.to_string());
+                    ConnectionEvent::Broken(ConnectError::Temporary(reason))
+                }
+                Ok(None) => {
+                    let reason = relay.reason().unwrap_or_else(|| Loss::Broken.to_string());
+                    ConnectionEvent::Broken(ConnectError::Temporary(reason))
+                }
             },
         }
     }
 }
 
-async fn connect(address: &Url, login: Option<&Login>, shown_address: &str) -> Result<Demuxed, ConnectError> {
+/// Connects through a relay that bounds what the server sends, and that keeps a password from being sent in clear.
+async fn connect(
+    address: &Url,
+    login: Option<&Login>,
+    shown_address: &str,
+) -> Result<(Demuxed, RelayEnd), ConnectError> {
+    let permits_basic = login.is_some_and(|login| login.permits_basic);
+    let relay = rtsp_relay::start(address, permits_basic).await;
+    let (address, end) = relay.map_err(|error| ConnectError::Temporary(error.to_string()))?;
+    match describe_and_play(address, login, shown_address).await {
+        Ok(session) => Ok((session, end)),
+        Err(error) => Err(match (end.refusal(), end.reason(), error) {
+            (Some(Refusal::BasicInClear), ..) => permanent(
+                shown_address,
+                "takes a password in clear text only (Basic, without TLS), and everybody on the network could read it",
+                "Set the camera to Digest, or use its rtsps:// address; on a network that you trust, \
+                 video.allow_basic_login = true in the configuration sends it in clear",
+            ),
+            (_, _, ConnectError::Permanent(error)) => ConnectError::Permanent(error),
+            (_, Some(reason), ConnectError::Temporary(_)) => ConnectError::Temporary(reason),
+            (_, None, error) => error,
+        }),
+    }
+}
+
+async fn describe_and_play(
+    address: Url,
+    login: Option<&Login>,
+    shown_address: &str,
+) -> Result<Demuxed, ConnectError> {
     let credentials =
         login.map(|login| Credentials { username: login.user.clone(), password: login.password.clone() });
     let options = SessionOptions::default().creds(credentials).user_agent("barrelman".to_owned());
@@ -298,9 +335,14 @@ async fn connect(address: &Url, login: Option<&Login>, shown_address: &str) -> R
             "Write USER:PASSWORD on the first line of a file and give --video-login-file FILE, or name the file as \
              video.login_file in the configuration",
         ),
+        Some(300..=399) => permanent(
+            shown_address,
+            "leads to another address (an RTSP redirect), and no redirect is followed",
+            "Give the address of the stream itself with --video",
+        ),
         _ => ConnectError::Temporary(error.to_string()),
     };
-    let mut session = Session::describe(address.clone(), options).await.map_err(connect_error)?;
+    let mut session = Session::describe(address, options).await.map_err(connect_error)?;
     let is_video = |stream: &&retina::client::Stream| stream.media() == "video";
     let is_h264 =
         |stream: &retina::client::Stream| stream.media() == "video" && stream.encoding_name() == "h264";
