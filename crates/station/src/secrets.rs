@@ -4,14 +4,15 @@ use std::os::unix::fs::PermissionsExt as _;
 use std::path::{Path, PathBuf};
 use std::time::{SystemTime, UNIX_EPOCH};
 
-use anyhow::{Context, Result, anyhow};
+use anyhow::{Context, Result, anyhow, bail};
 
 use barrelman_host::clock::Clock;
 use barrelman_host::input;
 use barrelman_link::url::HttpAddress;
 use barrelman_link_http::settings::Fingerprint;
 use barrelman_link_http::{Credential, HttpSettings, Trust};
-use barrelman_video::url::{Login, VideoSource};
+use barrelman_video::VideoUrl;
+use barrelman_video::url::Login;
 use barrelman_vocab::Timestamp;
 use barrelman_wire::{Signing, SigningKey};
 
@@ -23,10 +24,26 @@ const READABLE_BY_OTHERS: u32 = 0o044;
 /// Where a login is kept.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum LoginSource {
-    /// `user:password` on the first line of this file.
+    /// `user:password` on the first line of this file, and on the second one, if there is one, `host HOST:PORT` of the camera.
     File(PathBuf),
     /// `user:password` in the environment variable of this name.
     Environment(String),
+}
+
+/// The login of a video, and how it may be used.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct VideoLogin {
+    /// Where the login is kept, if it is not in the address.
+    pub source: Option<LoginSource>,
+    /// Whether the password may be sent as it is (Basic) without TLS.
+    pub permits_basic: bool,
+}
+
+/// A login with the server that it is for.
+struct StoredLogin {
+    login: Login,
+    /// `HOST` or `HOST:PORT` of the second line, behind the word `host`; `None`: that of the address beside which the login is given.
+    server: Option<String>,
 }
 
 /// What proves who asks a vehicle over HTTP, and which vehicle is the right one.
@@ -52,7 +69,7 @@ impl LoginSource {
     ///
     /// # Errors
     /// If the file or the variable does not exist, or holds no login. The message repeats nothing of the content.
-    pub fn read(&self) -> Result<Login> {
+    fn read(&self) -> Result<StoredLogin> {
         match self {
             Self::File(path) => read_file(path),
             Self::Environment(name) => {
@@ -62,7 +79,9 @@ impl LoginSource {
                          set it to user:password"
                     )
                 })?;
-                Login::parse(&text).with_context(|| format!("the environment variable {name} is not usable"))
+                let login = Login::parse(&text)
+                    .with_context(|| format!("the environment variable {name} is not usable"))?;
+                Ok(StoredLogin { login, server: None })
             }
         }
     }
@@ -73,13 +92,50 @@ impl LoginSource {
 ///
 /// # Errors
 /// If the address cannot be parsed, or the login cannot be read.
-pub fn source_url(address: &str, login: Option<&LoginSource>) -> Result<SourceUrl> {
-    Ok(match (SourceUrl::parse(address)?, login) {
-        (SourceUrl::Video(url), Some(login)) if matches!(url.source, VideoSource::Rtsp { .. }) => {
-            SourceUrl::Video(url.with_login(login.read()?)?)
-        }
-        (url, _) => url,
+pub fn source_url(address: &str, login: &VideoLogin) -> Result<SourceUrl> {
+    Ok(match SourceUrl::parse(address)? {
+        SourceUrl::Video(url) => SourceUrl::Video(with_login(url, login, false)?),
+        SourceUrl::Simulated(url) => SourceUrl::Simulated(url),
     })
+}
+
+/// Adds the login to an address that the vehicle named: only a login that is stored for that host and port, as a vehicle chooses
+/// nobody whom a password is shown to.
+///
+/// # Errors
+/// If the login cannot be read, or is for another server.
+pub fn named_source_url(url: VideoUrl, login: &VideoLogin) -> Result<SourceUrl> {
+    with_login(url, login, true).map(SourceUrl::Video)
+}
+
+fn with_login(url: VideoUrl, login: &VideoLogin, is_named_by_vehicle: bool) -> Result<VideoUrl> {
+    let url = match (&login.source, url.server()) {
+        (Some(source), Some((host, port))) => {
+            let stored = source.read()?;
+            let shown =
+                if host.contains(':') { format!("[{host}]:{port}") } else { format!("{host}:{port}") };
+            match stored.server {
+                Some(server) if !is_server(&server, &host, port, &url) => bail!(
+                    "the login is for {server}, as its file says, and the video is at {shown}: it is not sent there. If both are \
+                     the same camera, correct the second line of the file"
+                ),
+                None if is_named_by_vehicle => bail!(
+                    "the vehicle names its video at {shown}, and a login is sent to no address that a vehicle chooses: if that is \
+                     the right camera, write `host {shown}` on the second line of the login file, or give --video"
+                ),
+                Some(_) | None => url.with_login(stored.login)?,
+            }
+        }
+        _ => url,
+    };
+    Ok(if login.permits_basic { url.permitting_basic() } else { url })
+}
+
+/// Whether `HOST` or `HOST:PORT` is this server. Without a port it is the usual one of the address.
+fn is_server(text: &str, host: &str, port: u16, url: &VideoUrl) -> bool {
+    let scheme = if url.tls_server().is_some() { "rtsps" } else { "rtsp" };
+    let stated = VideoUrl::parse_stream(&format!("{scheme}://{text}")).ok().and_then(|url| url.server());
+    stated.is_some_and(|(stated, at)| stated.eq_ignore_ascii_case(host) && at == port)
 }
 
 /// What a link over HTTP needs, with the token of its file. If others may read the file, a warning is logged.
@@ -125,10 +181,14 @@ pub fn mavlink_signing(key_file: Option<&Path>, clock: Clock) -> Result<Option<S
     Ok(Some(Signing::new(key, began.as_millis() as u64)))
 }
 
-fn read_file(path: &Path) -> Result<Login> {
+fn read_file(path: &Path) -> Result<StoredLogin> {
     let text = read_secret(path, "login")?;
-    Login::parse(text.lines().next().unwrap_or_default())
-        .with_context(|| format!("the login file {} is not usable", path.display()))
+    let mut lines = text.lines();
+    let login = Login::parse(lines.next().unwrap_or_default())
+        .with_context(|| format!("the login file {} is not usable", path.display()))?;
+    let server =
+        lines.next().and_then(|line| line.strip_prefix("host ")).map(|server| server.trim().to_owned());
+    Ok(StoredLogin { login, server })
 }
 
 /// Reads a file of a secret, and warns if others may read it. `kind`: what it holds.

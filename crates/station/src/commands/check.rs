@@ -91,8 +91,8 @@ fn check_configuration(args: &CheckArgs, results: &mut Vec<CheckResult>) -> Opti
 }
 
 fn check_video(url: &str, configuration: Option<&Configuration>, clock: Clock) -> CheckResult {
-    let login = configuration.and_then(|configuration| configuration.video_login.as_ref());
-    let parsed = match secrets::source_url(url, login) {
+    let login = configuration.map(|configuration| configuration.video_login.clone()).unwrap_or_default();
+    let parsed = match secrets::source_url(url, &login) {
         Ok(parsed) => parsed,
         Err(error) => return CheckResult::new("video", Verdict::Failed, format!("{error:#}")),
     };

@@ -7,6 +7,7 @@ use barrelman_vocab::profile::AxisDynamics;
 
 use super::check_result::{CheckResult, Verdict};
 use crate::config::Configuration;
+use crate::link::named_video::{PermittedHosts, named_video};
 use crate::secrets;
 
 /// Checks the vehicle at an address.
@@ -59,7 +60,8 @@ pub(super) fn check_over_http(
         Ok(None) => CheckResult::new("control", Verdict::Ok, "nobody controls the vehicle"),
         Err(said) => CheckResult::new("control", Verdict::Failed, said.text()),
     });
-    results.push(check_video(vehicle.main_video()));
+    let hosts = PermittedHosts { link: &address.host, configured: configuration.link_video_host.as_deref() };
+    results.push(check_video(vehicle.main_video(), hosts));
 }
 
 /// Compares the speeds that the vehicle takes with those of the profile.
@@ -86,14 +88,17 @@ fn check_speeds(info: &CameraInfo, configuration: &Configuration) -> CheckResult
     CheckResult::new("speeds", Verdict::Warning, details)
 }
 
-fn check_video(main: Result<Option<MainVideo>, Acceptance>) -> CheckResult {
+fn check_video(main: Result<Option<MainVideo>, Acceptance>, hosts: PermittedHosts<'_>) -> CheckResult {
     let (verdict, details) = match main {
         Err(said) => (Verdict::Failed, said.text().to_owned()),
         Ok(None) => (Verdict::Warning, "the vehicle has no video".to_owned()),
-        Ok(Some(MainVideo { name, address: Some(address) })) => {
-            let protocol = if address.starts_with("rtsps:") { "RTSP in TLS" } else { "RTSP" };
-            (Verdict::Ok, format!("{name}, by {protocol}: `run` without --video takes it"))
-        }
+        Ok(Some(MainVideo { name, address: Some(address) })) => match named_video(&address, hosts) {
+            Ok(url) => {
+                let protocol = if url.tls_server().is_some() { "RTSP in TLS" } else { "RTSP" };
+                (Verdict::Ok, format!("{name}, by {protocol}: `run` without --video takes it"))
+            }
+            Err(error) => (Verdict::Failed, format!("{error}; or give --video rtsp://...")),
+        },
         Ok(Some(MainVideo { name, address: None })) => {
             (Verdict::Warning, format!("{name}, without an address: give --video rtsp://..."))
         }

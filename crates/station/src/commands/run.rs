@@ -11,7 +11,7 @@ use crate::cli::{CalibrateAxesArgs, RunArgs, UsageError};
 use crate::config::{Configuration, ConsoleConfig, RecordingConfig};
 use crate::console::{AfterPicking, ConsoleSettings};
 use crate::link::url::Endpoint;
-use crate::link::{LinkUrl, command_path, find_guard, vehicle_over_http, video_address};
+use crate::link::{LinkUrl, command_path, find_guard, vehicle_over_http, video_of_vehicle};
 use crate::live::calibration::LiveCalibration;
 use crate::live::recording_folder::{self, DiskReserve};
 use crate::live::run_loop::RunEnd;
@@ -27,7 +27,6 @@ use barrelman_host::fault::FaultKind;
 use barrelman_host::fault_lines::parse_fault_lines;
 use barrelman_host::input;
 use barrelman_host::output::OutputFile;
-use barrelman_host::redaction::without_logins;
 use barrelman_video::url::VideoSource;
 use barrelman_vocab::{Angle, PixelBox};
 use barrelman_wire::mavlink::tracking_camera::{CameraDescription, VideoStream};
@@ -52,10 +51,12 @@ pub fn run_with_outputs(
     let (mut configuration, latency_is_known) = effective_configuration(args)?;
     let mut link = configuration.link.as_deref().map(LinkUrl::parse).transpose()?;
     let http = vehicle_over_http(&configuration, link.as_ref())?;
+    let mut named = None;
     if let (None, Some(http)) = (&configuration.video, &http) {
-        let video = video_address(http)?;
-        tracing::info!("the vehicle's video: {}", without_logins(&video));
-        configuration.video = Some(video);
+        let video = video_of_vehicle(http, configuration.link_video_host.as_deref())?;
+        tracing::info!("the vehicle's video: {video}");
+        configuration.video = Some(video.to_string());
+        named = Some(video);
         // One vehicle, one certificate.
         if configuration.video_trust == TrustFiles::default() {
             configuration.video_trust = configuration.link_access.trust.clone();
@@ -65,7 +66,10 @@ pub fn run_with_outputs(
         let remedy = "give --video rtsp://..., --video file:clip.mp4, --video sim:arena1, or video.url in the configuration";
         return Err(UsageError(format!("no video source: {remedy}")).into());
     };
-    let source = secrets::source_url(video, configuration.video_login.as_ref())?;
+    let source = match named {
+        Some(video) => secrets::named_source_url(video, &configuration.video_login)?,
+        None => secrets::source_url(video, &configuration.video_login)?,
+    };
     let uses_login =
         matches!(&source, SourceUrl::Video(url) if matches!(url.source, VideoSource::Rtsp { .. }));
     if args.connection.video_login_file.is_some() && !uses_login {
@@ -300,7 +304,7 @@ pub fn calibrate(
     let Some(link) = configuration.link.as_deref().map(LinkUrl::parse).transpose()? else {
         return Err(UsageError("no link: give --link, or link.url in the configuration".to_owned()).into());
     };
-    let source = secrets::source_url(video, configuration.video_login.as_ref())?;
+    let source = secrets::source_url(video, &configuration.video_login)?;
     let source = Source::load(source, secrets::trust(&configuration.video_trust)?)?;
     if source.world().is_none() && link.endpoint == Endpoint::SimulatedCamera {
         bail!("--link sim: moves the camera of a simulated world: give --video sim:SCENARIO with it");

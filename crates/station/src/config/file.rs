@@ -60,7 +60,8 @@ pub struct VideoSection {
     /// Address: `rtsp://...`, `rtsps://...`, `file:...` or `sim:...`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub url: Option<String>,
-    /// File whose first line is the camera's `user:password`, only for `rtsp://`.
+    /// File whose first line is the camera's `user:password`, only for `rtsp://` and `rtsps://`. A second line `host HOST:PORT`
+    /// says who alone gets the login: a vehicle that names its video gets none without it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub login_file: Option<PathBuf>,
     /// Name of the environment variable that holds the camera's `user:password`, only for `rtsp://`.
@@ -69,6 +70,9 @@ pub struct VideoSection {
     /// Which clock gives the times of capture of a stream at `rtsp://` or `rtsps://`; default: `auto`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub clock: Option<VideoClock>,
+    /// Whether a password may be sent in clear text (Basic) to a camera without TLS that takes nothing else; default: false.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub allow_basic_login: Option<bool>,
     /// SHA-256 fingerprint of the certificate of a camera at `rtsps://`, 64 hexadecimal digits: no other one is accepted.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub certificate_sha256: Option<String>,
@@ -111,6 +115,9 @@ pub struct LinkSection {
     /// File of authorities (PEM) that sign the certificate of a vehicle at `https://`; default: the well-known ones.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub ca_file: Option<PathBuf>,
+    /// The host beside that of `url` on which a vehicle at `http://` or `https://` may name its video; default: none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub video_host: Option<String>,
     /// Delimiters of a line, where the vehicle takes lines of text (Fotokite Pro).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub line_ending: Option<LineEnding>,

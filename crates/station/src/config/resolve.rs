@@ -22,7 +22,7 @@ use super::tracker::TrackerSection;
 use super::tracking_camera::{TrackingCameraConfig, TrackingCameraSection};
 use super::turning::{gimbal_tilt, net_yaw_limits, section_of};
 use super::vessel::{VesselConfig, VesselSection};
-use crate::secrets::{LinkAccess, LoginSource, TrustFiles};
+use crate::secrets::{LinkAccess, LoginSource, TrustFiles, VideoLogin};
 use barrelman_experiments::law_choice::LawChoice;
 use barrelman_experiments::tracker_choice::{TrackerName, TrackerSettings};
 
@@ -33,14 +33,16 @@ pub struct Configuration {
     pub video: Option<String>,
     /// Which clock gives the times of capture of a live stream.
     pub video_clock: ClockChoice,
-    /// Where the video's login is kept, if it is not in the address.
-    pub video_login: Option<LoginSource>,
+    /// The video's login, if it is not in the address, and how it may be used.
+    pub video_login: VideoLogin,
     /// Which certificate of a video in TLS is accepted.
     pub video_trust: TrustFiles,
     /// Address of the vehicle's link; `None`: a dry run.
     pub link: Option<String>,
     /// What proves who asks a vehicle over HTTP, and which vehicle is the right one.
     pub link_access: LinkAccess,
+    /// The host beside that of the link on which a vehicle may name its video.
+    pub link_video_host: Option<String>,
     /// The file of the key of signed packets, where the vehicle's packets are signed.
     pub signing_key_file: Option<PathBuf>,
     /// The guard of the vehicle's port.
@@ -145,10 +147,14 @@ impl Configuration {
                 None | Some(VideoClock::Auto) => ClockChoice::Auto,
                 Some(VideoClock::Arrival) => ClockChoice::Arrival,
             },
-            video_login: login_source(&file.video)?,
+            video_login: VideoLogin {
+                source: login_source(&file.video)?,
+                permits_basic: file.video.allow_basic_login.unwrap_or(false),
+            },
             video_trust: trust_files("video", &file.video.certificate_sha256, &file.video.ca_file)?,
             link: file.link.url.clone(),
             link_access: link_access(&file.link)?,
+            link_video_host: file.link.video_host.clone(),
             signing_key_file: file.link.signing_key_file.clone(),
             guard: GuardChoice {
                 program: file.link.guard.clone(),
@@ -200,14 +206,15 @@ impl Configuration {
                     ClockChoice::Auto => VideoClock::Auto,
                     ClockChoice::Arrival => VideoClock::Arrival,
                 }),
-                login_file: match &self.video_login {
+                login_file: match &self.video_login.source {
                     Some(LoginSource::File(path)) => Some(path.clone()),
                     Some(LoginSource::Environment(_)) | None => None,
                 },
-                login_env: match &self.video_login {
+                login_env: match &self.video_login.source {
                     Some(LoginSource::Environment(name)) => Some(name.clone()),
                     Some(LoginSource::File(_)) | None => None,
                 },
+                allow_basic_login: Some(self.video_login.permits_basic),
                 certificate_sha256: self.video_trust.certificate_sha256.clone(),
                 ca_file: self.video_trust.ca_file.clone(),
             },
@@ -219,6 +226,7 @@ impl Configuration {
                 certificate_sha256: self.link_access.trust.certificate_sha256.clone(),
                 ca_file: self.link_access.trust.ca_file.clone(),
                 signing_key_file: self.signing_key_file.clone(),
+                video_host: self.link_video_host.clone(),
                 line_ending: Some(match self.framing {
                     Framing::CarriageReturns => LineEnding::CrAround,
                     Framing::LineFeed => LineEnding::Lf,

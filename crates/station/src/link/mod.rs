@@ -9,6 +9,7 @@ pub mod boat_link;
 pub mod camera_link;
 
 mod command_path;
+pub mod named_video;
 mod vehicle_over_http;
 
 pub use barrelman_link::guarded::{GuardedLinkSettings, find_guard};
@@ -16,4 +17,4 @@ pub use barrelman_link::{GuardedLink, LinkHandle, LinkReport, LinkUrl, LinkUrlEr
 pub use camera_link::CameraLink;
 pub use command_path::command_path;
 pub use vehicle_link::{Link, VehicleLink};
-pub use vehicle_over_http::{vehicle_over_http, video_address};
+pub use vehicle_over_http::{vehicle_over_http, video_of_vehicle};

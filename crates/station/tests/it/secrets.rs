@@ -95,21 +95,33 @@ fn a_login_comes_from_a_file_or_the_environment_and_goes_to_the_camera_alone() {
     let (address, logins) = camera();
     let url = format!("rtsp://{address}/live");
     let refuses = "does not let us in";
+    let basic = folder.join("basic.toml");
+    std::fs::write(&basic, "[video]\nallow_basic_login = true\n").unwrap();
 
-    let message =
-        refused(&["check", "--video", &url, "--video-login-file", argument(&login), "--json"], refuses);
+    let options = ["check", "--video", &url, "--video-login-file", argument(&login), "--json"];
+    refused(&options, "allow_basic_login");
+    assert!(logins.try_recv().is_err(), "the password was sent in clear");
+
+    let message = refused(&[&options[..], &[argument(&basic)]].concat(), refuses);
     assert_eq!(logins.recv().unwrap(), BASIC);
     assert!(!message.contains("can be read by others"), "{message}");
 
     let config = folder.join("barrelman.toml");
-    std::fs::write(&config, format!("[video]\nurl = \"{url}\"\nlogin_env = \"BARRELMAN_TEST_LOGIN\"\n"))
-        .unwrap();
+    std::fs::write(
+        &config,
+        format!("[video]\nurl = \"{url}\"\nallow_basic_login = true\nlogin_env = \"BARRELMAN_TEST_LOGIN\"\n"),
+    )
+    .unwrap();
     refused(&["check", argument(&config)], refuses);
     assert_eq!(logins.recv().unwrap(), BASIC);
 
     std::fs::set_permissions(&login, Permissions::from_mode(0o644)).unwrap();
-    std::fs::write(&config, format!("[video]\nurl = \"{url}\"\nlogin_file = \"{}\"\n", login.display()))
-        .unwrap();
+    let login_file = login.display();
+    std::fs::write(
+        &config,
+        format!("[video]\nurl = \"{url}\"\nallow_basic_login = true\nlogin_file = \"{login_file}\"\n"),
+    )
+    .unwrap();
     let record = folder.join("run.mcap");
     let message = refused(&["run", argument(&config), "--record", argument(&record)], refuses);
     assert_eq!(logins.recv().unwrap(), BASIC);
@@ -119,6 +131,29 @@ fn a_login_comes_from_a_file_or_the_environment_and_goes_to_the_camera_alone() {
     };
     assert!(start.video.starts_with("rtsp://***@127.0.0.1") && start.configuration.contains("login_file"));
     assert!(!format!("{start:?}").contains(PASSWORD), "{start:?}");
+}
+
+#[test]
+fn a_login_goes_to_the_server_that_its_file_names() {
+    let folder = empty_folder("secrets-server");
+    let login = folder.join("login");
+    let (address, logins) = camera();
+    let url = format!("rtsp://{address}/live");
+    std::fs::write(&login, format!("admin:{PASSWORD}\nhost 127.0.0.1:9\n")).unwrap();
+    refused(
+        &["check", "--video", &url, "--video-login-file", argument(&login)],
+        "the login is for 127.0.0.1:9",
+    );
+    assert!(logins.try_recv().is_err());
+}
+
+#[test]
+fn an_address_with_a_password_that_is_not_encoded_is_refused_and_not_printed() {
+    for text in ["se#{}@127.0.0.1:9/x", "se/{}@127.0.0.1:9/x", "se?{}@127.0.0.1:9/x", "se@{}@127.0.0.1:9/x"] {
+        let rest = text.replace("{}", PASSWORD);
+        refused(&["check", "--video", &format!("rtsp://admin:{rest}")], "%23");
+        refused(&["check", "--link", &format!("tcp://admin:{rest}")], "has an @");
+    }
 }
 
 #[test]
