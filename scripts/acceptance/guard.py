@@ -23,6 +23,8 @@ REST_LIMIT = 0.35
 UP_AGAIN_LIMIT = 4.0
 GUARD_ENDS_WITHIN = 8.0
 HANG_S = 5.0
+AWAY_S = 1.3
+SILENT_GUARD_LIMIT = 5.0
 GROWS_AT_FRAME = 150
 
 
@@ -86,6 +88,7 @@ class Run:
             self.terminal.start()
         self.err = Lines(self.child.stderr)
         self.guards = []
+        self.back_at = None
 
     def guard(self):
         """The guard's process."""
@@ -161,6 +164,25 @@ def stopped(run):
     return at
 
 
+def away(run):
+    """The program is away for longer than a second, and waits for the operator afterwards."""
+    run.wait_until_it_moves()
+    at = time.monotonic()
+    run.child.send_signal(signal.SIGSTOP)
+    time.sleep(AWAY_S)
+    run.child.send_signal(signal.SIGCONT)
+    run.back_at = time.monotonic()
+    time.sleep(2.0)
+    return at
+
+
+def guard_hangs(run):
+    pid = run.wait_until_it_moves()
+    at = time.monotonic()
+    os.kill(pid, signal.SIGSTOP)
+    return at
+
+
 def guard_killed(run):
     pid = run.wait_until_it_moves()
     at = time.monotonic()
@@ -196,7 +218,9 @@ CASES = [
     ("SIGABRT", killed(signal.SIGABRT), True, {}),
     ("SIGSTOP for 5 s", stopped, False, {}),
     ("memory limit (RLIMIT_AS)", out_of_memory, True, {"grows": True}),
+    ("SIGSTOP for 1.3 s, then no motion", away, False, {}),
     ("guard killed", guard_killed, False, {}),
+    ("guard hangs (SIGSTOP)", guard_hangs, False, {}),
     ("terminal closed", terminal_closed, True, {"terminal": True}),
     ("the pilot hangs (--faults)", by_itself(FAULT_AT_S), False, {"faults": f"pilot: hang@{FAULT_AT_S}"}),
     ("suspended for 3 s (--faults)", by_itself(FAULT_AT_S), False, {"faults": f"program: suspend@{FAULT_AT_S}+3"}),
@@ -229,13 +253,15 @@ def try_case(args, clip, selection, folder, table, case, port, station):
         if rest > REST_LIMIT:
             faults.append(f"later than {REST_LIMIT} s")
         faults += check_first_bytes(run, rows, at)
+        if run.back_at is not None and any(row.moves for row in rows if row.at > run.back_at):
+            faults.append("the camera moved again without Engage")
         if ends:
             common.wait_until(lambda: not any(is_alive(pid) for pid in run.guards), GUARD_ENDS_WITHIN, "the guard's end")
             time.sleep(0.05)
             heard = run.emulator.heard()
             if heard[-1].raw != "stop" or heard[-1].rates != (0.0, 0.0):
                 faults.append(f"the last line is {heard[-1].raw!r}, the rates {heard[-1].rates}")
-        elif act is guard_killed:
+        elif act in (guard_killed, guard_hangs):
             run.err.wait_for("camera may be turning", 2)
             again = run.emulator.wait_for(lambda row: row.direction == "in" and row.at > at and row.raw == "RemoteControl start", 6, "another guard")
             if again.at - at > UP_AGAIN_LIMIT:
@@ -300,6 +326,30 @@ def check_refusal(args, clip, selection, folder, table):
         table.require("--without-guard: runs, with a warning", not children(child.pid))
         child.send_signal(signal.SIGTERM)
         child.wait(timeout=8)
+        # A guard that says nothing.
+        silent = folder / "silent"
+        silent.write_text("#!/bin/sh\nexec sleep 60\n")
+        silent.chmod(0o755)
+        began = time.monotonic()
+        refused = common.run([*command, "--guard", silent])
+        taken = time.monotonic() - began
+        table.require("a guard that says nothing: refused in time", refused.returncode == 1 and "has said nothing" in refused.stderr and taken < SILENT_GUARD_LIMIT, f"{taken:.1f} s", refused.stderr[-200:])
+        # A second run on the same vehicle.
+        child = common.spawn([*command, "--engage"], stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+        err = Lines(child.stderr)
+        err.wait_for("link up", 8)
+        second = common.run(command)
+        table.require("a second run: refused, with the first one's process", second.returncode == 1 and f"process {child.pid}" in second.stderr, f"exit {second.returncode}", second.stderr[-200:])
+        # A run right after the first one was killed: its guard is waited for.
+        child.kill()
+        child.wait()
+        third = common.spawn(command, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+        err = Lines(third.stderr)
+        waited, _ = err.wait_for("waiting for the guard", 3)
+        err.wait_for("link up", 8)
+        table.require("a run right after a kill -9: waits for the guard", True, "and is up")
+        third.send_signal(signal.SIGTERM)
+        third.wait(timeout=8)
 
 
 def main():
