@@ -26,7 +26,7 @@ const LONGEST_LOOK: Duration = Duration::from_millis(40);
 
 /// What a guard is busy with, as it said last.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Stage {
+enum Phase {
     /// It has said nothing yet.
     Starting,
     /// It opens its port, which may take seconds.
@@ -38,7 +38,7 @@ enum Stage {
 /// The watch over one guard.
 #[derive(Debug, Clone, Copy)]
 pub struct GuardWatch {
-    stage: Stage,
+    phase: Phase,
     looked_at: Timestamp,
     silent_for: Duration,
     patience_while_opening: Duration,
@@ -47,32 +47,32 @@ pub struct GuardWatch {
 impl GuardWatch {
     /// The watch over a guard that is started now.
     pub const fn start(patience_while_opening: Duration, now: Timestamp) -> Self {
-        Self { stage: Stage::Starting, looked_at: now, silent_for: Duration::ZERO, patience_while_opening }
+        Self { phase: Phase::Starting, looked_at: now, silent_for: Duration::ZERO, patience_while_opening }
     }
 
     /// The guard said something, and serves its port.
     pub const fn heard(&mut self) {
-        (self.stage, self.silent_for) = (Stage::Serving, Duration::ZERO);
+        (self.phase, self.silent_for) = (Phase::Serving, Duration::ZERO);
     }
 
     /// The guard said that it begins to open its port.
     pub const fn heard_opening(&mut self) {
-        (self.stage, self.silent_for) = (Stage::Opening, Duration::ZERO);
+        (self.phase, self.silent_for) = (Phase::Opening, Duration::ZERO);
     }
 
     /// Whether the guard has said nothing at all yet.
     pub const fn is_starting(&self) -> bool {
-        matches!(self.stage, Stage::Starting)
+        matches!(self.phase, Phase::Starting)
     }
 
     /// Whether the guard hangs, after everything that it said until now was heard.
     pub fn hangs(&mut self, now: Timestamp) -> bool {
         self.silent_for += now.since(self.looked_at).min(LONGEST_LOOK);
         self.looked_at = now;
-        let patience = match self.stage {
-            Stage::Starting => HUNG_AT_START,
-            Stage::Opening => self.patience_while_opening,
-            Stage::Serving => HUNG_AFTER,
+        let patience = match self.phase {
+            Phase::Starting => HUNG_AT_START,
+            Phase::Opening => self.patience_while_opening,
+            Phase::Serving => HUNG_AFTER,
         };
         self.silent_for > patience
     }
