@@ -212,7 +212,7 @@ def panicked(run):
 
 
 def held_up(run):
-    """The pilot stalls. The link rests the camera by itself, and goes on when the pilot does."""
+    """The pilot stalls for less than a second. The link rests the camera by itself, and goes on when the pilot does."""
     run.err.wait_for("held up", MOVES_WITHIN)
     time.sleep(0.2)  # The emulator hears and logs the zeros.
     rest = run.rest_after(run.started + FAULT_AT)
@@ -247,7 +247,7 @@ CASES = [
     Case("panic in the link thread", panicked, code=1, link_fault=f"?fault=panic@{FAULT_AT}s"),
     Case("panic in the pilot", panicked, code=1, more=["--fault", f"pilot:panic@{FAULT_AT}s"]),
     Case("panic in the pilot, with RUST_BACKTRACE=1", panicked, code=1, backtrace=True, more=["--fault", f"pilot:panic@{FAULT_AT}s"]),
-    Case("the pilot is held up for 1.5 s, then SIGTERM", held_up, more=["--fault", f"pilot:stall@{FAULT_AT}s+1.5"]),
+    Case("the pilot is held up for 0.6 s, then SIGTERM", held_up, more=["--fault", f"pilot:stall@{FAULT_AT}s+0.6"]),
     Case("panic in the recorder", panicked, code=1, more=["--fault", f"recorder:panic@{FAULT_AT}s"]),
     Case("panic in the overlay", panicked, code=1, overlay=True, more=["--fault", f"overlay:panic@{FAULT_AT}s"]),
     Case("panic in the terminal thread", panicked, code=1, more=["--fault", f"terminal:panic@{FAULT_AT}s"]),
