@@ -222,6 +222,7 @@ impl Tracker for FusedTracker {
         if !self.distractors.is_empty() {
             target.loss.excluded = self.distractors.advance(&self.config, frame, prior);
         }
+        target.lose_in_gap(&self.config, frame.capture.at);
         self.workspace.advance(&self.config, target, frame, prior)
     }
 

@@ -7,6 +7,7 @@
 //! | backgrounds | real clips, generated scenes | whether selections of the background are refused or lost |
 //! | confidence | labelled real clips | whether the confidence is calibrated, and how often it is sure and wrong |
 //! | absence | sequences cropped from clips, generated scenes | targets that leave the picture and return |
+//! | gaps | labelled real clips | whether the track goes on with another object after a gap in the video |
 //! | orientation | generated scenes | axis and heading of manoeuvring boats |
 //! | leave one out | labelled real clips | how well settings chosen on other recordings do |
 //!
@@ -24,6 +25,7 @@ mod loose;
 mod reliability;
 
 mod absence;
+mod gaps;
 mod orientation;
 
 mod leave_one_out;
@@ -40,6 +42,7 @@ mod tuned_settings;
 
 mod clip_sets;
 mod clips;
+mod cropped_picture;
 mod scoring;
 
 mod requirements;
@@ -84,6 +87,7 @@ pub(crate) fn run(options: &Options) -> Result<bool> {
         .transpose()?
         .unwrap_or_default();
     let absence = options.absence.then(|| absence::run(&options, &config, &mut requirements)).transpose()?;
+    let gaps = options.gaps.then(|| gaps::run(&options, &factory, &mut requirements)).transpose()?;
     let orientation =
         options.orientation.then(|| orientation::run(&options, &config, &mut requirements)).transpose()?;
     let leave_one_out = options.leave_one_out.then(|| leave_one_out::run(&options, &config)).transpose()?;
@@ -98,6 +102,7 @@ pub(crate) fn run(options: &Options) -> Result<bool> {
             "backgrounds": untimed.backgrounds,
             "confidence": untimed.confidence,
             "absence": absence,
+            "gaps": gaps,
             "orientation": orientation,
             "leave_one_out": leave_one_out,
         });

@@ -59,6 +59,9 @@ pub(crate) struct Options {
     /// Targets that leave the picture and come back, cut from clips and generated.
     #[arg(long)]
     pub(crate) absence: bool,
+    /// Gaps in the video: clips that are cut, and go on elsewhere after some seconds.
+    #[arg(long)]
+    pub(crate) gaps: bool,
     /// Axes and headings of generated boats that manoeuvre.
     #[arg(long)]
     pub(crate) orientation: bool,
@@ -89,6 +92,7 @@ impl Options {
             &mut options.backgrounds,
             &mut options.confidence,
             &mut options.absence,
+            &mut options.gaps,
             &mut options.orientation,
             &mut options.leave_one_out,
         ];
@@ -96,7 +100,10 @@ impl Options {
             *part |= self.all;
         }
         let is_other_part_chosen =
-            options.is_untimed_chosen() || options.absence || options.orientation || options.leave_one_out;
+            options.is_untimed_chosen() || options.absence
+                || options.gaps
+                || options.orientation
+                || options.leave_one_out;
         options.table |= options.opencv || options.jitter || options.upscaled || !is_other_part_chosen;
         options
     }

@@ -111,13 +111,15 @@ impl Workspace {
         if target.rescale_to_picture(picture.size()) {
             self.background.clear_reference();
         }
-        let seconds = match target.phase {
-            Phase::Lost { .. } => target.predict_unseen(config, now, prior),
-            _ => target.predict(config, now, prior),
-        };
+        let seconds = target.predict(config, now, prior);
         target.surroundings.predict(target.geometry.size_px(), seconds as f32);
         let visibility = match target.phase {
             Phase::Lost { .. } => {
+                // Only the first frame after a gap has a reference from before.
+                let shift = self.background_shift(target, picture);
+                self.background.clear_reference();
+                self.background.forget_measurement();
+                target.motion.add_camera_shift(shift, f64::from(target.geometry.size_px()));
                 self.references.clear();
                 target.scene.predict(target.motion.camera_shift, seconds as f32);
                 let found = self.search_picture(config, target, picture);

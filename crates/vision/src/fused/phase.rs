@@ -81,6 +81,14 @@ impl Phase {
         }
     }
 
+    /// The state on the first frame after a gap in the video, captured `now`.
+    pub(super) const fn after_gap(self, now: Timestamp) -> Self {
+        match self {
+            Self::Tracking | Self::Coasting { .. } => Self::Lost { since: now },
+            Self::Lost { since } | Self::Confirming { since, .. } => Self::Lost { since },
+        }
+    }
+
     const fn confirmed(since: Timestamp, seen: u32, confirm: u32) -> Self {
         if seen >= confirm { Self::Tracking } else { Self::Confirming { since, seen } }
     }

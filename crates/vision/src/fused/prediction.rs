@@ -29,6 +29,8 @@ pub(super) struct TargetMotion {
     axes: (AxisFilter, AxisFilter),
     /// Time of capture of the last frame.
     pub(super) last_capture: Timestamp,
+    /// Time between the last two frames, seconds; 0 before the second.
+    last_interval_s: f64,
     /// Whether this frame came with a motion prior at least as precise as background registration.
     pub(super) has_precise_prior: bool,
     /// The motion prior of this frame if it is less precise than that.
@@ -49,6 +51,7 @@ impl TargetMotion {
         Self {
             axes: (axis(centre.0), axis(centre.1)),
             last_capture: now,
+            last_interval_s: 0.0,
             has_precise_prior: false,
             coarse_prior: None,
             is_camera_shift_known: false,
@@ -72,6 +75,13 @@ impl TargetMotion {
         self.axes.0.std_dev().max(self.axes.1.std_dev()) as f32
     }
 
+    /// Whether a frame that was captured `now` comes after a gap in the video: it is later than the interval of the last two
+    /// frames by more than `coast_s`, seconds, and by more than that interval. So a slow video has no gaps.
+    pub(super) fn is_after_gap(&self, now: Timestamp, coast_s: f64) -> bool {
+        let interval = now.since(self.last_capture).as_secs_f64();
+        interval - self.last_interval_s > coast_s.max(self.last_interval_s)
+    }
+
     /// Predicts to the time of capture `now`, with a precise prior if there is one. The time since the last frame,
     /// seconds.
     ///
@@ -83,7 +93,8 @@ impl TargetMotion {
         agility: f64,
         size_px: f64,
     ) -> f64 {
-        let seconds = now.since(self.last_capture).as_secs_f64().clamp(MIN_GAP_S, MAX_GAP_S);
+        self.last_interval_s = now.since(self.last_capture).as_secs_f64();
+        let seconds = self.last_interval_s.clamp(MIN_GAP_S, MAX_GAP_S);
         self.last_capture = now;
         // Also false for NaN.
         let is_plausible = |p: &&MotionPrior| {

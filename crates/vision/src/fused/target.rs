@@ -177,6 +177,18 @@ impl Target {
         self.restore_reliable_size();
     }
 
+    /// Makes the target a lost one if a frame that was captured `now` comes after a gap in the video. Whatever moved
+    /// meanwhile, target or camera, the prediction tells no more which of several objects is the target.
+    pub(super) fn lose_in_gap(&mut self, config: &FusedConfig, now: Timestamp) {
+        if self.motion.is_after_gap(now, config.coast_s) {
+            if !matches!(self.phase, Phase::Lost { .. }) {
+                self.mark_lost(false);
+            }
+            self.loss.lost_at.is_in_picture = false;
+            self.phase = self.phase.after_gap(now);
+        }
+    }
+
     /// Makes this target, as it was selected, a lost one that is searched for everywhere, after `rejected` was followed in
     /// its place.
     pub(super) fn begin_search(&mut self, rejected: &Self) {

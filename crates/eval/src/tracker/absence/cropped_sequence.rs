@@ -7,7 +7,7 @@
 use std::sync::Arc;
 
 use anyhow::{Context, Result};
-use barrelman_vocab::video::{Capture, CaptureQuality, Plane};
+use barrelman_vocab::video::{Capture, CaptureQuality};
 use barrelman_vocab::{Picture, PictureSize, PixelBox, Timestamp, VideoFrame};
 
 use super::absence_metrics::FrameTruth;
@@ -16,6 +16,7 @@ use super::target_path::TargetPath;
 use super::window_path::{MIN_DISTANCE_PX, WindowPath};
 use crate::rng::Rng;
 use crate::tracker::clips::Clip;
+use crate::tracker::cropped_picture::crop;
 
 /// Sizes of the window, the largest first: the first that can leave the target out is used.
 const WINDOWS: [PictureSize; 3] =
@@ -150,22 +151,6 @@ impl<'a> CroppedSequence<'a> {
         }
         true
     }
-}
-
-/// The part of a picture from a corner on even pixels on.
-fn crop(from: &Picture, (left, top): (usize, usize), size: PictureSize) -> Picture {
-    let mut to = Picture::black(size, from.colour());
-    let (width, chroma) = (size.width as usize, to.chroma_size().width as usize);
-    let copy = |from: Plane<'_>, to: &mut [u8], width: usize, left: usize, top: usize| {
-        for (row, out) in to.chunks_exact_mut(width).enumerate() {
-            out.copy_from_slice(&from.row(top + row)[left..left + width]);
-        }
-    };
-    let [y, u, v] = to.planes_mut();
-    copy(from.y(), y, width, left, top);
-    copy(from.u(), u, chroma, left / 2, top / 2);
-    copy(from.v(), v, chroma, left / 2, top / 2);
-    to
 }
 
 #[cfg(test)]
