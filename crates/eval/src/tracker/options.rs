@@ -99,11 +99,11 @@ impl Options {
         for part in parts {
             *part |= self.all;
         }
-        let is_other_part_chosen =
-            options.is_untimed_chosen() || options.absence
-                || options.gaps
-                || options.orientation
-                || options.leave_one_out;
+        let is_other_part_chosen = options.is_untimed_chosen()
+            || options.absence
+            || options.gaps
+            || options.orientation
+            || options.leave_one_out;
         options.table |= options.opencv || options.jitter || options.upscaled || !is_other_part_chosen;
         options
     }

@@ -7,6 +7,7 @@ mod any_input;
 mod any_input_to_the_fused_tracker;
 mod following;
 mod following_by_pattern_and_colour;
+mod gaps;
 mod scenes;
 mod selecting;
 mod selecting_for_the_fused_tracker;

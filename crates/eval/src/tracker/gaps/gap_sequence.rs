@@ -123,8 +123,10 @@ impl Windows {
         let picture = clip.size();
         let side = |length: u32| (WINDOW_SHARE * f64::from(length)) as u32 & !1;
         let size = PictureSize::new(side(picture.width), side(picture.height));
-        let room =
-            (f64::from(picture.width) - f64::from(size.width), f64::from(picture.height) - f64::from(size.height));
+        let room = (
+            f64::from(picture.width) - f64::from(size.width),
+            f64::from(picture.height) - f64::from(size.height),
+        );
         let target = clip.labels[..cut].iter().rev().find_map(|label| match label {
             Some(Label::Visible(bounds)) => Some(bounds.centre()),
             _ => None,
@@ -142,9 +144,8 @@ impl Windows {
                 Label::Visible(bounds) => window.contains(*bounds),
             })
         };
-        let distance = |window: &Window| {
-            (window.corner.0 - before.corner.0).hypot(window.corner.1 - before.corner.1)
-        };
+        let distance =
+            |window: &Window| (window.corner.0 - before.corner.0).hypot(window.corner.1 - before.corner.1);
         let steps = 0..25;
         let candidates = steps.map(|step| Window {
             corner: (room.0 * f64::from(step % 5) / 4.0, room.1 * f64::from(step / 5) / 4.0),
@@ -198,7 +199,10 @@ impl Window {
     /// The window at this share of the way to another.
     fn towards(&self, other: &Self, share: f64) -> Self {
         let mix = |a: f64, b: f64| a + (b - a) * share.clamp(0.0, 1.0);
-        Self { corner: (mix(self.corner.0, other.corner.0), mix(self.corner.1, other.corner.1)), size: self.size }
+        Self {
+            corner: (mix(self.corner.0, other.corner.0), mix(self.corner.1, other.corner.1)),
+            size: self.size,
+        }
     }
 
     /// The part of a frame in the window, with its label.
@@ -213,7 +217,8 @@ impl Window {
         let label = clip.labels[index].map(|label| match label {
             Label::Absent => Label::Absent,
             Label::Visible(bounds) => {
-                let moved = PixelBox { u: bounds.u - corner.0 as f64, v: bounds.v - corner.1 as f64, ..bounds };
+                let moved =
+                    PixelBox { u: bounds.u - corner.0 as f64, v: bounds.v - corner.1 as f64, ..bounds };
                 let shown = moved.clipped(self.size);
                 if shown.is_empty() { Label::Absent } else { Label::Visible(shown) }
             }
@@ -252,11 +257,14 @@ mod tests {
     fn the_target_is_where_the_scene_says() {
         for scene in Scene::ALL {
             let GapSequence { frames, resumes } = sequence(scene);
-            let label = |range: &[(VideoFrame, Option<Label>)]| range.iter().rev().find_map(|(_, label)| *label);
+            let label =
+                |range: &[(VideoFrame, Option<Label>)]| range.iter().rev().find_map(|(_, label)| *label);
             let (before, after) = (label(&frames[..resumes]), label(&frames[resumes..]));
             let Some(Label::Visible(before)) = before else { panic!("{scene:?}: {before:?}") };
             match after {
-                Some(Label::Absent) => assert!(matches!(scene, Scene::TurnedAway | Scene::Leaving), "{scene:?}"),
+                Some(Label::Absent) => {
+                    assert!(matches!(scene, Scene::TurnedAway | Scene::Leaving), "{scene:?}")
+                }
                 Some(Label::Visible(after)) => {
                     assert!(!matches!(scene, Scene::TurnedAway | Scene::Leaving), "{scene:?}");
                     assert!(before.u != after.u, "{scene:?}");

@@ -115,8 +115,10 @@ fn measure(
         };
         (frame.capture.at, *label, overlap)
     };
-    let is_on_target_before =
-        (1..sequence.resumes).rev().find_map(|index| judged(index).2).is_none_or(|overlap| overlap >= MIN_RIGHT_IOU);
+    let is_on_target_before = (1..sequence.resumes)
+        .rev()
+        .find_map(|index| judged(index).2)
+        .is_none_or(|overlap| overlap >= MIN_RIGHT_IOU);
     if !is_on_target_before {
         return None;
     }
