@@ -21,6 +21,7 @@
 //! RTP time that steps backwards, or forwards faster than a queue drains, has jumped: the delay is then taken to be
 //! what it was directly before, and longer by what this picture came later than the sender's interval.
 
+mod arrived;
 mod baseline;
 mod clock_check;
 mod picture_rate;
@@ -31,10 +32,12 @@ use std::time::Duration;
 use barrelman_vocab::time::Timestamp;
 use barrelman_vocab::video::{Capture, CaptureQuality};
 
+pub use arrived::{ArrivedPicture, SenderReport};
 pub use clock_check::ClockFault;
 
-use baseline::Baseline;
-use clock_check::{ClockCheck, Step};
+use baseline::{Baseline, nanos};
+use clock_check::ClockCheck;
+use picture_rate::Step;
 use wall_clock::WallClock;
 
 /// Which clock gives the times of capture.
@@ -89,30 +92,6 @@ impl VideoTiming {
             _ => self != told,
         }
     }
-}
-
-/// A picture as it arrived.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct ArrivedPicture {
-    /// RTP time.
-    pub rtp: u32,
-    /// Size of the encoded picture, bytes.
-    pub bytes: usize,
-    /// Arrival of its first packet.
-    pub arrival: Timestamp,
-}
-
-/// A sender report (RFC 3550, 6.4.1) as it arrived.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct SenderReport {
-    /// RTP time of the moment of the report.
-    pub rtp: u32,
-    /// Wall-clock time of the same moment by the sender's clock, nanoseconds since 1900; `None`: not told.
-    pub sender_wall_ns: Option<i128>,
-    /// Arrival.
-    pub arrival: Timestamp,
-    /// Wall-clock time of the arrival by this machine's clock, nanoseconds since 1900.
-    pub wall_ns: i128,
 }
 
 /// Largest step backwards that reordered pictures explain, and largest step forwards that the network explains.
@@ -314,10 +293,6 @@ impl SenderClock {
     fn nanos(&self, ticks: i64) -> i128 {
         i128::from(ticks) * 1_000_000_000 / i128::from(self.ticks_per_second.max(1))
     }
-}
-
-fn nanos(duration: Duration) -> i128 {
-    i128::try_from(duration.as_nanos()).unwrap_or(i128::MAX)
 }
 
 /// A negative delay is none.

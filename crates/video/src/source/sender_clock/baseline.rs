@@ -1,8 +1,8 @@
 //! The smallest value of a series, forgotten no faster than a quartz drifts.
 
-use barrelman_vocab::time::Timestamp;
+use std::time::Duration;
 
-use super::nanos;
+use barrelman_vocab::time::Timestamp;
 
 /// Largest difference of the rates of two clocks, parts in a million: quartz clocks are specified with 20 to 100 ppm.
 const MAX_DRIFT_PPM: i128 = 200;
@@ -37,4 +37,9 @@ impl Baseline {
     pub(super) fn limit(&mut self, value_ns: i128, now: Timestamp) {
         self.observe(value_ns, now);
     }
+}
+
+/// A duration in nanoseconds.
+pub(super) fn nanos(duration: Duration) -> i128 {
+    i128::try_from(duration.as_nanos()).unwrap_or(i128::MAX)
 }

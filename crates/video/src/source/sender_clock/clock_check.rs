@@ -12,7 +12,7 @@ use std::time::Duration;
 
 use barrelman_vocab::time::Timestamp;
 
-use super::picture_rate::{PictureRate, RATE_TOLERANCE, SizeCorrelation};
+use super::picture_rate::{PictureRate, RATE_TOLERANCE, SizeCorrelation, Step};
 
 /// Rates of clocks that are wrong. The gap to 1 keeps slowly growing delays apart.
 const SLOW: f64 = 0.9;
@@ -54,22 +54,6 @@ impl fmt::Display for ClockFault {
             Self::Resolution => f.write_str("many pictures have the time of the picture before"),
             Self::Jumps => f.write_str("it jumps again and again"),
         }
-    }
-}
-
-/// From one picture to the next.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub(super) struct Step {
-    /// Of the sender's time.
-    pub(super) sent_ns: i128,
-    /// Of the time of arrival.
-    pub(super) arrived_ns: i128,
-}
-
-impl Step {
-    /// How much faster the sender's time advanced.
-    pub(super) const fn gained_ns(self) -> i128 {
-        self.sent_ns - self.arrived_ns
     }
 }
 

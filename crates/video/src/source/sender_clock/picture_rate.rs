@@ -1,7 +1,5 @@
 //! How fast the sender's time advances against the time of arrival, and what the intervals of arrival depend on.
 
-use super::clock_check::Step;
-
 /// Length of a segment whose rate is computed, nanoseconds of arrival: 25 pictures a second and a jitter of 20 ms give
 /// an error of 6 %.
 const SEGMENT_NS: i128 = 1_000_000_000;
@@ -14,6 +12,22 @@ const MIN_VARIATION: f64 = 0.2;
 /// Largest correlation of sizes and intervals on a link that is not saturated. On a saturated link it is 1: bytes come
 /// at a constant rate, so that a large picture takes longer.
 const MAX_CORRELATION: f64 = 0.5;
+
+/// From one picture to the next.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub(super) struct Step {
+    /// Of the sender's time.
+    pub(super) sent_ns: i128,
+    /// Of the time of arrival.
+    pub(super) arrived_ns: i128,
+}
+
+impl Step {
+    /// How much faster the sender's time advanced.
+    pub(super) const fn gained_ns(self) -> i128 {
+        self.sent_ns - self.arrived_ns
+    }
+}
 
 /// The rate of the sender's time on one connection: seconds sent for each second of arrival. The first segment does not
 /// count: servers begin with a burst of stored pictures.

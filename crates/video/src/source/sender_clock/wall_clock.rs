@@ -12,7 +12,7 @@
 
 use barrelman_vocab::time::Timestamp;
 
-use super::SenderReport;
+use super::arrived::SenderReport;
 use super::baseline::Baseline;
 
 /// Reports that show a property of the clocks.
