@@ -99,7 +99,7 @@ struct LogOdds {
 /// and rounded.
 const LOG_ODDS: LogOdds = LogOdds { constant: 0.5, sidelobes: 0.4, height: 1.4, colour: 0.5, turned: -2.0 };
 /// Factor on the confidence of a rejected observation.
-const REJECTED_FACTOR: f64 = 0.3;
+pub(super) const REJECTED_FACTOR: f64 = 0.3;
 
 #[cfg(test)]
 mod tests {

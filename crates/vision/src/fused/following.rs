@@ -3,7 +3,7 @@
 use barrelman_vocab::{MotionPrior, Picture, Track, VideoFrame};
 
 use super::config::FusedConfig;
-use super::evidence::rejected_confidence;
+use super::evidence::{REJECTED_FACTOR, rejected_confidence};
 use super::observation::Observation;
 use super::phase::{Phase, Visibility};
 use super::target::Target;
@@ -29,6 +29,9 @@ const DOUBTFUL_PROBABILITY: f32 = 0.7;
 const CLEARLY_MORE_PROBABLE: f32 = 0.2;
 /// Confidence of a box onto which the track was moved, and which the network has not seen yet.
 const UNJUDGED_CONFIDENCE: f64 = 0.5;
+
+/// Largest confidence of a target that is lost, or found and not confirmed yet.
+const MAX_LOST_CONFIDENCE: f64 = REJECTED_FACTOR;
 /// Confidence of a box after a contact with a thing of the target's colour, as a share, as long as nothing told which of the two is
 /// followed: it was the target in four of five frames.
 const DOUBTED_SHARE: f64 = 0.8;
@@ -152,7 +155,7 @@ impl Workspace {
                 Track::Coasting(target.report(frame))
             }
             Phase::Lost { since } | Phase::Confirming { since, .. } => {
-                Track::Lost { since, confidence: target.confidence }
+                Track::Lost { since, confidence: target.confidence.min(MAX_LOST_CONFIDENCE) }
             }
         }
     }

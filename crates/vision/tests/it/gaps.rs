@@ -51,11 +51,9 @@ fn found_after(gap_ms: u64, change: impl FnOnce(&mut Scene)) -> Option<u64> {
                 found.get_or_insert(step);
             }
         }
-        if step == 0 {
-            assert!(
-                matches!(track, Track::Lost { confidence, .. } if confidence < 0.5),
-                "{gap_ms} ms: {track:?}"
-            );
+        assert!(step > 0 || matches!(track, Track::Lost { .. }), "{gap_ms} ms: {track:?}");
+        if let Track::Lost { confidence, .. } = track {
+            assert!(confidence < 0.5, "{gap_ms} ms, frame {step}: {track:?}");
         }
     }
     found
