@@ -6,6 +6,7 @@ emulator's log has what the ground station received, and the rates in force. The
 whose `stop` leaves the rates in force.
 """
 import concurrent.futures
+import contextlib
 import itertools
 import os
 import pathlib
@@ -104,11 +105,14 @@ class Run:
         return self.guard()
 
     def close(self):
-        for process in (self.child,):
-            if process.poll() is None:
-                process.send_signal(signal.SIGCONT)
-                process.kill()
-                process.wait()
+        guards = {pid for pid, name in children(self.child.pid).items() if name.startswith("barrelman-guard")} | set(self.guards)
+        if self.child.poll() is None:
+            self.child.send_signal(signal.SIGCONT)
+            self.child.kill()
+            self.child.wait()
+        # A guard whose port is gone holds the lock of its vehicle for a minute, and a pseudo-terminal's name is used again.
+        with contextlib.suppress(TimeoutError):
+            common.wait_until(lambda: not any(is_alive(pid) for pid in guards), GUARD_ENDS_WITHIN, "the guard's end")
         if self.terminal is not None:
             self.terminal.hang_up()
         self.emulator.close()
