@@ -70,6 +70,6 @@ start_beside "mavlink_gimbal"
 run_in_front "sigma" "mavlink_boat"
 # ... and these give the machine half a second where they measure times.
 start_beside "vessel"
-run_in_front "drive" "floods --short"
+run_in_front "drive"
 # What needs both cores.
-run_in_order "console" "console_cost --seconds 4"
+run_in_order "floods --short" "console" "console_cost --seconds 4"
