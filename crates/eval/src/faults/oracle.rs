@@ -39,6 +39,8 @@ pub(super) struct Oracle {
     /// Whether a guard carries out what the program asks for.
     has_live_guard: bool,
     permitted_ms: Option<u64>,
+    /// The same while no guard carries out anything: it permits motion as soon as a guard does again.
+    unheard_ms: Option<u64>,
     /// The newest moment from which the time to rest counts at the earliest.
     excused_until_ms: u64,
     worst_ms: u64,
@@ -53,6 +55,7 @@ impl Oracle {
             consent: None,
             has_live_guard: true,
             permitted_ms: None,
+            unheard_ms: None,
             excused_until_ms: 0,
             worst_ms: 0,
             moved: Vec::new(),
@@ -61,8 +64,20 @@ impl Oracle {
     }
 
     /// Whether a guard carries out what the program asks for.
-    pub(super) const fn set_live_guard(&mut self, is_live: bool) {
+    pub(super) fn set_live_guard(&mut self, is_live: bool) {
         self.has_live_guard = is_live;
+        if is_live {
+            self.permitted_ms = self.permitted_ms.max(self.unheard_ms.take());
+        }
+    }
+
+    /// A moment permits motion.
+    const fn permit(&mut self, at_ms: u64) {
+        if self.has_live_guard {
+            self.permitted_ms = Some(at_ms);
+        } else {
+            self.unheard_ms = Some(at_ms);
+        }
     }
 
     /// The operator consents.
@@ -88,14 +103,12 @@ impl Oracle {
 
     /// A picture arrived, with a fresh localisation or without.
     pub(super) fn saw(&mut self, at_ms: u64, is_fresh: bool) {
-        if !self.has_live_guard {
-            return;
-        }
         match self.consent {
-            Some(Licence::Follow) if is_fresh => self.permitted_ms = Some(at_ms),
+            Some(Licence::Follow) if is_fresh => self.permit(at_ms),
             Some(Licence::Search | Licence::Calibrate) => {
-                if self.permitted_ms.is_some_and(|before| at_ms - before <= self.rest_limit_ms) {
-                    self.permitted_ms = Some(at_ms);
+                let before_ms = self.permitted_ms.max(self.unheard_ms);
+                if before_ms.is_some_and(|before_ms| at_ms - before_ms <= self.rest_limit_ms) {
+                    self.permit(at_ms);
                 } else {
                     self.end_behaviours();
                 }
@@ -106,8 +119,8 @@ impl Oracle {
 
     /// A nudge was renewed.
     pub(super) fn nudged(&mut self, at_ms: u64) {
-        if self.consent == Some(Licence::Nudge) && self.has_live_guard {
-            self.permitted_ms = Some(at_ms);
+        if self.consent == Some(Licence::Nudge) {
+            self.permit(at_ms);
         }
     }
 

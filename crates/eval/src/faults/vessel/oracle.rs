@@ -86,6 +86,8 @@ pub(super) struct VesselOracle {
     helm_ms: Option<u64>,
     video_ms: Option<u64>,
     permitted_ms: Option<u64>,
+    /// The same while no guard carries out anything: it permits motion as soon as a guard does again.
+    unheard_ms: Option<u64>,
     /// The end of the last suspension: the clock of every time to live stood still before it, ms.
     resumed_ms: u64,
     /// The beginning of the last hang of a guard, ms.
@@ -114,6 +116,7 @@ impl VesselOracle {
             helm_ms: None,
             video_ms: None,
             permitted_ms: None,
+            unheard_ms: None,
             resumed_ms: 0,
             hung_ms: 0,
             has_live_guard: true,
@@ -192,8 +195,20 @@ impl VesselOracle {
     }
 
     /// Whether a guard carries out what the program asks for.
-    pub(super) const fn set_live_guard(&mut self, is_live: bool) {
+    pub(super) fn set_live_guard(&mut self, is_live: bool) {
         self.has_live_guard = is_live;
+        if is_live {
+            self.permitted_ms = self.permitted_ms.max(self.unheard_ms.take());
+        }
+    }
+
+    /// A moment permits motion.
+    const fn permit(&mut self, at_ms: u64) {
+        if self.has_live_guard {
+            self.permitted_ms = Some(at_ms);
+        } else {
+            self.unheard_ms = Some(at_ms);
+        }
     }
 
     /// Line or guard are not whole.
@@ -204,8 +219,10 @@ impl VesselOracle {
     /// The helm was renewed.
     pub(super) fn steered(&mut self, at_ms: u64) {
         self.helm_ms = Some(at_ms);
-        if self.consent == Some(VesselLicence::ByHand) && self.has_live_guard {
-            self.permitted_ms = self.permitted_ms.max(self.video_ms);
+        if let (Some(VesselLicence::ByHand), Some(video_ms)) = (self.consent, self.video_ms)
+            && self.permitted_ms.max(self.unheard_ms) < Some(video_ms)
+        {
+            self.permit(video_ms);
         }
     }
 
@@ -219,15 +236,13 @@ impl VesselOracle {
             Some(VesselLicence::Guided) if at_ms > self.boat_seen_ms + CONSENT_LASTS_MS => self.withdraw(),
             Some(VesselLicence::Guided) if arrival.is_boat_found => {
                 self.boat_seen_ms = at_ms;
-                if self.has_destination && self.has_live_guard {
-                    self.permitted_ms = Some(at_ms);
+                if self.has_destination {
+                    self.permit(at_ms);
                     self.has_way_ended = false;
                 }
             }
-            Some(VesselLicence::ByHand)
-                if self.has_live_guard && self.helm_ms.is_some_and(|helm| at_ms <= helm + HELM_LASTS_MS) =>
-            {
-                self.permitted_ms = Some(at_ms);
+            Some(VesselLicence::ByHand) if self.helm_ms.is_some_and(|helm| at_ms <= helm + HELM_LASTS_MS) => {
+                self.permit(at_ms);
             }
             _ => {}
         }
@@ -288,7 +303,8 @@ impl VesselOracle {
     fn judge_way(&mut self, at_ms: u64, command: VesselCommand) {
         let (FailSafe::KeepWay(keep), Some(fresh_ms)) = (self.fail_safe, self.permitted_ms) else { return };
         let is_whole = self.disturbed_ms.is_none_or(|disturbed| disturbed < fresh_ms);
-        let is_kept = at_ms > fresh_ms.max(self.resumed_ms) + WIRE_LIMIT_MS + ON_THE_LINE_MS;
+        let counted_ms = fresh_ms.max(self.resumed_ms).max(self.hung_ms);
+        let is_kept = at_ms > counted_ms + WIRE_LIMIT_MS + ON_THE_LINE_MS;
         if !(is_whole && is_kept && self.consent == Some(VesselLicence::Guided)) {
             return;
         }
