@@ -14,6 +14,7 @@
 mod subject;
 
 mod oracle;
+mod permitted;
 
 mod run;
 

@@ -7,6 +7,8 @@
 //! program asks for. After a fault of the line the time counts from the line's return, after the death of a guard and after
 //! the beginning of its hang from that, after a suspension from the end of it.
 
+use super::permitted::Permitted;
+
 /// Which licence a run moved the camera with.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Licence {
@@ -36,11 +38,7 @@ pub(super) struct Oracle {
     /// The longest time to rest, ms.
     rest_limit_ms: u64,
     consent: Option<Licence>,
-    /// Whether a guard carries out what the program asks for.
-    has_live_guard: bool,
-    permitted_ms: Option<u64>,
-    /// The same while no guard carries out anything: it permits motion as soon as a guard does again.
-    unheard_ms: Option<u64>,
+    permitted: Permitted,
     /// The newest moment from which the time to rest counts at the earliest.
     excused_until_ms: u64,
     worst_ms: u64,
@@ -53,9 +51,7 @@ impl Oracle {
         Self {
             rest_limit_ms,
             consent: None,
-            has_live_guard: true,
-            permitted_ms: None,
-            unheard_ms: None,
+            permitted: Permitted::new(),
             excused_until_ms: 0,
             worst_ms: 0,
             moved: Vec::new(),
@@ -65,19 +61,7 @@ impl Oracle {
 
     /// Whether a guard carries out what the program asks for.
     pub(super) fn set_live_guard(&mut self, is_live: bool) {
-        self.has_live_guard = is_live;
-        if is_live {
-            self.permitted_ms = self.permitted_ms.max(self.unheard_ms.take());
-        }
-    }
-
-    /// A moment permits motion.
-    const fn permit(&mut self, at_ms: u64) {
-        if self.has_live_guard {
-            self.permitted_ms = Some(at_ms);
-        } else {
-            self.unheard_ms = Some(at_ms);
-        }
+        self.permitted.set_live_guard(is_live);
     }
 
     /// The operator consents.
@@ -93,7 +77,7 @@ impl Oracle {
     /// The operator consents to a search or a calibration, which is a moment that permits motion.
     pub(super) fn consent_to_behaviour(&mut self, licence: Licence, at_ms: u64) {
         self.consent(licence);
-        self.permitted_ms = Some(at_ms);
+        self.permitted.permit(at_ms);
     }
 
     /// The consent to a search or a calibration ends; that to follow lasts.
@@ -104,11 +88,11 @@ impl Oracle {
     /// A picture arrived, with a fresh localisation or without.
     pub(super) fn saw(&mut self, at_ms: u64, is_fresh: bool) {
         match self.consent {
-            Some(Licence::Follow) if is_fresh => self.permit(at_ms),
+            Some(Licence::Follow) if is_fresh => self.permitted.permit(at_ms),
             Some(Licence::Search | Licence::Calibrate) => {
-                let before_ms = self.permitted_ms.max(self.unheard_ms);
+                let before_ms = self.permitted.newest_ms();
                 if before_ms.is_some_and(|before_ms| at_ms - before_ms <= self.rest_limit_ms) {
-                    self.permit(at_ms);
+                    self.permitted.permit(at_ms);
                 } else {
                     self.end_behaviours();
                 }
@@ -120,7 +104,7 @@ impl Oracle {
     /// A nudge was renewed.
     pub(super) fn nudged(&mut self, at_ms: u64) {
         if self.consent == Some(Licence::Nudge) {
-            self.permit(at_ms);
+            self.permitted.permit(at_ms);
         }
     }
 
@@ -158,7 +142,7 @@ impl Oracle {
         {
             self.moved.push(licence);
         }
-        let Some(permitted_ms) = self.permitted_ms else {
+        let Some(permitted_ms) = self.permitted.heard_ms() else {
             self.violation.get_or_insert((at_ms, "moves without ever a licence".to_owned()));
             return;
         };

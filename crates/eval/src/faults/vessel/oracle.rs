@@ -18,6 +18,8 @@
 
 use barrelman_vocab::{FailSafe, VesselCommand};
 
+use super::super::permitted::Permitted;
+
 /// A packet after the last permitted moment, ms.
 pub(crate) const WIRE_LIMIT_MS: u64 = 300;
 /// A packet after the console was gone, with the guidance, ms.
@@ -85,14 +87,11 @@ pub(super) struct VesselOracle {
     boat_seen_ms: u64,
     helm_ms: Option<u64>,
     video_ms: Option<u64>,
-    permitted_ms: Option<u64>,
-    /// The same while no guard carries out anything: it permits motion as soon as a guard does again.
-    unheard_ms: Option<u64>,
+    permitted: Permitted,
     /// The end of the last suspension: the clock of every time to live stood still before it, ms.
     resumed_ms: u64,
     /// The beginning of the last hang of a guard, ms.
     hung_ms: u64,
-    has_live_guard: bool,
     console_gone_ms: Option<u64>,
     /// When line and guard were last not whole, ms.
     disturbed_ms: Option<u64>,
@@ -115,11 +114,9 @@ impl VesselOracle {
             boat_seen_ms: 0,
             helm_ms: None,
             video_ms: None,
-            permitted_ms: None,
-            unheard_ms: None,
+            permitted: Permitted::new(),
             resumed_ms: 0,
             hung_ms: 0,
-            has_live_guard: true,
             console_gone_ms: None,
             disturbed_ms: None,
             worst_ms: [0; 3],
@@ -130,7 +127,7 @@ impl VesselOracle {
 
     /// The program runs: way can be kept now, or not.
     pub(super) fn program_runs(&mut self, at_ms: u64) {
-        if let (FailSafe::KeepWay(keep), Some(permitted_ms)) = (self.fail_safe, self.permitted_ms)
+        if let (FailSafe::KeepWay(keep), Some(permitted_ms)) = (self.fail_safe, self.permitted.heard_ms())
             && self.consent == Some(VesselLicence::Guided)
             && self.has_destination
             && !self.has_way_ended
@@ -147,7 +144,7 @@ impl VesselOracle {
 
     /// The last moment that permitted motion, ms; `None`: there was none.
     fn last_permitted_ms(&self) -> Option<u64> {
-        self.permitted_ms.map(|permitted_ms| permitted_ms.max(self.way_ms.unwrap_or(0)))
+        self.permitted.heard_ms().map(|permitted_ms| permitted_ms.max(self.way_ms.unwrap_or(0)))
     }
 
     /// The operator presses Go, or takes the helm.
@@ -196,19 +193,7 @@ impl VesselOracle {
 
     /// Whether a guard carries out what the program asks for.
     pub(super) fn set_live_guard(&mut self, is_live: bool) {
-        self.has_live_guard = is_live;
-        if is_live {
-            self.permitted_ms = self.permitted_ms.max(self.unheard_ms.take());
-        }
-    }
-
-    /// A moment permits motion.
-    const fn permit(&mut self, at_ms: u64) {
-        if self.has_live_guard {
-            self.permitted_ms = Some(at_ms);
-        } else {
-            self.unheard_ms = Some(at_ms);
-        }
+        self.permitted.set_live_guard(is_live);
     }
 
     /// Line or guard are not whole.
@@ -220,9 +205,9 @@ impl VesselOracle {
     pub(super) fn steered(&mut self, at_ms: u64) {
         self.helm_ms = Some(at_ms);
         if let (Some(VesselLicence::ByHand), Some(video_ms)) = (self.consent, self.video_ms)
-            && self.permitted_ms.max(self.unheard_ms) < Some(video_ms)
+            && self.permitted.newest_ms() < Some(video_ms)
         {
-            self.permit(video_ms);
+            self.permitted.permit(video_ms);
         }
     }
 
@@ -237,12 +222,12 @@ impl VesselOracle {
             Some(VesselLicence::Guided) if arrival.is_boat_found => {
                 self.boat_seen_ms = at_ms;
                 if self.has_destination {
-                    self.permit(at_ms);
+                    self.permitted.permit(at_ms);
                     self.has_way_ended = false;
                 }
             }
             Some(VesselLicence::ByHand) if self.helm_ms.is_some_and(|helm| at_ms <= helm + HELM_LASTS_MS) => {
-                self.permit(at_ms);
+                self.permitted.permit(at_ms);
             }
             _ => {}
         }
@@ -301,7 +286,9 @@ impl VesselOracle {
 
     /// Way that is kept is slow, and amidships.
     fn judge_way(&mut self, at_ms: u64, command: VesselCommand) {
-        let (FailSafe::KeepWay(keep), Some(fresh_ms)) = (self.fail_safe, self.permitted_ms) else { return };
+        let (FailSafe::KeepWay(keep), Some(fresh_ms)) = (self.fail_safe, self.permitted.heard_ms()) else {
+            return;
+        };
         let is_whole = self.disturbed_ms.is_none_or(|disturbed| disturbed < fresh_ms);
         let counted_ms = fresh_ms.max(self.resumed_ms).max(self.hung_ms);
         let is_kept = at_ms > counted_ms + WIRE_LIMIT_MS + ON_THE_LINE_MS;
