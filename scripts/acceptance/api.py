@@ -182,18 +182,12 @@ def threads_of(child):
     return times
 
 
-def memory_of(child):
-    """Resident memory of a process, MB."""
-    text = open(f"/proc/{child.pid}/status").read()
-    return int(re.search(r"VmRSS:\s+(\d+)", text)[1]) / 1024
-
-
 def viewer_that_does_not_read(table, args, program):
     """Checks that memory does not grow while a page requests video and reads nothing."""
     page = Socket(program, send_buffer=4096)
     page.send({"type": "video", "path": "h264"})
     time.sleep(4)
-    before = memory_of(program.child)
+    before = common.memory_mb(program.child)
     steps = program.status()["step"]
     end = time.monotonic() + args.seconds
     while time.monotonic() < end:
@@ -203,7 +197,7 @@ def viewer_that_does_not_read(table, args, program):
             page = Socket(program, send_buffer=4096)
             page.send({"type": "video", "path": "h264"})
         time.sleep(1)
-    after = memory_of(program.child)
+    after = common.memory_mb(program.child)
     table.require(f"a page that does not read, for {args.seconds:.0f} s: memory is flat", after - before < 20, f"{before:.0f} to {after:.0f} MB", "less than 20 MB more")
     rate = (program.status()["step"] - steps) / args.seconds
     table.require("  and the pilot goes on", rate > 10, f"{rate:.0f} steps a second")

@@ -411,6 +411,13 @@ def selection(truth):
     return f"{cx - 13:.0f},{cy - 13:.0f},26,26"
 
 
+def memory_mb(child, figure="VmRSS"):
+    """Memory of a process, MB: what is resident now, or with `VmHWM` the most that ever was. Infinite after its end."""
+    text = pathlib.Path(f"/proc/{child.pid}/status").read_text()
+    found = re.search(rf"{figure}:\s+(\d+)", text)
+    return int(found[1]) / 1024 if found else float("inf")
+
+
 def median(values):
     return statistics.median(values) if values else float("nan")
 

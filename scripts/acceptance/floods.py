@@ -12,7 +12,6 @@ import bisect
 import contextlib
 import http.client
 import json
-import pathlib
 import re
 import socket
 import subprocess
@@ -282,11 +281,6 @@ def endless_world(args, folder):
     return f"sim:{scenario}?seed=3&size=640x360"
 
 
-def memory_mb(child):
-    text = pathlib.Path(f"/proc/{child.pid}/status").read_text()
-    return int(re.search(r"VmHWM:\s+(\d+)", text)[1]) / 1024
-
-
 def judge(table, name, standstills, answers, zeros):
     """Requires that the delays are within their limits."""
     longest = max(standstills.found, default=0) * 1e3
@@ -298,7 +292,7 @@ def judge(table, name, standstills, answers, zeros):
 
 
 def floods(table, args, program, operator, emulator, host):
-    before, vehicle = memory_mb(program), Vehicle(emulator)
+    before, vehicle = common.memory_mb(program, "VmHWM"), Vehicle(emulator)
     for name in [None, *(name for name in FLOODS if args.only in (None, name))]:
         command = [sys.executable, __file__, "--flood", name, host, SHORT_PAUSE if args.short else 0]
         flooding = common.spawn(command, stdout=subprocess.DEVNULL) if name else None
@@ -310,7 +304,7 @@ def floods(table, args, program, operator, emulator, host):
             table.require(f"{name}: the flood went on, and the operator's page stays", flooding.poll() is None and operator.is_open)
             flooding.kill()
             flooding.wait()
-    after = memory_mb(program)
+    after = common.memory_mb(program, "VmHWM")
     table.require("the largest memory of the program", after - before <= MEMORY_MB, f"{before:.0f}, then {after:.0f} MB", f"{MEMORY_MB} MB more")
 
 

@@ -5,7 +5,6 @@ Each hostile server speaks to a run of its own for some seconds; the most memory
 import base64
 import contextlib
 import os
-import pathlib
 import signal
 import socket
 import subprocess
@@ -180,13 +179,6 @@ class LongHeads(Sigma):
         super().serve(handler, method)
 
 
-def most_memory_mb(pid):
-    for line in pathlib.Path(f"/proc/{pid}/status").read_text().splitlines():
-        if line.startswith("VmHWM"):
-            return int(line.split()[1]) / 1024
-    return float("inf")
-
-
 def run(args, *options):
     command = [args.barrelman, "run", "--headless", "--no-record", *options]
     return common.spawn(command, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
@@ -197,7 +189,7 @@ def measure(table, args, name, *options):
     err = Lines(child.stderr)
     most, end = 0.0, time.monotonic() + LASTS_S
     while time.monotonic() < end and child.poll() is None:
-        most = max(most, most_memory_mb(child.pid))
+        most = max(most, common.memory_mb(child, "VmHWM"))
         time.sleep(0.1)
     ended = child.poll()
     if ended is None:

@@ -6,7 +6,6 @@ restart of the server the video must return, and memory must not grow: these req
 """
 import os
 import pathlib
-import re
 import signal
 import socket
 import subprocess
@@ -50,11 +49,6 @@ def serve(port):
     child = common.spawn(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
     at, _ = Lines(child.stdout).wait_for("rtsp://", 15)
     return child, at
-
-
-def resident_mib(child):
-    text = pathlib.Path(f"/proc/{child.pid}/status").read_text()
-    return int(re.search(r"VmRSS:\s+(\d+)", text)[1]) / 1024
 
 
 def cpu_seconds(child):
@@ -160,7 +154,7 @@ def main():
             table.require(f"restart {restart + 1}", False, str(error), err.text()[-300:])
             break
         time.sleep(1.5)
-        memory.append(resident_mib(child))
+        memory.append(common.memory_mb(child))
     # A server that hangs without a word: nothing closes the connection.
     ups = sum("video: up" in line for _, line in list(err.lines))
     server.send_signal(signal.SIGSTOP)
