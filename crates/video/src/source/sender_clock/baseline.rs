@@ -32,11 +32,6 @@ impl Baseline {
         }
         (value_ns - baseline_ns).max(0)
     }
-
-    /// The baseline lies no higher than this.
-    pub(super) fn limit(&mut self, value_ns: i128, now: Timestamp) {
-        self.observe(value_ns, now);
-    }
 }
 
 /// A duration in nanoseconds.

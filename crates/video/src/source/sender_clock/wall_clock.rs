@@ -74,7 +74,8 @@ impl WallClock {
         let latency_ns = offset_ns + self.difference_ns.filter(|_| self.is_steady)?;
         let baseline = self.baseline.get_or_insert_with(|| Baseline::new(latency_ns, arrival));
         if self.agreeing >= REPORTS {
-            baseline.limit(MAX_LATENCY_NS, arrival);
+            // The baseline lies no higher than a latency in time.
+            baseline.observe(MAX_LATENCY_NS, arrival);
         }
         Some(baseline.observe(latency_ns, arrival))
     }
