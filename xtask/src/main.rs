@@ -6,7 +6,6 @@ mod circles;
 mod dependencies;
 mod documents;
 mod guard;
-mod retired_names;
 
 mod tracked_files;
 
@@ -38,7 +37,6 @@ fn tidy() -> Result<bool> {
     let mut findings = dependencies::check(&root)?;
     findings.extend(guard::check(&root)?);
     findings.extend(circles::check(&root)?);
-    findings.extend(retired_names::check(&root)?);
     findings.extend(documents::check(&root)?);
     for finding in &findings {
         print_line(finding);
