@@ -38,7 +38,6 @@ pub mod shadow;
 
 pub mod law;
 
-pub mod behaviour;
 
 pub use bearing::{Bearing, BearingFilter, BearingNoise};
 pub use camera_model::CameraModel;

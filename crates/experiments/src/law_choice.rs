@@ -2,13 +2,10 @@
 
 use anyhow::{Result, bail};
 use barrelman_control::optimal::{OptimalMode, OptimalSettings};
-use barrelman_control::{CentringGains, LawSettings, behaviour};
-use barrelman_trial::behaviour::BehaviourVersions;
+use barrelman_control::{CentringGains, LawSettings};
 use clap::ValueEnum;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-
-use crate::tracker_choice::TrackerName;
 
 /// The camera laws.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum, Serialize, Deserialize, JsonSchema)]
@@ -70,21 +67,6 @@ impl LawChoice {
         Self { name, mode, horizon_s: None }
     }
 
-    /// The law's behaviour version in this program.
-    pub const fn behaviour_version(&self) -> u32 {
-        match (self.name, self.mode) {
-            (LawName::MotorSchema, _) => behaviour::MOTOR_SCHEMA,
-            (LawName::Optimal, Some(ModeName::Intermittent)) => behaviour::INTERMITTENT,
-            (LawName::Optimal, _) => behaviour::OPTIMAL,
-            (LawName::Centring, _) => behaviour::CENTRE,
-        }
-    }
-
-    /// The behaviour versions that a file of this program states.
-    pub const fn behaviour_with(&self, tracker: TrackerName) -> BehaviourVersions {
-        BehaviourVersions { tracker: tracker.behaviour_version(), law: self.behaviour_version() }
-    }
-
     /// The choice, if its parts fit together; without a mode, the optimal law gets its default mode. `prefix` is put
     /// before the key in an error.
     ///
@@ -106,14 +88,6 @@ impl LawChoice {
             bail!("{prefix}horizon {horizon}: use seconds from {} to {}", range.start(), range.end());
         }
         Ok(Self { mode: self.mode.or(Self::new(self.name).mode), ..self })
-    }
-
-    /// The choice with the mode that a file without modes stands for: such files were written when minimum energy was the
-    /// only mode, or the default one.
-    #[must_use]
-    pub fn with_stored_mode(self) -> Self {
-        let mode = (self.name == LawName::Optimal).then_some(ModeName::MinimumEnergy);
-        Self { mode: self.mode.or(mode), ..self }
     }
 
     /// The law's name on the command line and in a configuration.

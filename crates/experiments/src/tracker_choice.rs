@@ -1,7 +1,7 @@
 //! The choice of a tracker and its settings. All trackers of the program are made here.
 
 use anyhow::{Result, anyhow};
-use barrelman_vision::{CamShift, CamShiftConfig, FusedConfig, FusedTracker, Tracker, behaviour};
+use barrelman_vision::{CamShift, CamShiftConfig, FusedConfig, FusedTracker, Tracker};
 use clap::ValueEnum;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -23,14 +23,6 @@ impl TrackerName {
         match self {
             Self::Fused => "fused",
             Self::Camshift => "camshift",
-        }
-    }
-
-    /// The tracker's behaviour version in this program.
-    pub const fn behaviour_version(self) -> u32 {
-        match self {
-            Self::Fused => behaviour::FUSED,
-            Self::Camshift => behaviour::CAMSHIFT,
         }
     }
 }

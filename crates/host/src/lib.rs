@@ -10,6 +10,7 @@ pub mod fault;
 pub mod fault_lines;
 pub mod input;
 pub mod output;
+pub mod program;
 pub mod random;
 pub mod redaction;
 pub mod suspend;

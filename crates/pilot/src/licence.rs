@@ -61,12 +61,7 @@ pub struct Licences {
 impl Licences {
     /// No licence. A fresh localisation lets the camera follow for `coast_motion`, at most [`MAX_COAST_MOTION`].
     pub fn new(coast_motion: Duration) -> Self {
-        Self::with_any_coast_motion(coast_motion.min(MAX_COAST_MOTION))
-    }
-
-    /// The same with a `coast_motion` of any length, for recordings of before it was limited.
-    pub const fn with_any_coast_motion(coast_motion: Duration) -> Self {
-        Self { coast_motion, holder: Holder::Nobody, resumes_following: false }
+        Self { coast_motion: coast_motion.min(MAX_COAST_MOTION), holder: Holder::Nobody, resumes_following: false }
     }
 
     /// The operator consents to a purpose. Consent to follow ends every other purpose, and a stop. The others need a

@@ -26,8 +26,6 @@ use crate::vehicle::{CommandPath, VehicleState};
 pub const NUDGE_RATE_RAD_PER_S: f64 = 0.1;
 /// A nudge, a search and a calibration need a video frame that arrived within this time, throughout.
 const NEEDS_VIDEO: Duration = Duration::from_millis(300);
-/// The same in recordings of before, at the request alone.
-const NUDGE_NEEDED_VIDEO: Duration = Duration::from_millis(1000);
 
 /// What the observation of one step means for motion.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -72,10 +70,7 @@ impl Safety {
     /// The initial state: disengaged, at rest, no localisation; the commands take this path.
     pub fn new(coast_motion: Duration, path: CommandPath) -> Self {
         Self {
-            licences: match path {
-                CommandPath::Unknown => Licences::with_any_coast_motion(coast_motion),
-                _ => Licences::new(coast_motion),
-            },
+            licences: Licences::new(coast_motion),
             last_fresh_at: None,
             hold_cause: HoldCause::NoSelection,
             following: CameraCommand::REST,
@@ -171,7 +166,7 @@ impl Safety {
         if let Some(obstacle) = self.vehicle.obstacle() {
             return Err(Refusal::NoMotion(obstacle));
         }
-        if !self.has_video(self.video_at_consent(), now) {
+        if !self.has_video(now) {
             return Err(Refusal::NoFreshVideo);
         }
         if self.licences.held() != Some(purpose) {
@@ -227,7 +222,7 @@ impl Safety {
             ObservationResult::NoObservation => {}
         }
         let obstacle = self.vehicle.obstacle();
-        let has_lapsed = self.licences.in_force(now).is_none() || !self.has_video(self.video_needed(), now);
+        let has_lapsed = self.licences.in_force(now).is_none() || !self.has_video(now);
         if obstacle.is_some() || has_lapsed {
             self.licences.end_behaviours();
         }
@@ -244,9 +239,8 @@ impl Safety {
             Mode::Nudging | Mode::Searching | Mode::Calibrating => self.behaviour_ends_at(),
             Mode::Idle | Mode::Holding(_) | Mode::Stopped(_) => None,
         };
-        // What is left of a nudge is no rate to follow with. In recordings of before, it was.
-        let follows = mode == Mode::Servoing || self.path() == CommandPath::Unknown;
-        self.following = if follows { command } else { CameraCommand::REST };
+        // What is left of a nudge is no rate to follow with.
+        self.following = if mode == Mode::Servoing { command } else { CameraCommand::REST };
         Decision { mode, command, wake_at }
     }
 
@@ -279,24 +273,15 @@ impl Safety {
 
     /// When a nudge, a search or a calibration ends without a renewal or without a further video frame.
     fn behaviour_ends_at(&self) -> Option<Timestamp> {
-        let video_ends = self.last_video_at.zip(self.video_needed()).map(|(at, lasts)| at.plus(lasts));
+        let video_ends = self.last_video_at.map(|at| at.plus(NEEDS_VIDEO));
         let ends = self.licences.ends_at();
         ends.map(|ends| video_ends.map_or(ends, |video_ends| ends.min(video_ends)))
     }
 
-    /// How old the newest video frame may be while the camera moves without following; `None`: of any age.
-    fn video_needed(&self) -> Option<Duration> {
-        (self.path() != CommandPath::Unknown).then_some(NEEDS_VIDEO)
-    }
-
-    /// The same when the operator consents.
-    fn video_at_consent(&self) -> Option<Duration> {
-        Some(self.video_needed().unwrap_or(NUDGE_NEEDED_VIDEO))
-    }
-
-    /// Whether the newest video frame is younger than this. The current time must not lie before it.
-    fn has_video(&self, needed: Option<Duration>, now: Timestamp) -> bool {
-        needed.is_none_or(|needed| self.last_video_at.is_some_and(|at| at <= now && now.since(at) < needed))
+    /// Whether the newest video frame is fresh enough for a camera that moves without following. The current time
+    /// must not lie before it.
+    fn has_video(&self, now: Timestamp) -> bool {
+        self.last_video_at.is_some_and(|at| at <= now && now.since(at) < NEEDS_VIDEO)
     }
 }
 

@@ -26,8 +26,6 @@ const MAX_CONFIRMING_FRAMES: u32 = 15;
 /// Least confidence of a frame that confirms. Of nine wrong confirmations in 270 simulated ones (all at 0.55 and more), two
 /// fall below, and no right one of the 260; on the filmed clips kept aside, wrong ones fall from 101 to 77 of 630.
 pub(crate) const MIN_CONFIDENCE: f64 = 0.7;
-/// The same for pilots up to version 3.
-pub(crate) const MIN_CONFIDENCE_BEFORE: f64 = 0.5;
 /// Factor by which the box's area may have grown or shrunk since the selection.
 const MAX_AREA_FACTOR: f64 = 2.5;
 

@@ -9,7 +9,6 @@ use barrelman_vocab::{
     Angle, CameraCommand, LawId, OperatorRequest, PictureSize, PixelBox, Timestamp, Track, VehicleProfile,
 };
 
-use crate::behaviour;
 use crate::calibration::Calibration;
 use crate::history::FrameHistory;
 use crate::input::Input;
@@ -64,7 +63,6 @@ pub struct Pilot {
     reported_tilt: Option<(Angle, Timestamp)>,
     /// When the link rests the camera by itself, unless the pilot is stepped before.
     rested_at: Option<Timestamp>,
-    behaviour: u32,
     opposed_motion: OpposedMotion,
     unasked_motion: UnaskedMotion,
     net_yaw: NetYaw,
@@ -114,7 +112,6 @@ impl Pilot {
             last_capture: None,
             reported_tilt: None,
             rested_at: None,
-            behaviour: behaviour::NEWEST,
             opposed_motion: OpposedMotion::default(),
             net_yaw_level: NetYawLevel::Free,
             last_bearing: None,
@@ -141,12 +138,6 @@ impl Pilot {
     #[must_use]
     pub fn with_vessel(self, settings: VesselSettings) -> Self {
         Self { vessel: Some(Box::new(VesselPilot::new(settings))), ..self }
-    }
-
-    /// The same pilot with the rules of a behaviour version, for recordings of that version.
-    #[must_use]
-    pub fn with_behaviour(self, version: u32) -> Self {
-        Self { behaviour: version, ..self }
     }
 
     /// The law; `None`: a law that an operator cannot choose.
@@ -294,7 +285,7 @@ impl Pilot {
     /// selection that is not confirmed is not followed, also where the new one is refused. The track of before it is gone.
     fn forget_unconfirmed(&mut self) {
         let is_followed = self.drawn_selection.is_some_and(|pending| pending.is_followed());
-        if is_followed && self.behaviour > behaviour::BOW_BEFORE_RETREAT {
+        if is_followed {
             self.tracker.forget();
             self.set_unlocalised(Track::Unseeded);
         }
@@ -364,17 +355,11 @@ impl Pilot {
     /// while the target is lost.
     fn is_video_fresh(&self, age: Option<Duration>) -> bool {
         let profile = &self.settings.profile;
-        match age {
-            Some(age) => age <= profile.video_latency.saturating_add(profile.stale_after),
-            None => self.behaviour > behaviour::FIRST,
-        }
+        age.is_none_or(|age| age <= profile.video_latency.saturating_add(profile.stale_after))
     }
 
-    /// What the vehicle can execute of a command. The pilots of recordings of before did not ask.
+    /// What the vehicle can execute of a command.
     fn executable(&mut self, command: CameraCommand, now: Timestamp) -> CameraCommand {
-        if self.safety.path() == CommandPath::Unknown {
-            return command;
-        }
         let is_current = |at: Timestamp| at <= now && now.since(at) <= TILT_LASTS;
         let tilt = self.reported_tilt.filter(|(_, at)| is_current(*at)).map(|(tilt, _)| tilt);
         let executable = self.settings.profile.executable(command, tilt);
@@ -391,9 +376,8 @@ impl Pilot {
         notice: Option<Notice>,
         now: Timestamp,
     ) -> Outcome {
-        let is_link_switched = self.safety.path() != CommandPath::Unknown;
         let decision = self.safety.decide(result, now);
-        self.rested_at = decision.wake_at.filter(|_| is_link_switched).map(|at| at.plus(RENEWAL_GRACE));
+        self.rested_at = decision.wake_at.map(|at| at.plus(RENEWAL_GRACE));
         let command = self.executable(decision.command, now);
         self.law.on_command_applied(command, now);
         self.unasked_motion.on_command(command, now);

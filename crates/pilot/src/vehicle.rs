@@ -27,8 +27,6 @@ pub enum CommandPath {
     Link,
     /// Nowhere: a dry run shows advice only.
     DryRun,
-    /// A recording of before pilots knew: the commands count as executed.
-    Unknown,
 }
 
 /// The vehicle's clock may be reported this much earlier than before without a restart, seconds.
@@ -119,7 +117,7 @@ impl VehicleState {
     /// Why no command may move the camera now; `None`: commands reach a camera that may move.
     pub fn obstacle(&self) -> Option<HoldCause> {
         match self.path {
-            CommandPath::Simulated | CommandPath::Unknown => None,
+            CommandPath::Simulated => None,
             CommandPath::DryRun => Some(HoldCause::DryRun),
             CommandPath::Link if self.link != LinkState::Up => Some(HoldCause::LinkDown),
             CommandPath::Link => match (self.control, self.flight) {

@@ -109,18 +109,6 @@ impl VesselOutcome {
 pub(crate) struct VesselView<'a> {
     pub(crate) camera: &'a CameraModel,
     pub(crate) now: Timestamp,
-    /// Whether the camera may be displaced from where its model says. Pilots of before took the model for exact.
-    pub(crate) sways: bool,
-    /// Whether a guided boat that does not answer is stopped. Pilots of before drove it on.
-    pub(crate) needs_answer: bool,
-    /// Whether marks need a place on the water before a boat is guided over the water, and get one as soon as it can be known.
-    /// Pilots of before passed over marks without a place, and took marks on pictures of the future.
-    pub(crate) needs_places: bool,
-    /// Whether a boat that is guided over the water waits while it has no place there, and goes away from a person only where its
-    /// bow is known. Pilots of before waited without an end, and took an unknown bow to point at the person.
-    pub(crate) needs_fix_and_bow: bool,
-    /// Whether the rules of behaviour version 9 hold ([`crate::behaviour::NEWEST`]).
-    pub(crate) has_rules_of_9: bool,
 }
 
 /// What a step observed.
@@ -247,7 +235,6 @@ impl VesselPilot {
     ) -> Result<Option<VesselNotice>, Refusal> {
         // What the operator wants now is not what the boat went on with.
         self.gate.set_clear(false);
-        self.marks.set_rules_of_9(view.has_rules_of_9);
         match request {
             OperatorRequest::Mark(drawn) => {
                 return self.mark(drawn, picture, view).map(|id| Some(VesselNotice::Marked(id, drawn.kind)));
@@ -299,12 +286,12 @@ impl VesselPilot {
             let is_confirmed = |at: Timestamp| at <= view.now && view.now.since(at) <= GO_AGAIN;
             if !self.gone_in_picture_at.is_some_and(is_confirmed) {
                 // A boat that cannot be commanded is refused for that, and not asked about.
-                self.gate.clone().guide(view.now, view.has_rules_of_9)?;
+                self.gate.clone().guide(view.now)?;
                 self.gone_in_picture_at = Some(view.now);
                 return Err(Refusal::PictureOnly(why));
             }
         }
-        self.gate.guide(view.now, view.has_rules_of_9)?;
+        self.gate.guide(view.now)?;
         if !was_guiding {
             self.guide.expect_answer();
             self.marks.begin_route();
@@ -349,7 +336,7 @@ impl VesselPilot {
         if age > KEPT {
             return Err(Refusal::SelectionTooOld { age, kept: KEPT });
         }
-        if view.needs_places && captured > view.now {
+        if captured > view.now {
             return Err(Refusal::NotYetCaptured);
         }
         Ok(self.frame_view_at(captured, picture, view, self.guide.displacement_at(captured)))
@@ -386,11 +373,10 @@ impl VesselPilot {
         view: VesselView<'_>,
     ) -> VesselOutcome {
         let now = view.now;
-        self.marks.set_rules_of_9(view.has_rules_of_9);
         let sight = match (observed, newest) {
             (Observed::Boat(seen), Some((captured, picture))) => {
                 let modelled = self.frame_view_at(captured, picture, view, WaterPoint::default());
-                if view.needs_places && !self.marks.are_placed() {
+                if !self.marks.are_placed() {
                     let below = self.guide.displacement_at(captured);
                     let frame_view = self.frame_view_at(captured, picture, view, below);
                     if self.marks.place_on_water(&frame_view) == RouteChange::DestinationMoved {
@@ -399,10 +385,7 @@ impl VesselPilot {
                 }
                 let guide_view = GuideView {
                     camera: &modelled,
-                    is_commanded: view.sways && self.gate.is_commanding(),
-                    needs_places: view.needs_places,
-                    needs_fix_and_bow: view.needs_fix_and_bow,
-                    has_rules_of_9: view.has_rules_of_9,
+                    is_commanded: self.gate.is_commanding(),
                 };
                 let advice = self.guide.step(seen, guide_view, &self.marks, &self.profile, now);
                 self.gate.set_clear(self.guide.has_room());
@@ -410,7 +393,7 @@ impl VesselPilot {
                 if is_water_lost && self.gate.is_guiding() && self.no_water(now).is_some() {
                     self.gate.stop(VesselStop::WaterLost);
                 }
-                if view.needs_answer && self.gate.is_guiding() && self.guide.is_unanswered() {
+                if self.gate.is_guiding() && self.guide.is_unanswered() {
                     self.gate.stop(VesselStop::NoAnswer);
                 }
                 GateInput::Fresh(advice)

@@ -17,7 +17,6 @@
 
 mod tracker;
 
-pub mod behaviour;
 
 mod explanation;
 

@@ -78,10 +78,6 @@ pub struct LineOfSight {
     side: Option<Side>,
     /// Whether the boat goes astern from a circle.
     backs_off: bool,
-    /// Whether a boat whose bow is not known goes astern before a person that is too close.
-    retreats_blindly: bool,
-    /// Whether a boat that goes away from a person disregards the circles.
-    retreats_into_circles: bool,
     rudder: f64,
     way_since: Option<Timestamp>,
     last_step: Option<Timestamp>,
@@ -109,22 +105,10 @@ impl LineOfSight {
             phase: Phase::Going,
             side: None,
             backs_off: false,
-            retreats_blindly: false,
-            retreats_into_circles: false,
             rudder: 0.0,
             way_since: None,
             last_step: None,
         }
-    }
-
-    /// For replays: whether a boat whose bow is not known goes astern before a person that is too close, as it once did.
-    pub const fn set_retreats_blindly(&mut self, retreats_blindly: bool) {
-        self.retreats_blindly = retreats_blindly;
-    }
-
-    /// For replays: whether a boat that goes away from a person disregards the circles, as it once did.
-    pub const fn set_retreats_into_circles(&mut self, retreats_into_circles: bool) {
-        self.retreats_into_circles = retreats_into_circles;
     }
 
     /// The estimate of the boat.
@@ -370,7 +354,7 @@ impl LineOfSight {
         };
         let left_m = stop.map_or(0.0, |stop| stop.left_m);
         let away = self.retreat(boat, (at, velocity_m_per_s), left_m, &input.limits);
-        let may_go = self.retreats_into_circles || self.can_coast_to_rest(boat, away.throttle, input);
+        let may_go = self.can_coast_to_rest(boat, away.throttle, input);
         (if may_go { away } else { VesselCommand::NEUTRAL }, GuidanceState::StandingOff)
     }
 
@@ -402,11 +386,8 @@ impl LineOfSight {
         if excess <= 0.0 || (left_m > 0.0 && closing < ASTERN_EXCESS.0) {
             return VesselCommand::NEUTRAL;
         }
-        let off_bow = match boat.heading {
-            Some(heading) => wrapped(bearing - heading.radians()),
-            None if self.retreats_blindly => 0.0,
-            None => return VesselCommand::NEUTRAL,
-        };
+        let Some(heading) = boat.heading else { return VesselCommand::NEUTRAL };
+        let off_bow = wrapped(bearing - heading.radians());
         // Thrust grows with the square of the throttle.
         let share = libm::sqrt((excess / ASTERN_EXCESS.1).min(1.0));
         if libm::cos(off_bow) > POINTS_AT.0 {

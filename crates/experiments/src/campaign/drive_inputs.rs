@@ -12,8 +12,6 @@ pub struct DriveInputs {
     inputs: Vec<(u64, DriveInput)>,
     last_tick: u64,
     hands_on: bool,
-    /// Whether the vehicle reports its height and tilt.
-    reports_pose: bool,
     /// Whether the pilot commands the boat.
     pub(super) commands_boat: bool,
 }
@@ -26,7 +24,6 @@ impl DriveInputs {
             inputs: stored.inputs.clone(),
             last_tick: stored.last_tick(),
             hands_on: setup.hands_on,
-            reports_pose: setup.vessel,
             commands_boat: setup.commands_boat(),
         }
     }
@@ -41,9 +38,7 @@ impl DriveInputs {
         if self.hands_on {
             simulation = simulation.without_selection();
         }
-        if self.reports_pose {
-            simulation = simulation.with_tilt_reports(true).with_height_reports();
-        }
+        simulation = simulation.with_tilt_reports(true).with_height_reports();
         let mut inputs = self.inputs.iter().peekable();
         loop {
             let tick = simulation.world().tick();

@@ -5,7 +5,6 @@ use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail, ensure};
-use barrelman_trial::behaviour::VersionDifference;
 use barrelman_trial::campaign::{CampaignEntry, CampaignSettings};
 use barrelman_trial::metrics::TrialEntry;
 
@@ -71,7 +70,6 @@ pub fn parse(bytes: &[u8]) -> Result<CampaignFile> {
     for (index, line) in text.lines().enumerate() {
         let entry: CampaignEntry =
             serde_json::from_str(line).with_context(|| format!("line {}", index + 1))?;
-        let entry = CampaignEntry { campaign: entry.campaign.completed(), ..entry };
         entries.push((entry, line.to_owned()));
     }
     Ok(CampaignFile { entries, whole_bytes: whole as u64, is_truncated: whole < bytes.len() })
@@ -106,12 +104,14 @@ impl CampaignWriter {
         let (mut file, bytes) = OutputFile::resume(path)?;
         let read = parse(&bytes).with_context(|| format!("{} is no campaign's file", path.display()))?;
         for (index, (entry, _)) in read.entries.iter().enumerate() {
-            if let Some(VersionDifference { first, second }) = entry.campaign.version_difference(settings) {
+            if entry.campaign.program != settings.program {
                 bail!(
-                    "{} is of another campaign: its line {} was run with {first}, this program has {second}; run all its \
+                    "{} is of another campaign: its line {} was run with barrelman {}, this program is {}; run all its \
                      trials again into another --output",
                     path.display(),
                     index + 1,
+                    entry.campaign.program,
+                    settings.program,
                 );
             }
             if entry.campaign != *settings {
@@ -174,12 +174,14 @@ pub fn merge(files: &[(PathBuf, CampaignFile)]) -> Result<Vec<(CampaignEntry, St
         }
         for (entry, line) in &file.entries {
             let (first_path, settings) = *first.get_or_insert((path, &entry.campaign));
-            if let Some(VersionDifference { first, second }) = settings.version_difference(&entry.campaign) {
+            if entry.campaign.program != settings.program {
                 bail!(
-                    "{} and {} are of different campaigns: the first was run with {first}, the second with {second}; run \
+                    "{} and {} are of different campaigns: the first was run with barrelman {}, the second with {}; run \
                      the trials of both with one program",
                     first_path.display(),
                     path.display(),
+                    settings.program,
+                    entry.campaign.program,
                 );
             }
             if entry.campaign != *settings {

@@ -14,7 +14,7 @@ use barrelman_sim::snapshot::ObjectKind;
 use barrelman_sim::{Scenario, World};
 use barrelman_simd::{Simd, SimdLevel};
 use barrelman_trial::campaign::{
-    CampaignEntry, CampaignSettings, FIGURES_IN_PIXELS, FrameSource, RenderedCamera, ReportErrors,
+    CampaignEntry, CampaignSettings, FrameSource, RenderedCamera, ReportErrors,
     Simulation, StepObserver,
 };
 use barrelman_trial::logs::TrialLog;
@@ -150,7 +150,6 @@ impl CampaignPlan {
             scenario: loaded.scenario.name.clone(),
             scenario_hash: format!("{:016x}", loaded.hash),
             law: request.law.name_str().to_owned(),
-            law_behaviour: request.law.behaviour_version(),
             mode: request.law.mode_str().map(str::to_owned),
             horizon_s: request.law.horizon_s,
             rate_rad_per_s: request.rate,
@@ -162,12 +161,10 @@ impl CampaignPlan {
             boat_speed_m_per_s: request.overrides.boat_speed_m_per_s,
             size: request.overrides.size.map(|size| format!("{}x{}", size.width, size.height)),
             tracker: tracker.map(|tracker| tracker.as_str().to_owned()),
-            tracker_behaviour: tracker.map(TrackerName::behaviour_version),
-            figures: tracker.map(|_| FIGURES_IN_PIXELS),
             guidance: request.guidance.map(|guidance| guidance_name(guidance).to_owned()),
             current_m_per_s: request.overrides.current_m_per_s,
             drive: None,
-            program: env!("CARGO_PKG_VERSION").to_owned(),
+            program: barrelman_host::program::identity().to_owned(),
         };
         Ok(Self {
             loaded,
@@ -372,7 +369,6 @@ impl CampaignPlan {
         let name = format!("{}-{seed}", self.settings.scenario);
         let run = RecordedRun {
             video: format!("sim:{}?seed={seed}", self.settings.scenario),
-            behaviour: self.law.behaviour_with(self.tracker),
             trial: Some(SimulatedTrial {
                 seed,
                 settings: serde_json::to_string(&self.settings)?,

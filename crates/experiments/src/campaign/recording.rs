@@ -7,7 +7,6 @@ use std::time::Duration;
 use anyhow::{Context, Result};
 use barrelman_pilot::{CommandPath, Input, Outcome};
 use barrelman_sim::Truth;
-use barrelman_trial::behaviour::BehaviourVersions;
 use barrelman_trial::campaign::StepObserver;
 use barrelman_trial::records::{
     Entry, RecordedInput, RecordedOutcome, RecordedTruth, RecordingStart, RecordingWriter, SimulatedTrial,
@@ -37,8 +36,6 @@ pub struct TrialRecording {
 pub struct RecordedRun {
     /// Address of the simulated world.
     pub video: String,
-    /// Behaviour versions of tracker and law.
-    pub behaviour: BehaviourVersions,
     /// What it takes to run a trial again; `None` for a drive, whose recording holds its video.
     pub trial: Option<SimulatedTrial>,
 }
@@ -85,16 +82,14 @@ impl TrialRecorder {
         let path = file.path().to_owned();
         // The times of a clock would make files of the same seed differ.
         let start = RecordingStart {
-            program_version: env!("CARGO_PKG_VERSION").to_owned(),
+            program: barrelman_host::program::identity().to_owned(),
             monotonic_ns: 0,
             unix_ns: 0,
             configuration,
             video: run.video,
             link: "sim:".to_owned(),
             live_video: false,
-            behaviour: run.behaviour,
             command_path: CommandPath::Simulated,
-            pilot_behaviour: barrelman_pilot::behaviour::NEWEST,
             trial: run.trial,
         };
         let flush_at = start.trial.is_none().then_some(Timestamp::ZERO);

@@ -1,6 +1,5 @@
 //! The inputs of a drive: the actions of a person, each before a tick.
 
-use barrelman_sim::boat::HelmCommand;
 use barrelman_trial::campaign::{Simulation, StepObserver};
 use barrelman_vocab::{
     Angle, BoatStop, DrawnMark, DrawnSelection, LawId, MarkKind, MovedMark, Nudge, OperatorRequest, PixelBox,
@@ -12,15 +11,6 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "input", rename_all = "kebab-case")]
 pub enum DriveInput {
-    /// Steers the boat past the pilot, in drives of before there was a vessel: percent of the throttle (negative: astern) and of the rudder (positive: to the left).
-    Helm {
-        /// -100 to 100.
-        thrust: i8,
-        /// -100 to 100.
-        rudder: i8,
-    },
-    /// Returns control to the scenario's helmsman, in drives of before there was a vessel.
-    Helmsman,
     /// Engages: the camera may move.
     Engage,
     /// Stops the camera.
@@ -245,28 +235,12 @@ impl DriveInput {
             Self::StopBoat => OperatorRequest::StopBoat(BoatStop::Operator),
             Self::LeaveBoat => OperatorRequest::StopBoat(BoatStop::ConsoleLost),
             Self::ReleaseBoat => OperatorRequest::ReleaseBoat,
-            Self::Helm { .. } | Self::Helmsman | Self::Pause | Self::Resume => return None,
+            Self::Pause | Self::Resume => return None,
         })
-    }
-
-    /// The helm after the input: `Some(Some(helm))` if a person steers, `Some(None)` if the helmsman does, `None` if
-    /// the input does not change it.
-    pub(super) fn helm_change(self) -> Option<Option<HelmCommand>> {
-        let share = |percent: i8| f64::from(percent.clamp(-100, 100)) / 100.0;
-        match self {
-            Self::Helm { thrust, rudder } => {
-                Some(Some(HelmCommand { throttle: share(thrust), rudder: share(rudder) }))
-            }
-            Self::Helmsman => Some(None),
-            _ => None,
-        }
     }
 
     /// Applies the input to a trial, before the next tick of the trial.
     pub fn apply(self, simulation: &mut Simulation<'_>, observer: &mut dyn StepObserver) {
-        if let Some(helm) = self.helm_change() {
-            simulation.steer(helm);
-        }
         // A pause changes only when the next tick runs.
         if let Some(request) = self.request() {
             simulation.request(request, observer);

@@ -24,7 +24,6 @@ pub struct Drive<'a> {
     simulation: Simulation<'a>,
     camera: Box<dyn FrameSource + 'a>,
     units: Receiver<EncodedUnit>,
-    helm: Option<HelmCommand>,
 }
 
 /// The simulated boat as a vessel.
@@ -59,10 +58,9 @@ impl<'a> Drive<'a> {
             pilot
         };
         let simulation = Simulation::new(scenario, world, seed, pilot, &setup.profile).without_log();
-        let simulation =
-            if setup.vessel { simulation.with_tilt_reports(true).with_height_reports() } else { simulation };
+        let simulation = simulation.with_tilt_reports(true).with_height_reports();
         let simulation = if setup.hands_on { simulation.without_selection() } else { simulation };
-        Ok(Self { simulation, camera, units, helm: None })
+        Ok(Self { simulation, camera, units })
     }
 
     /// The world after the last tick.
@@ -88,7 +86,7 @@ impl<'a> Drive<'a> {
     /// The helm of the operator or of the guidance; `None` while the helmsman steers.
     pub fn helm(&self) -> Option<HelmCommand> {
         let vessel = self.outcome().map(|outcome| &outcome.vessel).filter(|vessel| vessel.is_commanded());
-        vessel.map_or(self.helm, |vessel| Some(HelmCommand::of(vessel.command)))
+        vessel.map(|vessel| HelmCommand::of(vessel.command))
     }
 
     /// Whether the drive is over.
@@ -98,7 +96,6 @@ impl<'a> Drive<'a> {
 
     /// Applies an input before the next tick.
     pub fn apply(&mut self, input: DriveInput, observer: &mut dyn StepObserver) {
-        self.helm = input.helm_change().unwrap_or(self.helm);
         input.apply(&mut self.simulation, observer);
     }
 

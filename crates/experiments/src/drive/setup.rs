@@ -27,16 +27,14 @@ pub struct DriveSetup {
     pub law: LawChoice,
     /// Whether pictures are encoded as H.264.
     pub encoded: bool,
-    /// Whether the pilot commands the boat, and the gimbal reports height and tilt. In drives of before, neither.
-    pub vessel: bool,
     /// Whether the person selects the boat and engages; otherwise the world selects the boat.
     pub hands_on: bool,
 }
 
 impl DriveSetup {
-    /// Whether the pilot commands the boat: not in drives of before, and not where the target is no boat.
+    /// Whether the pilot commands the boat: only where the target is one.
     pub const fn commands_boat(&self) -> bool {
-        self.vessel && matches!(self.loaded.scenario.target, TargetScript::Boat(_))
+        matches!(self.loaded.scenario.target, TargetScript::Boat(_))
     }
 
     /// Loads the scenario of a drive.
@@ -48,6 +46,6 @@ impl DriveSetup {
         let mut loaded = scenario::load(&url.scenario, &overrides)?;
         loaded.scenario.max_s = MAX_DRIVE_S;
         let profile = loaded.profile()?;
-        Ok(Self { url, loaded, profile, tracker, law, encoded, hands_on: false, vessel: true })
+        Ok(Self { url, loaded, profile, tracker, law, encoded, hands_on: false })
     }
 }

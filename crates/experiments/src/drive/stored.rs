@@ -1,8 +1,8 @@
 //! A drive as a file (JSON Lines): its setup, each input with its tick, and the hash of the drive.
 //!
 //! ```text
-//! {"drive":"open","scenario_hash":"0c31...","seed":1,"size":[960,540],"tracker":"fused","tracker_behaviour":1,
-//!  "law":{"name":"optimal","mode":"minimum-energy"},"law_behaviour":1,"coded":false,"program":"0.1.0"}
+//! {"drive":"open","scenario_hash":"0c31...","seed":1,"size":[960,540],"tracker":"fused",
+//!  "law":{"name":"optimal","mode":"minimum-energy"},"encoded":false,"program":"0.1.0+5c1f0a9be2d47f60"}
 //! {"tick":0,"input":"engage"}
 //! {"tick":431,"input":"helm","thrust":100,"rudder":0}
 //! {"tick":3600,"hash":"8d5f..."}
@@ -15,7 +15,6 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
 use barrelman_sim::tick::TICKS_PER_SECOND;
-use barrelman_trial::behaviour::{BehaviourVersions, FIRST};
 use barrelman_vocab::PictureSize;
 use serde::{Deserialize, Serialize};
 
@@ -38,28 +37,11 @@ struct Header {
     seed: u64,
     size: Option<(u32, u32)>,
     tracker: TrackerName,
-    #[serde(default = "first_version")]
-    tracker_behaviour: u32,
-    /// A file without a law was written when the motor schema was the only law.
-    #[serde(default = "motor_schema")]
     law: LawChoice,
-    #[serde(default = "first_version")]
-    law_behaviour: u32,
-    #[serde(rename = "coded")]
     encoded: bool,
     #[serde(default, skip_serializing_if = "core::ops::Not::not")]
     hands_on: bool,
-    #[serde(default, skip_serializing_if = "core::ops::Not::not")]
-    vessel: bool,
     program: String,
-}
-
-const fn motor_schema() -> LawChoice {
-    LawChoice::MOTOR_SCHEMA
-}
-
-const fn first_version() -> u32 {
-    FIRST
 }
 
 /// Every other line.
@@ -96,13 +78,10 @@ impl DriveWriter {
             seed: setup.url.seed,
             size: setup.url.size.map(|size| (size.width, size.height)),
             tracker: setup.tracker,
-            tracker_behaviour: setup.tracker.behaviour_version(),
             law: setup.law,
-            law_behaviour: setup.law.behaviour_version(),
             encoded: setup.encoded,
             hands_on: setup.hands_on,
-            vessel: setup.vessel,
-            program: env!("CARGO_PKG_VERSION").to_owned(),
+            program: barrelman_host::program::identity().to_owned(),
         })?;
         Ok(writer)
     }
@@ -137,8 +116,8 @@ impl DriveWriter {
 pub struct StoredDrive {
     /// The setup.
     pub setup: DriveSetup,
-    /// The behaviour versions of the tracker and the law of the drive.
-    pub behaviour: BehaviourVersions,
+    /// The program that stored the drive: version and hash of the executable.
+    pub program: String,
     /// The inputs, each with its tick.
     pub inputs: Vec<(u64, DriveInput)>,
     /// The last tick and the hash of the drive; `None` if the file is cut off.
@@ -170,12 +149,11 @@ impl StoredDrive {
         let mut lines = text.lines();
         let first = lines.next().unwrap_or_default();
         let header: Header = serde_json::from_str(first).context("its first line is no drive's")?;
-        let behaviour = BehaviourVersions { tracker: header.tracker_behaviour, law: header.law_behaviour };
         let size = header.size.map(|(width, height)| PictureSize::new(width, height));
         let url = WorldUrl { scenario: header.drive, seed: header.seed, size };
-        let law = header.law.with_stored_mode().validated("law.")?;
+        let law = header.law.validated("law.")?;
         let setup = DriveSetup::new(url, header.tracker, law, header.encoded)?;
-        let setup = DriveSetup { hands_on: header.hands_on, vessel: header.vessel, ..setup };
+        let setup = DriveSetup { hands_on: header.hands_on, ..setup };
         if format!("{:016x}", setup.loaded.hash) != header.scenario_hash {
             bail!("the scenario {} is another than it was then", setup.url.scenario);
         }
@@ -196,6 +174,6 @@ impl StoredDrive {
                 Line::Input { .. } | Line::End { .. } => bail!("line {} is out of order", number + 2),
             }
         }
-        Ok(Self { setup, behaviour, inputs, end })
+        Ok(Self { setup, program: header.program, inputs, end })
     }
 }

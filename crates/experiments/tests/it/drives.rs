@@ -42,7 +42,7 @@ fn hash_of_drive(setup: &DriveSetup, inputs: &[(u64, DriveInput)]) -> String {
     hash.hex()
 }
 
-const AHEAD: DriveInput = DriveInput::Helm { thrust: 100, rudder: 20 };
+const AHEAD: DriveInput = DriveInput::Steer { throttle: 1.0, rudder: -0.2 };
 
 #[test]
 fn the_same_inputs_at_the_same_ticks_give_the_same_drive() {
@@ -83,8 +83,12 @@ fn the_schemas_shadow_is_the_schema_and_another_law_differs_from_it() {
         let mut observer =
             ShadowObserver { shadow: MotorSchemaShadow::new(&setup.profile), values: Vec::new() };
         drive.apply(DriveInput::Engage, &mut observer);
-        drive.apply(DriveInput::Helm { thrust: 100, rudder: 0 }, &mut observer);
-        (0..1200).for_each(|_| drive.tick(&mut observer));
+        for tick in 0..1200 {
+            if tick % 30 == 0 {
+                drive.apply(DriveInput::Steer { throttle: 1.0, rudder: 0.0 }, &mut observer);
+            }
+            drive.tick(&mut observer);
+        }
         observer.values
     };
     let apart = |(p, schema): &(f64, f64)| (p - schema).abs();

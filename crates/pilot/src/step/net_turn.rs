@@ -3,10 +3,8 @@
 use barrelman_vocab::{CameraCommand, Timestamp, VideoFrame};
 
 use super::Pilot;
-use crate::behaviour;
 use crate::opposed_motion::FrameShift;
 use crate::purpose::Purpose;
-use crate::vehicle::CommandPath;
 
 impl Pilot {
     /// The pan of the camera model at a time, radians.
@@ -16,24 +14,18 @@ impl Pilot {
 
     /// The command without a pan that winds up the tether beyond the limit.
     pub(super) fn within_net_yaw(&self, command: CameraCommand, now: Timestamp) -> CameraCommand {
-        if self.behaviour == behaviour::FIRST {
-            return command;
-        }
         self.net_yaw.limited(command, self.pan_at(now))
     }
 
     /// Compares the shift of the background in a tracked frame with the commands.
     pub(super) fn check_motion(&mut self, frame: &VideoFrame) {
-        let is_checked = self.behaviour > behaviour::FIRST && self.safety.path() != CommandPath::Unknown;
-        let may_turn = is_checked && !matches!(self.safety.held(), None | Some(Purpose::Calibrate));
+        let may_turn = !matches!(self.safety.held(), None | Some(Purpose::Calibrate));
         if !may_turn {
             self.opposed_motion.clear();
         }
         let Some((shift, from)) = self.tracker.background_shift().zip(self.last_capture) else { return };
         let seen = FrameShift { shift, picture: frame.picture.size(), from, to: frame.capture.at };
-        if self.behaviour > behaviour::OPPOSED_MOTION {
-            self.opposed_motion.observe_rest(&seen, self.law.camera());
-        }
+        self.opposed_motion.observe_rest(&seen, self.law.camera());
         if !may_turn {
             return;
         }

@@ -3,10 +3,9 @@
 use barrelman_vocab::{Track, VideoFrame};
 
 use super::{Observation, Pilot};
-use crate::behaviour;
 use crate::outcome::Notice;
 use crate::selecting::{
-    MIN_CONFIDENCE, MIN_CONFIDENCE_BEFORE, PendingSelection, SelectingContext, SelectingResult,
+    MIN_CONFIDENCE, PendingSelection, SelectingContext, SelectingResult,
 };
 
 impl Pilot {
@@ -50,9 +49,8 @@ impl Pilot {
         frame: &VideoFrame,
     ) -> (Track, Option<Notice>) {
         let law = &self.law;
-        let is_strict = self.behaviour > behaviour::CALM_AIR;
         let result = pending.advance(&mut SelectingContext {
-            min_confidence: if is_strict { MIN_CONFIDENCE } else { MIN_CONFIDENCE_BEFORE },
+            min_confidence: MIN_CONFIDENCE,
             tracker: &mut *self.tracker,
             history: &self.history,
             frame,

@@ -5,7 +5,6 @@ use barrelman_vocab::telemetry::{LinkState, Report};
 use barrelman_vocab::{Angle, Telemetry, Timestamp};
 
 use super::Pilot;
-use crate::behaviour;
 
 impl Pilot {
     /// Passes reports of the camera on to the law, and those of the vehicle to the safety rule.
@@ -50,7 +49,7 @@ impl Pilot {
         if let Some(vessel) = &mut self.vessel {
             vessel.on_tilt(at);
         }
-        if is_first && self.behaviour > behaviour::SURE_SELECTION {
+        if is_first {
             self.law.on_first_tilt_report(tilt, at);
         } else {
             self.law.on_tilt_report(tilt, at);

@@ -3,7 +3,6 @@
 use barrelman_vocab::{ImagePoint, OperatorRequest, PictureSize, Timestamp, Track};
 
 use super::Pilot;
-use crate::behaviour;
 use crate::outcome::{LOST_BEFORE_SEARCH, Notice, Refusal};
 use crate::purpose::Purpose;
 use crate::safety::ObservationResult;
@@ -28,7 +27,7 @@ impl Pilot {
     /// Why there is nothing to search for.
     fn nothing_to_search(&self, now: Timestamp) -> Option<Refusal> {
         let is_selecting = self.drawn_selection.is_some() || self.pending_selection.is_some();
-        if is_selecting && self.behaviour > behaviour::PLACED_MARKS {
+        if is_selecting {
             return Some(Refusal::NothingLost);
         }
         match self.track {
@@ -58,12 +57,7 @@ impl Pilot {
             let pointing = camera.angles_at(now);
             let aspect =
                 self.picture.map_or(1.0, |size| f64::from(size.height) / f64::from(size.width.max(1)));
-            let focal_share = if self.behaviour > behaviour::PLACED_MARKS {
-                camera.focal_share_at(now)
-            } else {
-                camera.dynamics().focal_share
-            };
-            let reach = SearchReach::new(focal_share, aspect, camera.dynamics());
+            let reach = SearchReach::new(camera.focal_share_at(now), aspect, camera.dynamics());
             self.search = Some(Search::new(self.last_bearing, pointing, reach, now));
         }
     }

@@ -1,10 +1,8 @@
 //! The pilot's part of the vessel: what a step tells it.
 
-use barrelman_control::CameraLaw;
 use barrelman_vocab::{OperatorRequest, Timestamp, Track};
 
 use super::Pilot;
-use crate::behaviour;
 use crate::outcome::{HoldCause, Notice, Refusal};
 use crate::safety::ObservationResult;
 use crate::vessel::{Observed, VesselNotice, VesselOutcome, VesselView};
@@ -13,7 +11,7 @@ impl Pilot {
     /// Processes a request about the vessel. Returns what the operator has to know.
     pub(super) fn on_vessel_request(&mut self, request: &OperatorRequest, now: Timestamp) -> Option<Notice> {
         let is_boat_seen = matches!(self.track, Track::Tracking(_)) && self.drawn_selection.is_none();
-        let view = vessel_view(&self.law, self.behaviour, now);
+        let view = VesselView { camera: self.law.camera(), now };
         let Some(vessel) = &mut self.vessel else {
             return Some(Notice::RequestRefused(Refusal::NoVessel));
         };
@@ -38,19 +36,6 @@ impl Pilot {
             (ObservationResult::NoObservation, _) => Observed::Nothing,
         };
         let newest = self.last_capture.zip(self.picture);
-        vessel.step(observed, newest, vessel_view(&self.law, self.behaviour, now))
-    }
-}
-
-/// What a step with these rules tells the vessel's part.
-fn vessel_view(law: &CameraLaw, version: u32, now: Timestamp) -> VesselView<'_> {
-    VesselView {
-        camera: law.camera(),
-        now,
-        sways: version > behaviour::SURE_SELECTION,
-        needs_answer: version > behaviour::DISPLACED_CAMERA,
-        needs_places: version > behaviour::ANSWERING_BOAT,
-        needs_fix_and_bow: version > behaviour::PLACED_MARKS,
-        has_rules_of_9: version > behaviour::BOW_BEFORE_RETREAT,
+        vessel.step(observed, newest, VesselView { camera: self.law.camera(), now })
     }
 }

@@ -294,14 +294,14 @@ impl VesselGate {
         self.holder = Holder::Released;
     }
 
-    /// The operator engages the guidance of a boat that is seen. `needs_video`: only with fresh video. Without it, a boat that was
-    /// seen long ago would set off when the video comes back. Pilots of before version 9 did not ask.
+    /// The operator engages the guidance of a boat that is seen. The guidance needs fresh video: without it, a boat
+    /// that was last seen long ago would set off when the video comes back.
     ///
     /// # Errors
     /// The reason, if the boat cannot be commanded now.
-    pub fn guide(&mut self, now: Timestamp, needs_video: bool) -> Result<(), Refusal> {
+    pub fn guide(&mut self, now: Timestamp) -> Result<(), Refusal> {
         self.refuse_without_way()?;
-        if needs_video && !self.has_video(now) {
+        if !self.has_video(now) {
             return Err(Refusal::NoFreshVideo);
         }
         if !self.is_guiding() {

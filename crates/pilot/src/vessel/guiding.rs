@@ -74,12 +74,6 @@ pub struct GuideView<'a> {
     pub camera: &'a FrameView,
     /// Whether nothing but this program steers the boat.
     pub is_commanded: bool,
-    /// Whether the boat waits while a mark that it must regard has no place on the water.
-    pub needs_places: bool,
-    /// Whether the boat waits while it has no place on the water itself, and goes away from a person only where its bow is known.
-    pub needs_fix_and_bow: bool,
-    /// Whether the rules of behaviour version 9 hold ([`crate::behaviour::NEWEST`]).
-    pub has_rules_of_9: bool,
 }
 
 impl Guide {
@@ -172,15 +166,12 @@ impl Guide {
         profile: &VesselProfile,
         now: Timestamp,
     ) -> Result<VesselCommand, VesselHold> {
-        let GuideView { camera: frame_view, is_commanded, needs_places, needs_fix_and_bow, has_rules_of_9 } =
-            guide_view;
+        let GuideView { camera: frame_view, is_commanded } = guide_view;
         let is_over_water = self.law == GuidanceLaw::LineOfSight && frame_view.sees_water;
-        if is_over_water && needs_places && marks.have_unplaced(profile) {
+        if is_over_water && marks.have_unplaced(profile) {
             (self.newest, self.has_room) = (None, false);
             return Err(VesselHold::UnplacedMark);
         }
-        self.line_of_sight.set_retreats_blindly(!needs_fix_and_bow);
-        self.line_of_sight.set_retreats_into_circles(!has_rules_of_9);
         let (command, guidance) = if is_over_water {
             self.step_over_water(frame_view.boat(seen, is_commanded), marks, profile, now)
         } else {
@@ -190,11 +181,11 @@ impl Guide {
         self.has_room = self.finds_room(marks, profile, now);
         match guidance.state {
             // There is a destination, but the camera has turned away from it.
-            GuidanceState::NoDestination if has_rules_of_9 && marks.destination().is_some() => {
+            GuidanceState::NoDestination if marks.destination().is_some() => {
                 Err(VesselHold::NoPlace)
             }
             GuidanceState::NoDestination => Err(VesselHold::NoDestination),
-            GuidanceState::NoFix if needs_fix_and_bow => Err(VesselHold::NoPlace),
+            GuidanceState::NoFix => Err(VesselHold::NoPlace),
             _ => Ok(command),
         }
     }

@@ -210,16 +210,9 @@ pub struct Marks {
     destination: Option<u32>,
     /// Changes whenever the way-points begin anew.
     route: u32,
-    /// Whether the rules of behaviour version 9 hold.
-    has_rules_of_9: bool,
 }
 
 impl Marks {
-    /// For replays: whether the rules of behaviour version 9 hold ([`crate::behaviour::NEWEST`]).
-    pub(crate) const fn set_rules_of_9(&mut self, has_rules_of_9: bool) {
-        self.has_rules_of_9 = has_rules_of_9;
-    }
-
     /// The marks, oldest first.
     pub fn iter(&self) -> impl Iterator<Item = &Mark> {
         self.marks.iter().flatten()
@@ -270,7 +263,7 @@ impl Marks {
         if is_destination {
             self.destination = Some(id);
         }
-        if is_destination || drawn.kind == MarkKind::WayPoint || !self.has_rules_of_9 {
+        if is_destination || drawn.kind == MarkKind::WayPoint {
             self.route += 1;
         }
         Ok(id)
@@ -280,8 +273,7 @@ impl Marks {
     /// they were set. A mark that was set before any tilt was reported gets none: its line of sight was not known.
     pub fn place_on_water(&mut self, frame_view: &FrameView) -> RouteChange {
         let mut change = RouteChange::None;
-        let needs_tilt = self.has_rules_of_9;
-        let can_be_placed = |mark: &&mut Mark| mark.water.is_none() && (mark.has_tilt || !needs_tilt);
+        let can_be_placed = |mark: &&mut Mark| mark.water.is_none() && mark.has_tilt;
         for mark in self.marks.iter_mut().flatten().filter(can_be_placed) {
             let Some(fix) = frame_view.view.pixel_of(mark.direction).and_then(|pixel| frame_view.fix(pixel))
             else {
@@ -291,7 +283,7 @@ impl Marks {
             if mark.kind == MarkKind::Person {
                 mark.drift = Some(Drift::at_rest(&fix));
             }
-            if self.destination == Some(mark.id) && self.has_rules_of_9 {
+            if self.destination == Some(mark.id) {
                 change = RouteChange::DestinationMoved;
             } else if mark.is_on_route(self.destination) {
                 self.route += 1;
@@ -341,7 +333,7 @@ impl Marks {
             (MarkKind::Person, Some(fix), Some(drift)) if mark.water.is_some() => {
                 if since >= DRIFT_AFTER {
                     drift.observe(fix.point, since.as_secs_f64(), std_dev_of(&fix));
-                } else if self.has_rules_of_9 {
+                } else {
                     drift.correct(&fix);
                 }
             }
@@ -351,7 +343,7 @@ impl Marks {
         (mark.direction, mark.water, mark.marked) = (direction, water, moved.captured);
         mark.has_tilt = is_tilt_known;
         // A boat that rests at its destination goes on to where the destination is now.
-        if self.destination == Some(moved.id) && self.has_rules_of_9 {
+        if self.destination == Some(moved.id) {
             return Ok(RouteChange::DestinationMoved);
         }
         if is_on_route {
@@ -374,7 +366,7 @@ impl Marks {
         let before = self.count;
         let changes_route = self
             .iter()
-            .any(|mark| is_removed(mark) && (mark.is_on_route(self.destination) || !self.has_rules_of_9));
+            .any(|mark| is_removed(mark) && mark.is_on_route(self.destination));
         let mut kept = [None; MAX_MARKS];
         let left = self.marks.iter().flatten().filter(|mark| !is_removed(mark));
         self.count = kept.iter_mut().zip(left).map(|(slot, mark)| *slot = Some(*mark)).count();

@@ -1,6 +1,5 @@
 //! A guided boat that does not move as commanded is stopped.
 
-use barrelman_pilot::behaviour::DISPLACED_CAMERA;
 use barrelman_pilot::vessel::VesselStop;
 use barrelman_pilot::{Notice, VesselMode};
 use barrelman_vocab::{ImagePoint, MarkKind, OperatorRequest, PixelPoint};
@@ -66,16 +65,6 @@ fn another_destination_far_away_is_no_fault_of_the_boat() {
     assert_eq!(bench.ask(OperatorRequest::GoHome).notice, Some(Notice::Going(None)));
     let turned = |seconds: f64| moving(60.0 - 10.0 * seconds, -24.0 + 4.0 * seconds)(1.0);
     assert_eq!(mode_after(&mut bench, 25.0, turned), (VesselMode::Guided, 0.0));
-}
-
-#[test]
-fn pilots_of_before_drove_a_boat_on_that_did_not_answer() {
-    let mut bench = Bench::new();
-    bench.pilot = bench.pilot.with_behaviour(DISPLACED_CAMERA);
-    bench.see_water().see(INSIDE);
-    bench.mark(MarkKind::Place, TARGET);
-    bench.ask(OperatorRequest::Guide);
-    assert_eq!(mode_after(&mut bench, 30.0, moving(0.0, 0.0)), (VesselMode::Guided, 0.0));
 }
 
 #[test]

@@ -104,10 +104,3 @@ fn a_nudge_is_held_off_the_end_stops_too() {
     assert_eq!(nudge(1.0, 50), command(0.04, 0.0));
     assert_eq!(nudge(-1.0, 60), command(0.04, -0.1));
 }
-
-#[test]
-fn a_recording_of_before_is_replayed_with_the_commands_of_before() {
-    let (mut pilot, told) = stubborn(command(9.0, 0.01), CommandPath::Unknown);
-    assert_eq!(pilot.step(Seen(RIGHT).input(at(10)), at(10)).command, command(9.0, 0.01));
-    assert_eq!(*told.lock().unwrap(), command(9.0, 0.01));
-}

@@ -4,7 +4,7 @@ use core::time::Duration;
 use std::sync::{Arc, Mutex};
 
 use barrelman_control::CameraModel;
-use barrelman_pilot::{CommandPath, Input, Mode, Pilot};
+use barrelman_pilot::{Input, Mode, Pilot};
 use barrelman_sim::random::{CounterRng, Stream};
 use barrelman_vision::{BackgroundShift, Explanation, SelectionError, SelectionReport, Tracker};
 use barrelman_vocab::profile::{AxisDynamics, CameraDynamics};
@@ -187,26 +187,5 @@ fn a_camera_that_does_not_turn_at_all_is_not_said_to_turn_the_wrong_way() {
     for seed in 0..20 {
         let camera = TrueCamera { pan_gain: 0.0, tilt_gain: 0.0, sway: 0.03, ..AS_PROFILE };
         assert_eq!(run(camera, seed, 30, around), None, "seed {seed}");
-    }
-}
-
-#[test]
-fn a_recording_of_before_is_replayed_without_the_check() {
-    let settings = settings();
-    assert_eq!(settings.profile.signs, VehicleProfile::fotokite_pro().signs);
-    for (path, version) in [(CommandPath::Unknown, 2), (CommandPath::Simulated, 1)] {
-        let answer: Answer = Arc::new(Mutex::new((RIGHT, None)));
-        let tracker = Box::new(ScriptedTracker(Arc::clone(&answer)));
-        let mut pilot = Pilot::new(settings.clone(), tracker).commanding(path).with_behaviour(version);
-        pilot.step(Input::Request(OperatorRequest::Engage), at(0));
-        let picture = Arc::new(Picture::black(PICTURE, ColourEncoding::JPEG));
-        for index in 1..200 {
-            let shift = BackgroundShift { u_px: 4.0, v_px: 0.0, centre: INSIDE.in_pixels(PICTURE) };
-            answer.lock().unwrap().1 = Some(shift);
-            let capture = Capture { at: at(33 * index - 20), quality: CaptureQuality::Sensor };
-            let frame = VideoFrame { sequence: index, capture, picture: Arc::clone(&picture) };
-            let outcome = pilot.step(Input::Frame(&frame), at(33 * index));
-            assert_eq!(outcome.mode, Mode::Servoing, "{path:?} {version}");
-        }
     }
 }

@@ -2,7 +2,6 @@
 
 use core::time::Duration;
 
-use barrelman_pilot::behaviour::{ANSWERING_BOAT, BOW_BEFORE_RETREAT, NEWEST, PLACED_MARKS};
 use barrelman_pilot::on_earth::NotOnEarth;
 use barrelman_pilot::outcome::HoldCause;
 use barrelman_pilot::vessel::guiding::NoWater;
@@ -230,9 +229,8 @@ fn guidance_needs_a_mark_and_a_boat_that_is_seen() {
 
 #[test]
 fn guidance_needs_fresh_video() {
-    let asked_after = |version: u32, ms: u64, request: OperatorRequest| {
+    let asked_after = |ms: u64, request: OperatorRequest| {
         let mut bench = Bench::new();
-        bench.pilot = bench.pilot.with_behaviour(version);
         bench.see_water().see(INSIDE);
         bench.mark(MarkKind::Home, TARGET);
         bench.mark(MarkKind::Place, TARGET);
@@ -245,19 +243,17 @@ fn guidance_needs_fresh_video() {
     let refused = Some(Notice::RequestRefused(Refusal::NoFreshVideo));
     for request in [OperatorRequest::Guide, OperatorRequest::GoHome] {
         assert_eq!(
-            asked_after(NEWEST, 249, request),
+            asked_after(249, request),
             (Some(Notice::Going(None)), VesselMode::Guided),
             "{request:?}"
         );
         for ms in [250, 60_000] {
             assert_eq!(
-                asked_after(NEWEST, ms, request),
+                asked_after(ms, request),
                 (refused.clone(), VesselMode::Released),
                 "{request:?}"
             );
         }
-        let going = Some(Notice::Going(Some(NoWater::NoTilt)));
-        assert_eq!(asked_after(BOW_BEFORE_RETREAT, 60_000, request), (going, VesselMode::Guided));
     }
 }
 
@@ -324,43 +320,25 @@ fn a_person_who_was_marked_before_the_height_was_known_has_a_circle_when_it_is()
     assert_eq!(after.vessel.guidance.map(|guidance| guidance.basis), Some(GuidanceBasis::Water));
     assert!(marks(&after).iter().all(|mark| mark.water.is_some()), "{:?}", marks(&after));
     assert!(marks(&after)[0].drift.is_some());
-
-    // Pilots of before went on without the person's circle.
-    let mut bench = Bench::new();
-    bench.pilot = bench.pilot.with_behaviour(ANSWERING_BOAT);
-    bench.see(INSIDE);
-    bench.mark(MarkKind::Person, TARGET);
-    bench.see_water();
-    assert!(marks(&bench.see(INSIDE))[0].water.is_none());
 }
 
 #[test]
 fn a_mark_that_was_set_before_any_tilt_was_reported_gets_no_place_until_it_is_moved() {
-    let marked = |version: u32| {
-        let mut bench = Bench::new();
-        bench.pilot = bench.pilot.with_behaviour(version);
-        bench.see(INSIDE);
-        bench.mark(MarkKind::Person, TARGET);
-        bench.see_water().see(INSIDE);
-        bench.ask(OperatorRequest::Guide);
-        bench
-    };
     let distance_m = |outcome: &Outcome| {
         let point = outcome.vessel.marks.destination().unwrap().point(outcome.at)?;
         Some(point.distance_to(WaterPoint { x: 0.0, y: 0.0 }))
     };
-    let mut bench = marked(NEWEST);
+    let mut bench = Bench::new();
+    bench.see(INSIDE);
+    bench.mark(MarkKind::Person, TARGET);
+    bench.see_water().see(INSIDE);
+    bench.ask(OperatorRequest::Guide);
     let unplaced = bench.see(INSIDE);
     assert_eq!(distance_m(&unplaced), None);
     assert_eq!(unplaced.vessel.mode, VesselMode::Holding(VesselHold::UnplacedMark));
     assert_eq!(bench.move_mark(1, TARGET).notice, None);
     let placed = bench.see(INSIDE);
     assert_eq!(placed.vessel.mode, VesselMode::Guided);
-    // Pilots of before placed the mark by the profile's tilt.
-    let assumed = marked(BOW_BEFORE_RETREAT).see(INSIDE);
-    assert_eq!(assumed.vessel.mode, VesselMode::Guided);
-    let (right, wrong) = (distance_m(&placed).unwrap(), distance_m(&assumed).unwrap());
-    assert!((right - wrong).abs() > 2.0, "{right} {wrong}");
 }
 
 #[test]
@@ -415,21 +393,14 @@ fn a_guided_boat_without_a_place_on_the_water_waits_and_does_not_start_again_by_
     for _ in 0..60 {
         assert!(bench.see_water().see(INSIDE).vessel.command.is_neutral());
     }
-
-    // Pilots of before waited without an end.
-    let mut bench = Bench::going(MarkKind::Place);
-    bench.pilot = bench.pilot.with_behaviour(PLACED_MARKS);
-    let modes = without_place_for(&mut bench, 8_000);
-    assert_eq!(modes.last(), Some(&(VesselMode::Guided, true)));
 }
 
 #[test]
 fn marks_that_change_no_way_point_do_not_send_the_boat_back_to_the_first() {
     type Change<'a> = &'a dyn Fn(&mut Bench) -> Outcome;
     let aside = PixelPoint { u: 560.0, v: 330.0 };
-    let leg_after = |version: u32, change: Change<'_>| {
+    let leg_after = |change: Change<'_>| {
         let mut bench = Bench::new();
-        bench.pilot = bench.pilot.with_behaviour(version);
         bench.see_water().see(INSIDE);
         // The boat lies at the first way-point.
         bench.mark(MarkKind::WayPoint, INSIDE.in_pixels(PICTURE));
@@ -465,17 +436,14 @@ fn marks_that_change_no_way_point_do_not_send_the_boat_back_to_the_first() {
         ("another destination is chosen", 0, &|bench| bench.ask(OperatorRequest::NextMark)),
     ];
     for (what, leg, change) in expected {
-        assert_eq!(leg_after(NEWEST, change), leg, "{what}");
-        // Pilots of before went back with each of these.
-        assert_eq!(leg_after(BOW_BEFORE_RETREAT, change), 0, "{what}");
+        assert_eq!(leg_after(change), leg, "{what}");
     }
 }
 
 #[test]
 fn a_boat_guided_in_the_picture_does_not_start_by_itself_long_after_its_destination_was_behind_the_camera() {
-    let after = |version: u32, frames: u32| {
+    let after = |frames: u32| {
         let mut bench = Bench::new();
-        bench.pilot = bench.pilot.with_behaviour(version);
         bench.tell(Report::CameraTilt(Angle::from_degrees(-80.0)));
         bench.see(INSIDE);
         bench.mark(MarkKind::Place, PixelPoint { u: 480.0, v: 470.0 });
@@ -494,12 +462,9 @@ fn a_boat_guided_in_the_picture_does_not_start_by_itself_long_after_its_destinat
         (away.vessel.mode, bench.see(INSIDE).vessel.mode)
     };
     let stopped = VesselMode::Stopped(VesselStop::HeldTooLong(VesselHold::NoPlace));
-    assert_eq!(after(NEWEST, 300), (stopped, stopped));
+    assert_eq!(after(300), (stopped, stopped));
     let held = VesselMode::Holding(VesselHold::NoPlace);
-    assert_eq!(after(NEWEST, 90), (held, VesselMode::Guided), "after a short wait it goes on");
-    // Pilots of before waited without an end.
-    let waits = VesselMode::Holding(VesselHold::NoDestination);
-    assert_eq!(after(BOW_BEFORE_RETREAT, 300), (waits, VesselMode::Guided));
+    assert_eq!(after(90), (held, VesselMode::Guided), "after a short wait it goes on");
 }
 
 #[test]
@@ -555,24 +520,20 @@ fn the_mark_of_a_person_that_is_moved_drifts_on() {
 
 #[test]
 fn a_corrected_mark_of_a_person_at_rest_tells_no_drift() {
-    let speed = |version: u32| {
-        let mut bench = Bench::new();
-        bench.pilot = bench.pilot.with_behaviour(version);
-        bench.see_water().see(INSIDE);
-        bench.mark(MarkKind::Person, TARGET);
-        // The hand missed: the mark is corrected a second later, and stays there.
-        for (frames, px) in [(30, 60.0), (90, 60.0)] {
-            for _ in 0..frames {
-                bench.see_water().see(INSIDE);
-            }
-            let moved = bench.move_mark(1, PixelPoint { u: TARGET.u + px, ..TARGET });
-            assert_eq!(moved.notice, None);
+    let mut bench = Bench::new();
+    bench.see_water().see(INSIDE);
+    bench.mark(MarkKind::Person, TARGET);
+    // The hand missed: the mark is corrected a second later, and stays there.
+    for (frames, px) in [(30, 60.0), (90, 60.0)] {
+        for _ in 0..frames {
+            bench.see_water().see(INSIDE);
         }
-        let (vx, vy) = bench.see(INSIDE).vessel.marks.destination().unwrap().velocity_m_per_s();
-        libm::hypot(vx, vy)
-    };
-    assert!(speed(NEWEST) < 1e-6, "{}", speed(NEWEST));
-    assert!(speed(BOW_BEFORE_RETREAT) > 0.3, "{}", speed(BOW_BEFORE_RETREAT));
+        let moved = bench.move_mark(1, PixelPoint { u: TARGET.u + px, ..TARGET });
+        assert_eq!(moved.notice, None);
+    }
+    let (vx, vy) = bench.see(INSIDE).vessel.marks.destination().unwrap().velocity_m_per_s();
+    let speed = libm::hypot(vx, vy);
+    assert!(speed < 1e-6, "{speed}");
 }
 
 #[test]

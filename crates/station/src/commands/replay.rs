@@ -9,16 +9,16 @@ use std::io::{BufReader, Write as _, stdout};
 use std::process::ExitCode;
 
 use anyhow::{Context, Result, bail};
-use barrelman_trial::behaviour::VersionDifference;
-use barrelman_trial::records::{Entry, ReadError, RecordedOutcome, RecordingReader, RecordingStart};
+use barrelman_trial::records::{Entry, ReadError, RecordedOutcome, RecordingReader};
 use barrelman_trial::replay::{Replay, ReplayComparison};
 
 use super::replayed_video::ReplayedVideo;
 use super::run::build_pilot;
 use super::stored_video::StoredVideo;
 use crate::cli::ReplayArgs;
-use crate::config::{self, ConfigFile, Configuration};
+use crate::config::{self, Configuration};
 use barrelman_host::input;
+use barrelman_host::program::identity;
 use barrelman_video::decoder::DecodeMode;
 
 /// Limit of the encoded video that waits for its step. In this program's recordings about ten units wait, because the
@@ -52,8 +52,9 @@ pub fn run(args: &ReplayArgs) -> Result<ExitCode> {
             ""
         }
     )?;
-    if let Some(VersionDifference { first, second }) = &replayed.difference {
-        writeln!(out, "recorded with {first}, this program has {second}: outcomes may differ")?;
+    let program = identity();
+    if replayed.recorded_by != program {
+        writeln!(out, "recorded by barrelman {}, this program is {program}: outcomes may differ", replayed.recorded_by)?;
     }
     if !args.compare {
         return Ok(ExitCode::SUCCESS);
@@ -87,8 +88,8 @@ struct Replayed {
     is_truncated: bool,
     /// Whether the frames were rendered again: a recording of a trial in pixels holds none.
     is_rendered: bool,
-    /// How the behaviour versions of the recording differ from this program's.
-    difference: Option<VersionDifference>,
+    /// The program that made the recording: version and hash of the executable.
+    recorded_by: String,
 }
 
 fn replay(recording: File, changed: Option<Configuration>) -> Result<Replayed> {
@@ -99,21 +100,20 @@ fn replay(recording: File, changed: Option<Configuration>) -> Result<Replayed> {
     };
     let configuration = match changed {
         Some(configuration) => configuration,
-        None => Configuration::resolve_recorded(&config::parse_recorded(&start.configuration)?)
+        None => Configuration::resolve_recorded(&config::parse(&start.configuration)?)
             .context("the recorded configuration")?,
     };
     let mode = if start.live_video { DecodeMode::Live } else { DecodeMode::File };
     let mut video = ReplayedVideo::new(StoredVideo::new(mode, MAX_QUEUED_BYTES), &start);
-    let pilot = build_pilot(&configuration, start.command_path)?.with_behaviour(start.pilot_behaviour);
+    let pilot = build_pilot(&configuration, start.command_path)?;
     let mut replay = Replay::new(pilot, configuration.profile.clone());
-    let difference = version_difference(&start, &configuration);
     let mut replayed = Replayed {
         steps: 0,
         frames: 0,
         comparison: ReplayComparison::default(),
         is_truncated: false,
         is_rendered: false,
-        difference,
+        recorded_by: start.program,
     };
     // Outcomes by step, until the recorded outcome of the same step is read.
     let mut outcomes: BTreeMap<u64, RecordedOutcome> = BTreeMap::new();
@@ -147,23 +147,4 @@ fn replay(recording: File, changed: Option<Configuration>) -> Result<Replayed> {
     }
     replayed.is_rendered = video.is_rendered();
     Ok(replayed)
-}
-
-/// How the behaviour versions of the recorded tracker and law differ from the replaying ones. A tracker or law that the
-/// replay replaces by another one has no version to compare.
-fn version_difference(start: &RecordingStart, configuration: &Configuration) -> Option<VersionDifference> {
-    let (tracker, law) = (configuration.tracker.name, configuration.law);
-    let current = law.behaviour_with(tracker);
-    let recorded = config::parse_recorded(&start.configuration).ok();
-    let is_replaced = |is_same: fn(&ConfigFile, &Configuration) -> bool| {
-        recorded.as_ref().is_some_and(|file| !is_same(file, configuration))
-    };
-    let mut behaviour = start.behaviour;
-    if is_replaced(|file, used| file.tracker.name == Some(used.tracker.name)) {
-        behaviour.tracker = current.tracker;
-    }
-    if is_replaced(|file, used| file.law.name == Some(used.law.name)) {
-        behaviour.law = current.law;
-    }
-    behaviour.difference(current, tracker.as_str(), law.name_str())
 }

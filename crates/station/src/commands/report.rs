@@ -4,7 +4,6 @@ use std::io::{Write as _, stdout};
 use std::process::ExitCode;
 
 use anyhow::{Context, Result};
-use barrelman_trial::behaviour::FIRST;
 use barrelman_trial::campaign::CampaignSettings;
 use barrelman_trial::metrics::{Arena, TrialEntry, measure};
 use barrelman_trial::records::RecordingStart;
@@ -114,7 +113,7 @@ fn reported_trial(mut input: TrialInput, args: &ReportArgs) -> ReportedTrial {
 
 /// The vehicle of a recording, if its law is not the motor schema: the motor schema's shadow is computed for it.
 fn shadowed_vehicle(start: &RecordingStart) -> Option<VehicleProfile> {
-    let file = config::parse_recorded(&start.configuration).ok()?;
+    let file = config::parse(&start.configuration).ok()?;
     let configuration = Configuration::resolve_recorded(&file).ok()?;
     (configuration.law.name != LawName::MotorSchema).then_some(configuration.profile)
 }
@@ -134,15 +133,15 @@ impl SimulatedRun {
         let (scenario, seed) = world.split_once("?seed=")?;
         let settings = start.trial.as_ref().and_then(|trial| recorded_trial::settings_of(trial).ok());
         let set = settings.map_or_else(
-            || Self::set_of_earlier_program(scenario, start),
+            || Self::set_of_drive(scenario, start),
             |settings| format!("{}, recorded", campaign_name(&settings)),
         );
         Some(Self { scenario: scenario.to_owned(), trial: format!("{scenario}/{seed}"), set })
     }
 
-    /// The set of a recording that does not hold its settings: the law and its mode are in the configuration.
-    fn set_of_earlier_program(scenario: &str, start: &RecordingStart) -> String {
-        let file = config::parse_recorded(&start.configuration).ok();
+    /// The set of a drive's recording: the law and its mode are in the configuration.
+    fn set_of_drive(scenario: &str, start: &RecordingStart) -> String {
+        let file = config::parse(&start.configuration).ok();
         let law = file.and_then(|file| Configuration::resolve_recorded(&file).ok()).map(|found| found.law);
         let mut words = vec![scenario];
         words.extend(law.as_ref().map(LawChoice::name_str));
@@ -166,9 +165,6 @@ fn campaign_name(settings: &CampaignSettings) -> String {
     words.extend(settings.boat_speed_m_per_s.map(|speed| format!("boat {speed} m/s")));
     words.extend(settings.size.clone());
     words.extend(settings.tracker.clone());
-    let versions = settings.behaviour();
-    words.extend((versions.tracker != FIRST).then(|| format!("tracker's behaviour {}", versions.tracker)));
-    words.extend((versions.law != FIRST).then(|| format!("law's behaviour {}", versions.law)));
     words.push(settings.setting.clone());
     words.join(", ")
 }

@@ -23,9 +23,7 @@ use std::path::Path;
 
 use anyhow::{Context, Result, anyhow};
 
-use barrelman_experiments::law_choice::{LawChoice, LawName};
 use barrelman_experiments::toml_message::message_of;
-use barrelman_experiments::tracker_choice::TrackerName;
 use barrelman_host::input;
 use barrelman_host::redaction::without_logins;
 
@@ -57,20 +55,6 @@ pub fn read(path: &Path) -> Result<ConfigFile> {
 pub fn parse(text: &str) -> Result<ConfigFile> {
     // The message shows the line with the mistake, which may hold an address with a login.
     toml::from_str(text).map_err(|error| anyhow!("{}", without_logins(&message_of(&error))))
-}
-
-/// Parses the configuration of a recording. A recording that names no tracker is from the time when CamShift was the only
-/// tracker; one that names no law is from the time when the motor schema was the only law, and one that names no mode from
-/// the time when minimum energy was the default mode.
-///
-/// # Errors
-/// If a key is unknown or a value has the wrong type; the message shows the line.
-pub fn parse_recorded(text: &str) -> Result<ConfigFile> {
-    let mut file = parse(text)?;
-    file.tracker.name.get_or_insert(TrackerName::Camshift);
-    let name = *file.law.name.get_or_insert(LawName::MotorSchema);
-    file.law.mode = LawChoice { mode: file.law.mode, ..LawChoice::new(name) }.with_stored_mode().mode;
-    Ok(file)
 }
 
 /// The JSON schema of a configuration file.

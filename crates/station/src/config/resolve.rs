@@ -74,13 +74,11 @@ pub struct GuardChoice {
     pub is_omitted: bool,
 }
 
-/// The largest rate in the configuration of a recording, rad/s.
-const MAX_RECORDED_RAD_PER_S: f64 = 3.0;
+/// The largest rate of a simulated vehicle, rad/s.
+const MAX_SIMULATED_RAD_PER_S: f64 = 3.0;
 /// The range of `coast_motion_s`, seconds: in less than the first, a picture may not follow the one before in time, and the camera
 /// would never move.
 const COAST_MOTION_S: RangeInclusive<f64> = 0.05..=MAX_COAST_MOTION.as_secs_f64();
-/// The same in the configuration of a recording: earlier versions took so much.
-const RECORDED_COAST_MOTION_S: RangeInclusive<f64> = 0.0..=2.0;
 
 /// The built-in profile of a name.
 ///
@@ -99,32 +97,30 @@ impl Configuration {
     /// If a value is out of range; the message names the key and the range.
     pub fn resolve(file: &ConfigFile) -> Result<Self> {
         let rate_limits = |profile: &VehicleProfile| profile.protocol.rate_limits();
-        let configuration = Self::resolve_within(file, rate_limits, COAST_MOTION_S)?;
+        let configuration = Self::resolve_within(file, rate_limits)?;
         ensure_axes_turn(&configuration.profile)?;
         Ok(configuration)
     }
 
-    /// Like [`Self::resolve`], but with wider limits, for the configuration of a recording: a simulated vehicle may turn
-    /// faster than a real one, and earlier versions accepted such rates for every vehicle, and a longer `coast_motion_s`.
+    /// Like [`Self::resolve`], for the configuration of a recording: a simulated vehicle may turn faster than a real one.
     /// A replay sends nothing.
     ///
     /// # Errors
     /// If a value is out of range; the message names the key and the range.
     pub fn resolve_recorded(file: &ConfigFile) -> Result<Self> {
-        let max = AngularRate::from_radians_per_second(MAX_RECORDED_RAD_PER_S);
-        Self::resolve_within(file, |_| AxisRates { pan: max, tilt: max }, RECORDED_COAST_MOTION_S)
+        let max = AngularRate::from_radians_per_second(MAX_SIMULATED_RAD_PER_S);
+        Self::resolve_within(file, |_| AxisRates { pan: max, tilt: max })
     }
 
     fn resolve_within(
         file: &ConfigFile,
         rate_limits: impl Fn(&VehicleProfile) -> AxisRates,
-        coast_motion_s: RangeInclusive<f64>,
     ) -> Result<Self> {
         let vehicle = &file.vehicle;
         let base = profile_named(vehicle.profile.as_deref().unwrap_or(VehicleProfile::NAMES[0]))
             .context("vehicle.profile")?;
         let max_rates = rate_limits(&base);
-        let mut profile = overridden(base, vehicle, max_rates, coast_motion_s)?;
+        let mut profile = overridden(base, vehicle, max_rates)?;
         profile.protocol = mavlink::between_peers(profile.protocol, &file.link)?;
         profile.protocol = mavlink::with_device(profile.protocol, file.vehicle.gimbal_device)?;
         profile.camera = file.camera.apply_to(&profile.camera)?;
@@ -331,7 +327,6 @@ fn overridden(
     base: VehicleProfile,
     vehicle: &VehicleSection,
     max: AxisRates,
-    coast_motion_s: RangeInclusive<f64>,
 ) -> Result<VehicleProfile> {
     let share = |key: &str, value: Option<f64>, base: f64| ranged(key, value, base, 0.01, 1.0, "a share");
     let vehicle_limit = "the limit of the vehicle";
@@ -368,7 +363,7 @@ fn overridden(
         },
         video_latency: duration("video_latency_s", vehicle.video_latency_s, base.video_latency, 0.0..=5.0)?,
         stale_after: duration("stale_after_s", vehicle.stale_after_s, base.stale_after, 0.0..=5.0)?,
-        coast_motion: duration("coast_motion_s", vehicle.coast_motion_s, base.coast_motion, coast_motion_s)?,
+        coast_motion: duration("coast_motion_s", vehicle.coast_motion_s, base.coast_motion, COAST_MOTION_S)?,
         net_yaw: net_yaw_limits(vehicle, base.net_yaw)?,
         attitude_yaw: vehicle
             .attitude_yaw_sign

@@ -17,8 +17,7 @@ pub(super) fn begin(file: Option<OutputFile>, setup: &DriveSetup) -> Result<Opti
         let simulated = Configuration::simulated(setup.profile.clone(), setup.law, setup.tracker)?;
         let configuration =
             Configuration { vessel: setup.commands_boat().then(VesselConfig::simulated), ..simulated };
-        let behaviour = setup.law.behaviour_with(setup.tracker);
-        let run = RecordedRun { video: setup.url.to_string(), behaviour, trial: None };
+        let run = RecordedRun { video: setup.url.to_string(), trial: None };
         TrialRecorder::without_film(file, configuration.to_toml()?, run)
     };
     file.map(begin).transpose()

@@ -7,7 +7,6 @@ use barrelman_experiments::drive::{Drive, StoredDrive};
 use barrelman_experiments::render_threads::RenderThreads;
 use barrelman_host::output::OutputFile;
 use barrelman_sim::tick::TICKS_PER_SECOND;
-use barrelman_trial::behaviour::VersionDifference;
 
 use super::observers::DriveObservers;
 use super::recording;
@@ -26,8 +25,8 @@ pub struct ReplayedDrive {
     pub hash: String,
     /// The stored hash; `None` where the file is cut off.
     pub stored_hash: Option<String>,
-    /// How the behaviour versions of the stored drive differ from this program's.
-    pub difference: Option<VersionDifference>,
+    /// The program that stored the drive: version and hash of the executable.
+    pub program: String,
 }
 
 /// Replays a stored drive, and records it if a file is given.
@@ -37,9 +36,7 @@ pub struct ReplayedDrive {
 pub fn replay(record: Option<OutputFile>, path: &Path) -> Result<ReplayedDrive> {
     let stored = StoredDrive::read(path)?;
     let last_tick = stored.last_tick();
-    let StoredDrive { setup, behaviour, inputs, end } = stored;
-    let current = setup.law.behaviour_with(setup.tracker);
-    let difference = behaviour.difference(current, setup.tracker.as_str(), setup.law.name_str());
+    let StoredDrive { setup, program, inputs, end } = stored;
     if record.is_some() && !setup.encoded {
         bail!(
             "{} was driven without --record, on pictures that were not encoded: a recording would show another drive",
@@ -76,6 +73,6 @@ pub fn replay(record: Option<OutputFile>, path: &Path) -> Result<ReplayedDrive> 
         last_tick,
         hash,
         stored_hash: end.map(|(_, hash)| hash),
-        difference,
+        program,
     })
 }

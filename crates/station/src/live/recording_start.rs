@@ -25,16 +25,14 @@ pub(super) fn recording_start(
     let video = source.address();
     let stored = Configuration { video: Some(video.clone()), ..configuration.clone() };
     Ok(RecordingStart {
-        program_version: env!("CARGO_PKG_VERSION").to_owned(),
+        program: barrelman_host::program::identity().to_owned(),
         monotonic_ns: clock.start_on_monotonic_ns(),
         unix_ns: u64::try_from(unix.as_nanos()).unwrap_or(u64::MAX),
         configuration: stored.to_toml()?,
         video,
         link: link.map(ToString::to_string).unwrap_or_default(),
         live_video: source.is_live(),
-        behaviour: configuration.law.behaviour_with(configuration.tracker.name),
         command_path: command_path(link),
-        pilot_behaviour: barrelman_pilot::behaviour::NEWEST,
         trial: None,
     })
 }

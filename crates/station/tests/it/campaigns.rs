@@ -5,8 +5,8 @@ use std::process::Output;
 
 use xxhash_rust::xxh3::Xxh3;
 
-use crate::behaviour_versions::rewrite;
 use crate::program::{argument, barrelman, empty_folder, failed, succeeded};
+use crate::stated_program::rewrite;
 
 fn trials(options: &[&str]) -> Output {
     barrelman(&[&["trials", "lab2", "--perception", "truth", "--seed", "500"], options].concat())
@@ -120,10 +120,8 @@ fn campaigns_of_different_worlds_are_compared_only_when_asked() {
     // Truth and pixels: the settings as a campaign in pixels would have them.
     let text = std::fs::read_to_string(&usual).unwrap();
     let pixels = folder.join("pixels.jsonl");
-    let changed = text.replace(
-        "\"perception\":\"truth\"",
-        "\"perception\":\"pixels\",\"tracker\":\"fused\",\"tracker_behaviour\":1,\"figures\":2",
-    );
+    let changed =
+        text.replace("\"perception\":\"truth\"", "\"perception\":\"pixels\",\"tracker\":\"fused\"");
     assert_ne!(changed, text);
     std::fs::write(&pixels, changed).unwrap();
     failed(
@@ -219,7 +217,7 @@ fn a_trial_in_pictures_is_the_same_to_the_bit_however_it_is_computed() {
     std::fs::write(&optimal, "[law]\nname = \"optimal\"\n").unwrap();
     let changed = ["replay", argument(&recording), "--config", argument(&optimal)];
     succeeded(&barrelman(&changed));
-    // Without what it takes to render them, as in recordings of earlier programs, the message says what to do.
+    // Without what it takes to render them, the message says what to do.
     let early = folder.join("early.mcap");
     rewrite(&recording, &early, |start| start.trial = None);
     failed(&barrelman(&["replay", argument(&early)]), 1, &["holds no pictures", "--record"]);

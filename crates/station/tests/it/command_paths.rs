@@ -1,4 +1,4 @@
-//! A recording states where the pilot's commands went, and is replayed so; recordings of before are replayed as they were.
+//! A recording states where the pilot's commands went, and is replayed so.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -6,7 +6,6 @@ use std::path::{Path, PathBuf};
 use barrelman_pilot::CommandPath;
 use barrelman_station::commands::run::build_pilot;
 use barrelman_station::config::{self, Configuration};
-use barrelman_trial::behaviour::BehaviourVersions;
 use barrelman_trial::records::{Entry, RecordedInput, RecordedOutcome, RecordingStart, RecordingWriter};
 use barrelman_vocab::telemetry::{LinkState, Report};
 use barrelman_vocab::{OperatorRequest, Telemetry, Timestamp, Track};
@@ -21,16 +20,14 @@ const CONFIGURATION: &str = "[law]\nname = \"schema\"\n[tracker]\nname = \"camsh
 fn record(name: &str, made: CommandPath, stated: CommandPath) -> (PathBuf, bool) {
     let configuration = Configuration::resolve(&config::parse(CONFIGURATION).unwrap()).unwrap();
     let start = RecordingStart {
-        program_version: "0.1.0".to_owned(),
+        program: "0.1.0".to_owned(),
         monotonic_ns: 0,
         unix_ns: 0,
         configuration: configuration.to_toml().unwrap(),
         video: "file:pictures".to_owned(),
         link: "tcp://127.0.0.1:5000".to_owned(),
         live_video: false,
-        behaviour: BehaviourVersions::default(),
         command_path: stated,
-        pilot_behaviour: barrelman_pilot::behaviour::NEWEST,
         trial: None,
     };
     let path = empty_folder(name).join("run.mcap");
@@ -59,13 +56,6 @@ fn record(name: &str, made: CommandPath, stated: CommandPath) -> (PathBuf, bool)
 
 fn compare(path: &Path) -> std::process::Output {
     barrelman(&["replay", argument(path), "--compare"])
-}
-
-#[test]
-fn a_recording_of_before_the_pilot_knew_its_link_replays_as_it_was() {
-    let (path, moved_early) = record("paths-before", CommandPath::Unknown, CommandPath::Unknown);
-    assert!(moved_early, "pilots of before moved a camera that no command reached");
-    assert!(succeeded(&compare(&path)).contains("every command is the same, bit for bit"));
 }
 
 #[test]

@@ -212,32 +212,20 @@ fn the_fused_tracker_is_used_unless_another_is_named() {
 }
 
 #[test]
-fn a_recording_is_replayed_with_the_tracker_that_made_it() {
-    let recorded = |text: &str| {
-        let file = config::parse_recorded(text).expect("it is usable");
-        Configuration::resolve(&file).expect("it is usable").tracker.name
-    };
-    // As written when CamShift was the only tracker.
-    assert_eq!(recorded("[tracker]\nsaturation_floor = 60\nvalue_floor = 32\n"), TrackerName::Camshift);
-    assert_eq!(recorded(""), TrackerName::Camshift);
+fn an_effective_configuration_names_its_tracker() {
     for name in [TrackerName::Fused, TrackerName::Camshift] {
         let effective = resolved(&format!("[tracker]\nname = \"{}\"\n", name.as_str())).unwrap();
-        assert_eq!(recorded(&effective.to_toml().unwrap()), name);
+        assert_eq!(resolved(&effective.to_toml().unwrap()).unwrap().tracker.name, name);
     }
 }
 
 #[test]
-fn the_optimal_law_is_used_unless_another_is_named_and_a_recording_keeps_its_own() {
+fn the_optimal_law_is_used_unless_another_is_named() {
     assert_eq!(resolved("").unwrap().law, LawChoice::OPTIMAL);
     assert_eq!(resolved("[law]\nname = \"schema\"\n").unwrap().law, LawChoice::MOTOR_SCHEMA);
     let eco = resolved("[law]\nmode = \"eco\"\n").unwrap();
     assert_eq!(eco.law, LawChoice { mode: Some(ModeName::Eco), ..LawChoice::OPTIMAL });
-    let recorded = |text: &str| {
-        let file = config::parse_recorded(text).expect("it is usable");
-        Configuration::resolve(&file).expect("it is usable").law
-    };
-    assert_eq!(recorded(""), LawChoice::MOTOR_SCHEMA, "as written when the motor schema was the only law");
-    assert_eq!(recorded(&eco.to_toml().unwrap()), eco.law);
+    assert_eq!(resolved(&eco.to_toml().unwrap()).unwrap().law, eco.law);
 }
 
 #[test]

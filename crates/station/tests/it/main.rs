@@ -9,7 +9,6 @@
 
 mod program;
 
-mod behaviour_versions;
 mod build_profiles;
 mod campaigns;
 mod command_line;
@@ -31,4 +30,5 @@ mod secrets;
 mod sent_rates;
 mod sigma;
 mod simulated_source;
+mod stated_program;
 mod status;

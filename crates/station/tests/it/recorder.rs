@@ -11,7 +11,6 @@ use barrelman_station::live::event::Event;
 use barrelman_station::live::recorder::{Recorder, RecorderInput};
 use barrelman_station::live::run_loop::{LiveStep, LiveStepObserver as _};
 use barrelman_station::live::threads::FaultInjector;
-use barrelman_trial::behaviour::BehaviourVersions;
 use barrelman_trial::records::{
     Entry, FrameFingerprint, RecordedInput, RecordedOutcome, RecordingReader, RecordingStart,
 };
@@ -87,16 +86,14 @@ impl Write for MemoryOutput {
 
 fn recording_start() -> RecordingStart {
     RecordingStart {
-        program_version: "0".to_owned(),
+        program: "0".to_owned(),
         monotonic_ns: 1,
         unix_ns: 2,
         configuration: String::new(),
         video: "sim:test".to_owned(),
         link: String::new(),
         live_video: true,
-        behaviour: BehaviourVersions::default(),
         command_path: CommandPath::DryRun,
-        pilot_behaviour: barrelman_pilot::behaviour::NEWEST,
         trial: None,
     }
 }

@@ -7,7 +7,6 @@ use std::process::Command;
 
 use barrelman_pilot::CommandPath;
 use barrelman_station::commands::stored_video::StoredVideo;
-use barrelman_trial::behaviour::BehaviourVersions;
 use barrelman_trial::records::{Entry, FrameFingerprint, RecordingStart, RecordingWriter};
 use barrelman_video::decoder::{DecodeMode, UnitDecoder};
 use barrelman_vocab::unit::{Rotation, UnitCodec};
@@ -64,16 +63,14 @@ fn a_recording_of_many_pictures_that_no_step_takes_needs_little_memory() {
         Command::new(env!("CARGO_BIN_EXE_barrelman")).args(["config", "print"]).output().unwrap();
     assert!(configuration.status.success());
     let start = RecordingStart {
-        program_version: "0.1.0".to_owned(),
+        program: "0.1.0".to_owned(),
         monotonic_ns: 0,
         unix_ns: 0,
         configuration: String::from_utf8(configuration.stdout).unwrap(),
         video: "file:pictures".to_owned(),
         link: String::new(),
         live_video: false,
-        behaviour: BehaviourVersions::default(),
         command_path: CommandPath::DryRun,
-        pilot_behaviour: barrelman_pilot::behaviour::NEWEST,
         trial: None,
     };
     let file = BufWriter::new(fs::File::create(&path).unwrap());

@@ -2,13 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::behaviour::{BehaviourVersions, FIRST, VersionDifference};
 use crate::metrics::TrialEntry;
-
-/// Version of the figures of trials in pixels. 1: from what the tracker said, selected by the exact box. 2: from the
-/// truth, with the tracker judged beside it, selected by a box drawn by hand. 3: the same, with boxes that leave mast and
-/// flag out.
-pub const FIGURES_IN_PIXELS: u32 = 3;
 
 /// The settings of a campaign. Two trials with equal settings and equal seeds have equal results.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -20,9 +14,6 @@ pub struct CampaignSettings {
     pub scenario_hash: String,
     /// Name of the camera law.
     pub law: String,
-    /// Behaviour version of the law.
-    #[serde(default = "first_version")]
-    pub law_behaviour: u32,
     /// Mode of the optimal law.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub mode: Option<String>,
@@ -53,12 +44,6 @@ pub struct CampaignSettings {
     /// Name of the tracker, where the perception is `pixels`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub tracker: Option<String>,
-    /// Behaviour version of the tracker, in pixels.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub tracker_behaviour: Option<u32>,
-    /// Version of the figures of a trial in pixels ([`FIGURES_IN_PIXELS`]).
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub figures: Option<u32>,
     /// The law that guides the boat to a person: `los` or `lab`; `None`: the scenario's helmsman steers.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub guidance: Option<String>,
@@ -68,42 +53,8 @@ pub struct CampaignSettings {
     /// XXH3-64 of the inputs of the stored drive that steered the boat, in hexadecimal digits.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub drive: Option<String>,
-    /// Version of the program.
+    /// Version of the program and hash of its executable.
     pub program: String,
-}
-
-const fn first_version() -> u32 {
-    FIRST
-}
-
-impl CampaignSettings {
-    /// The settings with what files of earlier programs leave out: the mode of the optimal law, the behaviour version of
-    /// the tracker, and the version of the figures.
-    #[must_use]
-    pub fn completed(mut self) -> Self {
-        if self.law == "optimal" {
-            self.mode.get_or_insert_with(|| "minimum-energy".to_owned());
-        }
-        if self.tracker.is_some() {
-            self.tracker_behaviour.get_or_insert(FIRST);
-            self.figures.get_or_insert(FIRST);
-        }
-        self
-    }
-
-    /// The behaviour versions of tracker and law.
-    pub fn behaviour(&self) -> BehaviourVersions {
-        BehaviourVersions { tracker: self.tracker_behaviour.unwrap_or(FIRST), law: self.law_behaviour }
-    }
-
-    /// How the behaviour versions differ from those of `other`, where both have the same tracker and the same law.
-    pub fn version_difference(&self, other: &Self) -> Option<VersionDifference> {
-        if (&self.tracker, &self.law) != (&other.tracker, &other.law) {
-            return None;
-        }
-        let tracker = self.tracker.as_deref().unwrap_or_default();
-        self.behaviour().difference(other.behaviour(), tracker, &self.law)
-    }
 }
 
 /// One trial of a campaign.

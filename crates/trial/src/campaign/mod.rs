@@ -26,7 +26,7 @@ pub mod statistics;
 pub mod compare;
 
 pub use compare::{CampaignComparison, MeanOfAll, PairedMetric, UnpairedMetric};
-pub use entry::{CampaignEntry, CampaignSettings, FIGURES_IN_PIXELS};
+pub use entry::{CampaignEntry, CampaignSettings};
 pub use frame_source::{CapturedFrame, FrameSource};
 pub use rendered_camera::RenderedCamera;
 pub use setting_difference::SettingDifference;

@@ -19,7 +19,7 @@ pub struct SettingDifference {
 type Setting = (&'static str, fn(&CampaignSettings) -> String);
 
 /// Settings of the world and of the figures. Trials of the same seed are a pair only where these are equal.
-const WORLD: [Setting; 12] = [
+const WORLD: [Setting; 11] = [
     ("scenario", |settings| settings.scenario.clone()),
     ("scenario file (hash)", |settings| settings.scenario_hash.clone()),
     ("perception", |settings| settings.perception.clone()),
@@ -35,13 +35,10 @@ const WORLD: [Setting; 12] = [
     }),
     ("size", |settings| or_the_scenarios(settings.size.clone())),
     ("drive", |settings| settings.drive.clone().unwrap_or_else(|| "none".to_owned())),
-    ("version of the figures in pixels", |settings| {
-        settings.figures.map_or_else(|| "none".to_owned(), |version| version.to_string())
-    }),
 ];
 
 /// Settings that a comparison may be about.
-const CHOICES: [Setting; 8] = [
+const CHOICES: [Setting; 7] = [
     ("law", |settings| settings.law.clone()),
     ("mode", |settings| settings.mode.clone().unwrap_or_else(|| "none".to_owned())),
     ("horizon", |settings| {
@@ -52,10 +49,6 @@ const CHOICES: [Setting; 8] = [
         settings.rate_rad_per_s.map_or_else(|| "the vehicle's".to_owned(), |rate| format!("{rate} rad/s"))
     }),
     ("tracker", |settings| settings.tracker.clone().unwrap_or_else(|| "none".to_owned())),
-    ("behaviour version of tracker, law", |settings| {
-        let versions = settings.behaviour();
-        format!("{}, {}", versions.tracker, versions.law)
-    }),
     ("program", |settings| settings.program.clone()),
 ];
 
@@ -70,7 +63,7 @@ impl CampaignSettings {
         differences(&WORLD, self, other)
     }
 
-    /// How the choices differ that a comparison may be about: law, tracker, versions.
+    /// How the choices differ that a comparison may be about: law, tracker, program.
     pub fn choice_differences(&self, other: &Self) -> Vec<SettingDifference> {
         differences(&CHOICES, self, other)
     }

@@ -211,11 +211,6 @@ impl<'a> Simulation<'a> {
         self.step_pilot(Input::Request(request), observer);
     }
 
-    /// Sets the boat's helm from now on; `None` returns control to the scenario's helmsman.
-    pub fn steer(&mut self, helm: Option<HelmCommand>) {
-        self.world.override_helm(helm);
-    }
-
     /// The law; `None`: a law that an operator cannot choose.
     pub const fn law_id(&self) -> Option<LawId> {
         self.pilot.law_id()

@@ -17,21 +17,17 @@ pub(super) use malformed::Malformed;
 
 use super::entry::{RecordingStart, SimulatedTrial};
 use super::stored;
-use crate::behaviour::{BehaviourVersions, FIRST};
 
 impl From<&RecordingStart> for stored::RecordingStart {
     fn from(start: &RecordingStart) -> Self {
         Self {
-            program_version: start.program_version.clone(),
+            program: start.program.clone(),
             monotonic_ns: start.monotonic_ns,
             unix_ns: start.unix_ns,
             configuration: start.configuration.clone(),
             video: start.video.clone(),
             link: start.link.clone(),
             live_video: start.live_video,
-            pilot_behaviour: start.pilot_behaviour,
-            tracker_behaviour: start.behaviour.tracker,
-            law_behaviour: start.behaviour.law,
             command_path: stored::CommandPath::from(start.command_path) as i32,
             trial: start.trial.clone().map(|SimulatedTrial { seed, settings, scenario }| {
                 stored::SimulatedTrial { seed, settings, scenario }
@@ -47,22 +43,15 @@ impl TryFrom<stored::RecordingStart> for RecordingStart {
         let command_path = stored::CommandPath::try_from(start.command_path)
             .map_err(|_| malformed::missing("command_path"))?
             .try_into()?;
-        // A recording of before the versions holds zeros.
-        let version = |stored: u32| if stored == 0 { FIRST } else { stored };
         Ok(Self {
-            program_version: start.program_version,
+            program: start.program,
             monotonic_ns: start.monotonic_ns,
             unix_ns: start.unix_ns,
             configuration: start.configuration,
             video: start.video,
             link: start.link,
             live_video: start.live_video,
-            behaviour: BehaviourVersions {
-                tracker: version(start.tracker_behaviour),
-                law: version(start.law_behaviour),
-            },
             command_path,
-            pilot_behaviour: version(start.pilot_behaviour),
             trial: start.trial.map(|stored::SimulatedTrial { seed, settings, scenario }| SimulatedTrial {
                 seed,
                 settings,

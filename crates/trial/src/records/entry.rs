@@ -14,7 +14,6 @@ use barrelman_vocab::{
 };
 
 use super::recorded_input::RecordedInput;
-use crate::behaviour::BehaviourVersions;
 use crate::target_in_picture::TargetInPicture;
 
 /// An entry of a recording.
@@ -42,8 +41,8 @@ pub enum Entry {
 /// Program, configuration and clocks of a run.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct RecordingStart {
-    /// Version of the program.
-    pub program_version: String,
+    /// Version of the program and hash of its executable, as `0.1.0+5c1f0a9be2d47f60`.
+    pub program: String,
     /// `CLOCK_MONOTONIC` at the program's start, nanoseconds.
     pub monotonic_ns: u64,
     /// Unix time at the program's start, nanoseconds.
@@ -56,13 +55,9 @@ pub struct RecordingStart {
     pub link: String,
     /// Whether the video was live: a live decoder returns pictures at once, that of a file in the order of display.
     pub live_video: bool,
-    /// Behaviour versions of the tracker and the law that the configuration names.
-    pub behaviour: BehaviourVersions,
     /// Where the pilot's commands went.
     pub command_path: CommandPath,
-    /// Behaviour version of the pilot (`barrelman_pilot::behaviour`).
-    pub pilot_behaviour: u32,
-    /// The simulated trial that the recording shows; `None` for other recordings, and those of earlier programs.
+    /// The simulated trial that the recording shows; `None` for other recordings.
     pub trial: Option<SimulatedTrial>,
 }
 

@@ -40,7 +40,7 @@ impl<W: Write> RecordingWriter<W> {
     pub fn begin(output: W, start: &RecordingStart) -> Result<Self, WriteError> {
         let mut writer = mcap::WriteOptions::new()
             .profile("")
-            .library(format!("barrelman {}", start.program_version))
+            .library(format!("barrelman {}", start.program))
             .compression(None)
             // Chunks are written whole, with their length in front: the output need not seek.
             .disable_seeking(true)

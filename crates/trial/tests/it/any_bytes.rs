@@ -42,7 +42,7 @@ proptest! {
 #[test]
 fn a_record_that_reaches_beyond_its_chunk_is_refused() {
     let bytes = written(&every_kind());
-    let version = start().program_version.into_bytes();
+    let version = start().program.into_bytes();
     let library = bytes.windows(version.len()).position(|window| window == version).unwrap();
     let chunk = library + version.len();
     assert_eq!(bytes[chunk], 0x06, "a chunk follows the header");
@@ -59,7 +59,7 @@ fn a_record_that_reaches_beyond_its_chunk_is_refused() {
 #[test]
 fn a_text_that_reaches_beyond_its_record_is_refused() {
     let bytes = written(&every_kind());
-    for text in [start().program_version.as_str(), "protobuf", "proto3"] {
+    for text in [start().program.as_str(), "protobuf", "proto3"] {
         let text = [&(text.len() as u32).to_le_bytes(), text.as_bytes()].concat();
         let found: Vec<_> = bytes
             .windows(text.len())

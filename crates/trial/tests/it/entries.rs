@@ -5,7 +5,6 @@ use core::time::Duration;
 use barrelman_control::{Percept, Sector};
 use barrelman_pilot::outcome::HoldCause;
 use barrelman_pilot::{Advice, CommandPath, Mode};
-use barrelman_trial::behaviour::BehaviourVersions;
 use barrelman_trial::records::{
     Entry, FrameFingerprint, ReadError, RecordedInput, RecordedMark, RecordedOutcome, RecordedProgress,
     RecordedTruth, RecordedVessel, RecordingReader, RecordingStart, RecordingWriter,
@@ -30,16 +29,14 @@ use crate::trial_logs::rates;
 
 pub(crate) fn start() -> RecordingStart {
     RecordingStart {
-        program_version: "0.1.0".to_owned(),
+        program: "0.1.0".to_owned(),
         monotonic_ns: 123,
         unix_ns: 1_493_598_415_000_000_000,
         configuration: "[video]\nurl = \"file:clip.mp4\" # a, b\n".to_owned(),
         video: "file:clip.mp4".to_owned(),
         link: String::new(),
         live_video: true,
-        behaviour: BehaviourVersions { tracker: 3, law: 2 },
         command_path: CommandPath::Link,
-        pilot_behaviour: barrelman_pilot::behaviour::NEWEST,
         trial: None,
     }
 }

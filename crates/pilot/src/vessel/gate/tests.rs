@@ -41,7 +41,7 @@ fn a_boat_that_nobody_engages_is_not_commanded() {
 #[test]
 fn guidance_lasts_as_long_as_the_boat_is_seen() {
     let mut gate = gate();
-    gate.guide(at(1_000), true).unwrap();
+    gate.guide(at(1_000)).unwrap();
     check(&mut gate, SEEN, 1_030, VesselMode::Guided, AHEAD);
     check(&mut gate, GateInput::Unusable(HoldCause::Coasting), 1_200, VesselMode::Guided, AHEAD);
     check(&mut gate, GateInput::NoObservation, 1_279, VesselMode::Guided, AHEAD);
@@ -55,21 +55,21 @@ fn guidance_lasts_as_long_as_the_boat_is_seen() {
 #[test]
 fn a_hold_that_lasts_ends_the_guidance() {
     let mut gate = gate();
-    gate.guide(at(1_000), true).unwrap();
+    gate.guide(at(1_000)).unwrap();
     check(&mut gate, SEEN, 1_030, VesselMode::Guided, AHEAD);
     let hold = VesselHold::Cause(HoldCause::TrackLost);
     check(&mut gate, GateInput::Unusable(HoldCause::TrackLost), 1_300, VesselMode::Holding(hold), NEUTRAL);
     let stopped = VesselMode::Stopped(VesselStop::HeldTooLong(hold));
     check(&mut gate, GateInput::Unusable(HoldCause::TrackLost), 6_300, stopped, NEUTRAL);
     check(&mut gate, SEEN, 6_330, stopped, NEUTRAL);
-    gate.guide(at(6_340), true).unwrap();
+    gate.guide(at(6_340)).unwrap();
     check(&mut gate, SEEN, 6_360, VesselMode::Guided, AHEAD);
 }
 
 #[test]
 fn without_a_destination_the_boat_waits_for_one() {
     let mut gate = gate();
-    gate.guide(at(1_000), true).unwrap();
+    gate.guide(at(1_000)).unwrap();
     let none = VesselMode::Holding(VesselHold::NoDestination);
     for ms in [1_030, 30_000] {
         check(&mut gate, GateInput::Fresh(Err(VesselHold::NoDestination)), ms, none, NEUTRAL);
@@ -105,7 +105,7 @@ fn a_helm_needs_video_and_no_track() {
 #[test]
 fn the_hand_takes_the_boat_from_the_guidance() {
     let mut gate = gate();
-    gate.guide(at(1_000), true).unwrap();
+    gate.guide(at(1_000)).unwrap();
     check(&mut gate, SEEN, 1_030, VesselMode::Guided, AHEAD);
     gate.steer(NEUTRAL, at(1_040)).unwrap();
     check(&mut gate, SEEN, 1_050, VesselMode::Guided, AHEAD);
@@ -135,7 +135,7 @@ fn a_stop_holds_against_a_helm_that_is_still_held() {
 #[test]
 fn the_first_cause_of_a_stop_counts_until_the_boat_is_released() {
     let mut gate = gate();
-    gate.guide(at(1_000), true).unwrap();
+    gate.guide(at(1_000)).unwrap();
     gate.stop_boat(BoatStop::ConsoleLost);
     gate.stop_boat(BoatStop::Operator);
     check(&mut gate, SEEN, 1_030, VesselMode::Stopped(VesselStop::ConsoleLost), NEUTRAL);
@@ -151,10 +151,10 @@ fn the_first_cause_of_a_stop_counts_until_the_boat_is_released() {
 fn nothing_commands_the_boat_while_its_link_is_down() {
     let mut gate = VesselGate::new(VesselProfile::SIMULATOR, CommandPath::Link);
     gate.on_video(at(1_000));
-    assert_eq!(gate.guide(at(1_000), true), Err(Refusal::NoVesselMotion(HoldCause::LinkDown)));
+    assert_eq!(gate.guide(at(1_000)), Err(Refusal::NoVesselMotion(HoldCause::LinkDown)));
     assert_eq!(gate.steer(AHEAD, at(1_000)), Err(Refusal::NoVesselMotion(HoldCause::LinkDown)));
     gate.on_report(&Report::Link(LinkState::Up));
-    gate.guide(at(1_000), true).unwrap();
+    gate.guide(at(1_000)).unwrap();
     gate.decide(SEEN, at(1_010));
     assert_eq!(gate.decide(SEEN, at(1_020)).mode, VesselMode::Guided);
     gate.on_report(&Report::Link(LinkState::Opening));
@@ -167,7 +167,7 @@ fn the_throttle_rises_slowly_and_falls_at_once() {
     let mut gate = VesselGate::new(VesselProfile::SIMULATOR, CommandPath::Simulated);
     gate.on_video(at(1_000));
     gate.decide(SEEN, at(1_000));
-    gate.guide(at(1_000), true).unwrap();
+    gate.guide(at(1_000)).unwrap();
     let throttle = |gate: &mut VesselGate, wanted: f64, ms: u64| {
         let sight = GateInput::Fresh(Ok(VesselCommand { throttle: wanted, rudder: 0.0 }));
         gate.decide(sight, at(ms)).command.throttle
@@ -194,7 +194,7 @@ fn a_clock_that_goes_back_makes_the_boat_neutral() {
     gate.steer(AHEAD, at(1_000)).unwrap();
     assert_eq!(gate.decide(GateInput::NoObservation, at(900)).command, NEUTRAL);
     gate.on_video(at(1_000));
-    gate.guide(at(1_000), true).unwrap();
+    gate.guide(at(1_000)).unwrap();
     gate.decide(SEEN, at(1_010));
     assert_eq!(gate.decide(GateInput::NoObservation, at(900)).command, NEUTRAL);
 }
@@ -233,7 +233,7 @@ fn a_helm_that_is_held_at_a_stop_does_nothing_until_it_was_let_go_whatever_it_di
 fn a_pilot_that_was_held_up_for_too_long_does_not_go_on_by_itself() {
     for sees_loss in [false, true] {
         let mut gate = gate();
-        gate.guide(at(1_000), true).unwrap();
+        gate.guide(at(1_000)).unwrap();
         check(&mut gate, SEEN, 1_030, VesselMode::Guided, AHEAD);
         let mut hold = VesselHold::Cause(HoldCause::VideoSilent);
         if sees_loss {
@@ -265,7 +265,7 @@ fn a_boat_that_was_disarmed_or_taken_waits_for_another_request() {
     ] {
         let stopped = VesselMode::Stopped(VesselStop::NotAccepted(Said { acceptance: said, mode: None }));
         let mut gate = linked_gate();
-        gate.guide(at(1_000), true).unwrap();
+        gate.guide(at(1_000)).unwrap();
         check(&mut gate, SEEN, 1_030, VesselMode::Guided, AHEAD);
         if loses_link {
             gate.on_report(&Report::Link(LinkState::Opening));
@@ -307,7 +307,7 @@ fn under_way(path: CommandPath) -> VesselGate {
         _ => gate(),
     };
     gate.profile.fail_safe = FailSafe::KeepWay(KEEP);
-    gate.guide(at(1_000), true).unwrap();
+    gate.guide(at(1_000)).unwrap();
     gate.set_clear(true);
     check(&mut gate, SEEN, 1_030, VesselMode::Guided, AHEAD);
     gate
@@ -429,7 +429,7 @@ fn a_guidance_that_has_seen_nothing_yet_keeps_no_way() {
     let mut gate = gate();
     gate.profile.fail_safe = FailSafe::KeepWay(KEEP);
     gate.set_clear(true);
-    gate.guide(at(1_000), true).unwrap();
+    gate.guide(at(1_000)).unwrap();
     check(&mut gate, LOST, 1_260, VesselMode::Holding(LOST_HOLD), NEUTRAL);
 }
 
@@ -517,7 +517,7 @@ fn a_refusal_names_the_mode_or_the_armed_state_and_never_just_says_that_the_boat
         let mut gate = linked_gate();
         gate.on_report(&Report::DriveMode(DriveMode(mode.unwrap())));
         gate.on_report(&Report::Acceptance(acceptance));
-        for refusal in [gate.guide(at(1_000), true).unwrap_err(), gate.steer(AHEAD, at(1_000)).unwrap_err()] {
+        for refusal in [gate.guide(at(1_000)).unwrap_err(), gate.steer(AHEAD, at(1_000)).unwrap_err()] {
             let text = refusal.to_string();
             assert!(text.contains(part), "{acceptance:?}: {text}");
         }

@@ -98,7 +98,6 @@ variants!(HoldCause, HoldCause, "hold_cause", [
     HoldCause::Landing => Landing,
 ]);
 variants!(CommandPath, CommandPath, "command_path", [
-    CommandPath::Unknown => Unknown,
     CommandPath::Simulated => Simulated,
     CommandPath::Link => Link,
     CommandPath::DryRun => DryRun,
