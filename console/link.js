@@ -8,7 +8,7 @@ const STALE_MS = 1500;
 const GIVEN_UP_MS = 3 * STALE_MS;
 const LONGEST_WAIT_MS = 2000;
 /** Requests that end a motion: they are right also when they come late. */
-const ENDING = new Set(["stop", "stop-boat", "disengage"]);
+const ENDING = new Set(["stop", "stop-vessel", "disengage"]);
 /** The program closes the socket with this code where too many pages are open. */
 const TRY_AGAIN_LATER = 1013;
 

@@ -56,18 +56,21 @@ stage.addEventListener("change", () => {
   at("mark").textContent = stage.isMarking ? words.marking : words.mark;
   at("stage").classList.toggle("marking", stage.isMarking);
 });
+/** A point of a picture as a request has it. */
+const onFrame = ({ at: [u, v], captured_ns }) => ({ at: { u, v }, captured_ns });
 stage.addEventListener("mark", ({ detail }) => {
   if (!seat.isControlling) return toast(words.reasons.watcher);
-  request({ kind: "mark", mark: at("mark-kind").value, ...detail });
+  request({ kind: "mark", mark: at("mark-kind").value, ...onFrame(detail) });
 });
 stage.addEventListener("move-mark", ({ detail }) => {
   if (!seat.isControlling) return toast(words.reasons.watcher);
-  request({ kind: "move-mark", ...detail });
+  request({ kind: "move-mark", id: detail.id, ...onFrame(detail) });
 });
 stage.addEventListener("select", ({ detail }) => {
   if (!seat.isControlling) return toast(words.reasons.watcher);
   stage.trail.clear();
-  request({ kind: "select", ...detail });
+  const [u, v, w, h] = detail.box;
+  request({ kind: "select", bounds: { u, v, w, h }, captured_ns: detail.captured_ns });
 });
 
 /** The loop of a live run takes a turn every 0.2 s at least: one that has taken none for so long hangs, whatever else is still sent. */
@@ -134,8 +137,7 @@ const turn = new HeldControl({
   send: ([pan, tilt]) => request({ kind: "nudge", pan, tilt }),
 });
 const maySteer = () => seat.isControlling && Boolean(snapshot?.vessel);
-// A positive rudder turns to the left.
-const steer = ([right, ahead]) => request({ kind: "helm", thrust: ahead, rudder: -right });
+const steer = ([right, ahead]) => request({ kind: "steer", throttle: ahead, rudder: right });
 const helm = new HeldControl({
   keys: { ArrowUp: "up", ArrowLeft: "left", ArrowDown: "down", ArrowRight: "right" },
   buttons: "helm",
@@ -154,11 +156,11 @@ const act = {
   search: () => request({ kind: "search" }),
   "net-yaw-zero": () => request({ kind: "net-yaw", degrees: 0 }),
   pause: () => request({ kind: snapshot?.drive?.paused ? "resume" : "pause" }),
-  helmsman: () => request({ kind: "helmsman" }),
+  helmsman: () => request({ kind: "release-vessel" }),
   mark: () => stage.setMarking(!stage.isMarking),
   "unmark-all": () => request({ kind: "unmark-all" }),
   guide: () => request({ kind: "guide" }),
-  "stop-boat": () => request({ kind: "stop-boat" }),
+  "stop-boat": () => request({ kind: "stop-vessel" }),
   "next-mark": () => request({ kind: "next-mark" }),
   "go-home": () => request({ kind: "go-home" }),
   freeze: () => (stage.isFrozen ? stage.unfreeze() : stage.freeze()),

@@ -96,7 +96,7 @@ def schemas(table, args, program):
     check = lambda name, value: jsonschema.Draft202012Validator({"$ref": f"#/components/schemas/{name}", **printed}).validate(value)
     check("StatusSnapshot", program.status())
     check("Answer", program.request("disengage"))
-    check("RequestBody", {"id": 1, "request": {"kind": "select", "box": [1, 2, 3, 4], "captured_ns": 5}})
+    check("RequestBody", {"id": 1, "request": {"kind": "select", "bounds": {"u": 1, "v": 2, "w": 3, "h": 4}, "captured_ns": 5}})
     check("MessageToProgram", {"type": "request", "id": 7, "request": {"kind": "ask-control"}})
     page, seen = Socket(program), set()
     page.send({"type": "ping", "sent_ms": 1.5})

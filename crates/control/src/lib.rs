@@ -38,7 +38,6 @@ pub mod shadow;
 
 pub mod law;
 
-
 pub use bearing::{Bearing, BearingFilter, BearingNoise};
 pub use camera_model::CameraModel;
 pub use centring::CentringGains;

@@ -16,7 +16,7 @@ use barrelman_pilot::{Input, Pilot, PilotSettings};
 use barrelman_sim::boat::HelmCommand;
 use barrelman_sim::scenario::BeyondBorder;
 use barrelman_sim::{LocalisationSensor, World};
-use barrelman_vocab::{OperatorRequest, Timestamp, Track};
+use barrelman_vocab::{CameraRequest, OperatorRequest, Timestamp, Track};
 use clap::Args;
 
 use crate::output::print_line;
@@ -119,7 +119,7 @@ fn trial(name: &str, seed: u64, blind_s: f64, searches: bool) -> Result<End> {
     let law: LawSettings = LawChoice::OPTIMAL.settings();
     let tracker = TrackerSettings::new(TrackerName::Fused).build()?;
     let mut pilot = Pilot::new(PilotSettings { profile: profile.clone(), law }, tracker);
-    let mut outcome = pilot.step(Input::Request(OperatorRequest::Engage), world.now());
+    let mut outcome = pilot.step(Input::Request(OperatorRequest::Camera(CameraRequest::Engage)), world.now());
     let mut in_flight: VecDeque<(Timestamp, Timestamp, Option<Track>)> = VecDeque::new();
     let mut lost_since = None;
     let (mut has_left, mut was_seen) = (None, false);
@@ -161,7 +161,7 @@ fn trial(name: &str, seed: u64, blind_s: f64, searches: bool) -> Result<End> {
             && seconds < follows_s + blind_s + Duration::from_secs(2).as_secs_f64();
         if may_search && outcome.search_refusal.is_none() && outcome.mode != barrelman_pilot::Mode::Searching
         {
-            inputs.push(Input::Request(OperatorRequest::Search));
+            inputs.push(Input::Request(OperatorRequest::Camera(CameraRequest::Search)));
         }
         if inputs.is_empty() && outcome.wake_at.is_some_and(|at| at <= now) {
             inputs.push(Input::Tick);

@@ -42,7 +42,7 @@ pub fn scenario(bytes: &[u8]) {
 /// A stored drive is read or refused.
 pub fn drive(bytes: &[u8]) {
     if let Ok(drive) = StoredDrive::parse(&String::from_utf8_lossy(bytes)) {
-        assert!(drive.inputs.is_sorted_by_key(|(tick, _)| *tick));
+        assert!(drive.requests.is_sorted_by_key(|(tick, _)| *tick));
         let _ = drive.last_tick();
     }
 }

@@ -16,7 +16,6 @@ pub mod licence;
 pub mod purpose;
 pub mod vehicle;
 
-
 pub mod calibration;
 mod history;
 pub mod net_yaw;

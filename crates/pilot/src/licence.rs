@@ -61,7 +61,11 @@ pub struct Licences {
 impl Licences {
     /// No licence. A fresh localisation lets the camera follow for `coast_motion`, at most [`MAX_COAST_MOTION`].
     pub fn new(coast_motion: Duration) -> Self {
-        Self { coast_motion: coast_motion.min(MAX_COAST_MOTION), holder: Holder::Nobody, resumes_following: false }
+        Self {
+            coast_motion: coast_motion.min(MAX_COAST_MOTION),
+            holder: Holder::Nobody,
+            resumes_following: false,
+        }
     }
 
     /// The operator consents to a purpose. Consent to follow ends every other purpose, and a stop. The others need a

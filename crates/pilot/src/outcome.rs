@@ -231,7 +231,7 @@ const fn mark_text(kind: MarkKind) -> &'static str {
 /// A law in words.
 const fn law_text(law: LawId) -> &'static str {
     match law {
-        LawId::MotorSchema => "the paper's motor schema",
+        LawId::Schema => "the paper's motor schema",
         LawId::MinimumEnergy => "optimal, minimum energy",
         LawId::TimeFuel => "optimal, time and fuel",
         LawId::Eco => "optimal, eco",

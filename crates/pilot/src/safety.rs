@@ -15,7 +15,7 @@
 use core::time::Duration;
 
 use barrelman_vocab::telemetry::Report;
-use barrelman_vocab::{AngularRate, CameraCommand, Nudge, OperatorRequest, StopCause, Timestamp};
+use barrelman_vocab::{AngularRate, CameraCommand, CameraRequest, Nudge, StopCause, Timestamp};
 
 use crate::licence::Licences;
 use crate::outcome::{HoldCause, Mode, Refusal};
@@ -105,40 +105,42 @@ impl Safety {
         self.licences.stop_cause().is_some()
     }
 
-    /// Processes an operator request. A stop keeps its first cause until the next `Engage` or `Disengage`.
+    /// Stops. A stop keeps its first cause until the next `Engage` or `Disengage`.
+    pub fn stop(&mut self, cause: StopCause) {
+        self.licences.stop(cause);
+    }
+
+    /// Processes a request about the camera.
     ///
     /// # Errors
     /// The reason, if the request is not permitted now. It then has no effect.
-    pub fn on_request(&mut self, request: &OperatorRequest, now: Timestamp) -> Result<(), Refusal> {
+    pub fn on_request(&mut self, request: &CameraRequest, now: Timestamp) -> Result<(), Refusal> {
         match request {
-            OperatorRequest::Nudge(nudge) => return self.on_nudge(*nudge, now),
-            OperatorRequest::ChangeLaw(_) if self.licences.held() == Some(Purpose::Follow) => {
+            CameraRequest::Nudge(nudge) => self.on_nudge(*nudge, now)?,
+            CameraRequest::Law { .. } if self.licences.held() == Some(Purpose::Follow) => {
                 return Err(Refusal::Engaged);
             }
-            OperatorRequest::ChangeLaw(_) => self.licences.end_behaviours(),
-            OperatorRequest::Engage => {
+            CameraRequest::Law { .. } => self.licences.end_behaviours(),
+            CameraRequest::Engage => {
                 self.licences.consent(Purpose::Follow, now)?;
                 if let Some(seen_at) = self.last_fresh_at {
                     self.licences.renew(Purpose::Follow, seen_at);
                 }
             }
-            OperatorRequest::Disengage => self.licences.withdraw(),
-            OperatorRequest::Stop(cause) => self.licences.stop(*cause),
-            OperatorRequest::Search => self.consent(Purpose::Search, now)?,
-            OperatorRequest::Calibrate => self.consent(Purpose::Calibrate, now)?,
-            OperatorRequest::SetNetYaw(_) => {}
-            OperatorRequest::Select(_)
-            | OperatorRequest::SelectOn(_)
-            | OperatorRequest::Reject
-            | OperatorRequest::Deselect => {
+            CameraRequest::Disengage => self.licences.withdraw(),
+            CameraRequest::Search => self.consent(Purpose::Search, now)?,
+            CameraRequest::Calibrate => self.consent(Purpose::Calibrate, now)?,
+            CameraRequest::NetYaw { .. } => {}
+            CameraRequest::Select(_)
+            | CameraRequest::SelectNext(_)
+            | CameraRequest::Reject
+            | CameraRequest::Deselect => {
                 self.licences.end_behaviours();
                 // The command in force was based on another target.
                 self.licences.forget_renewals();
                 self.following = CameraCommand::REST;
                 self.last_fresh_at = None;
             }
-            // About the vessel, which has a rule of its own.
-            _ => {}
         }
         Ok(())
     }

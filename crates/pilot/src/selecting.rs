@@ -116,7 +116,7 @@ impl PendingSelection {
     /// Selects on the frame on which the box was drawn. Returns a result where that is the newest frame, or the selection
     /// is refused; `None`: later frames follow.
     fn begin(&mut self, context: &mut SelectingContext<'_>) -> Option<SelectingResult> {
-        let DrawnSelection { bounds, captured } = self.selection;
+        let DrawnSelection { bounds, captured_ns: captured } = self.selection;
         let newest = context.frame;
         let frame = match context.history.find(captured) {
             Some(frame) => frame,

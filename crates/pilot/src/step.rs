@@ -6,7 +6,8 @@ use barrelman_control::optimal::{OptimalMode, OptimalSettings};
 use barrelman_control::{CameraLaw, LawInput, LawSettings, MotorSchema, Percept, Region, Sector};
 use barrelman_vision::Tracker;
 use barrelman_vocab::{
-    Angle, CameraCommand, LawId, OperatorRequest, PictureSize, PixelBox, Timestamp, Track, VehicleProfile,
+    Angle, CameraCommand, CameraRequest, LawId, OperatorRequest, PictureSize, PixelBox, Timestamp, Track,
+    VehicleProfile,
 };
 
 use crate::calibration::Calibration;
@@ -204,10 +205,22 @@ impl Pilot {
 
     /// Processes a request. Returns what the operator has to know.
     fn on_request(&mut self, request: &OperatorRequest, now: Timestamp) -> Option<Notice> {
-        if is_about_vessel(request) {
-            return self.on_vessel_request(request, now);
+        match request {
+            OperatorRequest::Stop(cause) => {
+                self.safety.stop(*cause);
+                if let Some(vessel) = &mut self.vessel {
+                    vessel.stop(*cause);
+                }
+                None
+            }
+            OperatorRequest::Camera(request) => self.on_camera_request(request, now),
+            OperatorRequest::Vessel(request) => self.on_vessel_request(request, now),
         }
-        if *request == OperatorRequest::Reject && !self.tracker.reject() {
+    }
+
+    /// Processes a request about the camera. Returns what the operator has to know.
+    fn on_camera_request(&mut self, request: &CameraRequest, now: Timestamp) -> Option<Notice> {
+        if *request == CameraRequest::Reject && !self.tracker.reject() {
             return Some(Notice::RequestRefused(Refusal::NothingToReject));
         }
         let refusal = self.refusal(request, now);
@@ -215,20 +228,20 @@ impl Pilot {
             return Some(Notice::RequestRefused(refusal));
         }
         match request {
-            OperatorRequest::Select(selection) => {
+            CameraRequest::SelectNext(selection) => {
                 self.forget_unconfirmed();
                 self.pending_selection = Some(*selection);
                 self.begin_target();
                 None
             }
-            OperatorRequest::SelectOn(selection) => {
+            CameraRequest::Select(selection) => {
                 self.forget_unconfirmed();
                 self.begin_target();
                 self.pending_selection = None;
                 self.drawn_selection = Some(PendingSelection::new(*selection));
                 None
             }
-            OperatorRequest::Reject => {
+            CameraRequest::Reject => {
                 self.begin_target();
                 self.pending_selection = None;
                 self.set_unlocalised(Track::Lost {
@@ -237,37 +250,32 @@ impl Pilot {
                 });
                 Some(Notice::TargetRejected)
             }
-            OperatorRequest::Deselect => {
+            CameraRequest::Deselect => {
                 self.tracker.forget();
                 self.begin_target();
                 self.pending_selection = None;
                 self.set_unlocalised(Track::Unseeded);
                 Some(Notice::Deselected)
             }
-            OperatorRequest::ChangeLaw(law) => {
+            CameraRequest::Law { law } => {
                 self.change_law(*law);
                 Some(Notice::LawChanged(*law))
             }
-            OperatorRequest::Search => {
+            CameraRequest::Search => {
                 self.begin_search(now);
                 None
             }
-            OperatorRequest::SetNetYaw(net) => {
+            CameraRequest::NetYaw { degrees } => {
                 let pan = self.pan_at(now);
-                self.net_yaw.set(*net, pan);
+                self.net_yaw.set(Angle::from_degrees(*degrees), pan);
                 Some(Notice::NetYaw(self.net_yaw.state(pan)))
             }
-            OperatorRequest::Calibrate => {
+            CameraRequest::Calibrate => {
                 self.calibration = Some(Calibration::new(now));
                 None
             }
-            OperatorRequest::Stop(cause) => {
-                if let Some(vessel) = &mut self.vessel {
-                    vessel.stop(*cause);
-                }
-                None
-            }
-            _ => None,
+            // The safety rule has done what there is to do.
+            CameraRequest::Nudge(_) | CameraRequest::Engage | CameraRequest::Disengage => None,
         }
     }
 
@@ -301,7 +309,7 @@ impl Pilot {
         let optimal = |mode| LawSettings::Optimal(OptimalSettings::new(mode));
         self.settings.law = match law {
             _ if law_id(self.first_law) == Some(law) => self.first_law,
-            LawId::MotorSchema => LawSettings::MotorSchema,
+            LawId::Schema => LawSettings::MotorSchema,
             LawId::MinimumEnergy => optimal(OptimalMode::MinimumEnergy),
             LawId::TimeFuel => optimal(OptimalMode::TimeFuel),
             LawId::Eco => optimal(OptimalMode::Eco),
@@ -409,27 +417,10 @@ impl Pilot {
     }
 }
 
-/// Whether a request is about the vessel alone.
-const fn is_about_vessel(request: &OperatorRequest) -> bool {
-    matches!(
-        request,
-        OperatorRequest::Mark(_)
-            | OperatorRequest::MoveMark(_)
-            | OperatorRequest::Unmark(_)
-            | OperatorRequest::UnmarkAll
-            | OperatorRequest::NextMark
-            | OperatorRequest::Guide
-            | OperatorRequest::GoHome
-            | OperatorRequest::Steer(_)
-            | OperatorRequest::StopBoat(_)
-            | OperatorRequest::ReleaseBoat
-    )
-}
-
 /// The law of these settings; `None`: a law that an operator cannot choose.
 const fn law_id(settings: LawSettings) -> Option<LawId> {
     match settings {
-        LawSettings::MotorSchema => Some(LawId::MotorSchema),
+        LawSettings::MotorSchema => Some(LawId::Schema),
         LawSettings::Centring(_) => None,
         LawSettings::Optimal(settings) => Some(match settings.mode {
             OptimalMode::MinimumEnergy => LawId::MinimumEnergy,

@@ -14,8 +14,8 @@ use core::time::Duration;
 use barrelman_control::CameraModel;
 use barrelman_vocab::telemetry::Report;
 use barrelman_vocab::{
-    DrawnMark, Localisation, MarkKind, OperatorRequest, PictureSize, StopCause, Telemetry, Timestamp,
-    VesselCommand, VesselProfile, WaterPoint,
+    DrawnMark, Localisation, MarkKind, PictureSize, StopCause, Telemetry, Timestamp, VesselCommand,
+    VesselProfile, VesselRequest, WaterPoint,
 };
 
 use crate::history::KEPT;
@@ -228,7 +228,7 @@ impl VesselPilot {
     /// The reason, if the request is not permitted now. It then has no effect.
     pub(crate) fn on_request(
         &mut self,
-        request: &OperatorRequest,
+        request: &VesselRequest,
         picture: Option<PictureSize>,
         is_boat_seen: bool,
         view: VesselView<'_>,
@@ -236,32 +236,35 @@ impl VesselPilot {
         // What the operator wants now is not what the boat went on with.
         self.gate.set_clear(false);
         match request {
-            OperatorRequest::Mark(drawn) => {
-                return self.mark(drawn, picture, view).map(|id| Some(VesselNotice::Marked(id, drawn.kind)));
+            VesselRequest::Mark(drawn) => {
+                return self.mark(drawn, picture, view).map(|id| Some(VesselNotice::Marked(id, drawn.mark)));
             }
-            OperatorRequest::MoveMark(moved) => {
-                let frame_view = self.view_of(moved.captured, picture, view)?;
+            VesselRequest::MoveMark(moved) => {
+                let frame_view = self.view_of(moved.captured_ns, picture, view)?;
                 let has_moved = self.marks.move_to(moved, &frame_view, self.is_tilt_known());
                 if has_moved.map_err(refusal_of)? == RouteChange::DestinationMoved {
                     self.guide.move_destination();
                 }
                 self.guide.anchor();
             }
-            OperatorRequest::Unmark(id) if !self.marks.remove(*id) => return Err(Refusal::NoSuchMark),
-            OperatorRequest::UnmarkAll => self.marks.clear(),
-            OperatorRequest::NextMark => {
+            VesselRequest::Unmark { id } => {
+                if !self.marks.remove(*id) {
+                    return Err(Refusal::NoSuchMark);
+                }
+            }
+            VesselRequest::UnmarkAll => self.marks.clear(),
+            VesselRequest::NextMark => {
                 self.marks.choose_next().ok_or(Refusal::NothingMarked)?;
             }
-            OperatorRequest::Guide => return self.engage(is_boat_seen, view).map(Some),
-            OperatorRequest::GoHome => {
+            VesselRequest::Guide => return self.engage(is_boat_seen, view).map(Some),
+            VesselRequest::GoHome => {
                 let before = self.marks;
                 self.marks.choose_home().ok_or(Refusal::NoHome)?;
                 return self.engage(is_boat_seen, view).inspect_err(|_| self.marks = before).map(Some);
             }
-            OperatorRequest::Steer(command) => self.gate.steer(*command, view.now)?,
-            OperatorRequest::StopBoat(by) => self.gate.stop_boat(*by),
-            OperatorRequest::ReleaseBoat => self.gate.release(),
-            _ => {}
+            VesselRequest::Steer(command) => self.gate.steer(*command, view.now)?,
+            VesselRequest::StopVessel { by } => self.gate.stop_boat(*by),
+            VesselRequest::ReleaseVessel => self.gate.release(),
         }
         Ok(None)
     }
@@ -318,7 +321,7 @@ impl VesselPilot {
         picture: Option<PictureSize>,
         view: VesselView<'_>,
     ) -> Result<u32, Refusal> {
-        let frame_view = self.view_of(drawn.captured, picture, view)?;
+        let frame_view = self.view_of(drawn.captured_ns, picture, view)?;
         let id = self.marks.add(drawn, &frame_view, self.is_tilt_known()).map_err(refusal_of)?;
         self.guide.anchor();
         Ok(id)
@@ -383,10 +386,7 @@ impl VesselPilot {
                         self.guide.move_destination();
                     }
                 }
-                let guide_view = GuideView {
-                    camera: &modelled,
-                    is_commanded: self.gate.is_commanding(),
-                };
+                let guide_view = GuideView { camera: &modelled, is_commanded: self.gate.is_commanding() };
                 let advice = self.guide.step(seen, guide_view, &self.marks, &self.profile, now);
                 self.gate.set_clear(self.guide.has_room());
                 let is_water_lost = self.goes_over_water && self.marks.have_circles();

@@ -11,7 +11,9 @@ use barrelman_video::encoder::{EncoderSettings, H264Encoder};
 use barrelman_vision::Tracker;
 use barrelman_vocab::unit::{EncodedUnit, Rotation, UnitCodec};
 use barrelman_vocab::video::{Capture, CaptureQuality};
-use barrelman_vocab::{OperatorRequest, Picture, PictureSize, Timestamp, VehicleProfile, VideoFrame};
+use barrelman_vocab::{
+    CameraRequest, OperatorRequest, Picture, PictureSize, Timestamp, VehicleProfile, VideoFrame,
+};
 use divan::Bencher;
 
 const SIZE: PictureSize = PictureSize::new(1280, 720);
@@ -88,9 +90,9 @@ fn whole_step(bencher: Bencher<'_, '_>, name: TrackerName) {
     let frames = frames(&clip);
     let settings = PilotSettings { profile: VehicleProfile::fotokite_pro(), law: LawSettings::MotorSchema };
     let mut pilot = Pilot::new(settings, tracker(name));
-    let selection = OperatorRequest::Select(clip.truth(0).selection);
+    let selection = OperatorRequest::Camera(CameraRequest::SelectNext(clip.truth(0).selection));
     pilot.step(Input::Request(selection), Timestamp::ZERO);
-    pilot.step(Input::Request(OperatorRequest::Engage), Timestamp::ZERO);
+    pilot.step(Input::Request(OperatorRequest::Camera(CameraRequest::Engage)), Timestamp::ZERO);
     let index = Cell::new(0);
     bencher.bench_local(|| {
         let frame = &frames[next(&index, frames.len())];

@@ -10,7 +10,6 @@ pub mod logs;
 
 pub mod metrics;
 
-
 pub mod campaign;
 pub mod law;
 pub mod records;

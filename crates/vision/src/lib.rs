@@ -17,7 +17,6 @@
 
 mod tracker;
 
-
 mod explanation;
 
 mod fused;

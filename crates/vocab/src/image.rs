@@ -5,6 +5,9 @@
 //! origin at the picture's centre, in pixels) are used for control. With a picture of W x H pixels:
 //! x = u - W/2, y = H/2 - v.
 
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
 use core::fmt;
 
 /// Width and height of a picture in pixels.
@@ -45,7 +48,8 @@ impl fmt::Display for PictureSize {
 }
 
 /// A point in pixel coordinates: u to the right, v downwards, origin at the top left corner.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
 pub struct PixelPoint {
     /// Pixels from the left edge; the centre of the first column is 0.5.
     pub u: f64,
@@ -87,7 +91,8 @@ impl ImagePoint {
 /// let found = PixelBox { u: 10.0, ..truth };
 /// assert_eq!(found.iou(truth), 1.0 / 3.0);
 /// ```
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
 pub struct PixelBox {
     /// Left edge.
     pub u: f64,

@@ -1,7 +1,8 @@
 //! The types that all other crates share: time, angles, rates, image points, video frames, the messages between the
 //! stages, and the vehicle profiles.
 //!
-//! Nothing in this crate does I/O, reads a clock, or derives a file format. The types are plain data with few methods.
+//! Nothing in this crate does I/O or reads a clock. The types are plain data with few methods. Requests and what they
+//! consist of have one serialised form ([`request`]); no other type has any.
 //! `docs/coordinates.md` shows the frames of reference and the signs.
 #![forbid(unsafe_code)]
 
@@ -21,8 +22,9 @@ pub mod acceptance;
 pub mod command;
 pub mod drive_mode;
 pub mod mavlink;
-pub mod operator;
 pub mod profile;
+pub mod request;
+pub mod stop_cause;
 pub mod telemetry;
 pub mod vehicle_text;
 pub mod vessel;
@@ -36,10 +38,12 @@ pub use command::{CameraCommand, RENEWAL_GRACE};
 pub use image::{ImagePoint, PictureSize, PixelBox, PixelPoint};
 pub use lens::{BrownConrady, Distortion, Lens};
 pub use link_command::LinkCommand;
-pub use operator::{
-    BoatStop, DrawnMark, DrawnSelection, LawId, MarkKind, MovedMark, Nudge, OperatorRequest, StopCause,
-};
 pub use profile::{VehicleProfile, VehicleRates};
+pub use request::{
+    CameraRequest, DrawnMark, DrawnSelection, LawId, MarkKind, MovedMark, Nudge, OperatorRequest, Request,
+    SeatRequest, VesselRequest, VesselStopper, WorldRequest,
+};
+pub use stop_cause::StopCause;
 pub use telemetry::Telemetry;
 pub use time::Timestamp;
 pub use track::{Localisation, MotionPrior, Track};

@@ -3,6 +3,9 @@
 //! Every message carries the time at which its content was valid. An age is the difference of two timestamps that were
 //! passed in as arguments; only `crates/station` reads a clock.
 
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
 use core::fmt;
 use core::time::Duration;
 
@@ -18,7 +21,11 @@ use core::time::Duration;
 /// assert_eq!(now.since(captured), Duration::from_millis(200));
 /// assert_eq!(captured.since(now), Duration::ZERO);
 /// ```
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
+/// Serialised as the number of nanoseconds.
+#[derive(
+    Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default, Serialize, Deserialize, JsonSchema,
+)]
+#[serde(transparent)]
 pub struct Timestamp(u64);
 
 impl Timestamp {

@@ -1,5 +1,8 @@
 //! Commands to a vessel, and what a vessel may be commanded.
 
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
 use core::time::Duration;
 
 /// The commanded throttle and rudder of a vessel. The signs are independent of the vehicle's own; the vehicle boundary
@@ -11,7 +14,8 @@ use core::time::Duration;
 /// let command = VesselCommand { throttle: f64::NAN, rudder: 1.7 }.clamped();
 /// assert_eq!(command, VesselCommand { throttle: 0.0, rudder: 1.0 });
 /// ```
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
 pub struct VesselCommand {
     /// -1 (full astern) to 1 (full ahead).
     pub throttle: f64,

@@ -19,7 +19,7 @@ use barrelman_experiments::tracker_choice::{TrackerName, TrackerSettings};
 use barrelman_pilot::{CommandPath, Input, Outcome, Pilot, PilotSettings};
 use barrelman_sim::{LocalisationSensor, World};
 use barrelman_vocab::telemetry::{LinkState, Report};
-use barrelman_vocab::{OperatorRequest, Timestamp, Track, VehicleProfile};
+use barrelman_vocab::{CameraRequest, OperatorRequest, Timestamp, Track, VehicleProfile};
 use clap::Args;
 
 use self::far_end::Line;
@@ -154,7 +154,7 @@ fn trial(name: &str, law: LawChoice, limits: Limits, options: &Options, seed: u6
             is_engaged = true;
             let report = Report::Link(LinkState::Up);
             inputs.push(Input::Telemetry(barrelman_vocab::Telemetry { at: now, report }));
-            inputs.push(Input::Request(OperatorRequest::Engage));
+            inputs.push(Input::Request(OperatorRequest::Camera(CameraRequest::Engage)));
         }
         while let Some((_, seen)) = in_flight.pop_front_if(|(arrives, _)| *arrives <= now) {
             inputs.push(Input::Localisation(seen));

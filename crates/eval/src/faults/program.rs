@@ -10,7 +10,9 @@ use barrelman_link::guard::message::ToGuard;
 use barrelman_pilot::{CommandPath, Input, LawSettings, Pilot, PilotSettings};
 use barrelman_vocab::acceptance::Acceptance;
 use barrelman_vocab::telemetry::{ControlState, FlightState, LinkState, Report};
-use barrelman_vocab::{OperatorRequest, StopCause, Telemetry, Timestamp, Track, VehicleProfile};
+use barrelman_vocab::{
+    CameraRequest, OperatorRequest, StopCause, Telemetry, Timestamp, Track, VehicleProfile,
+};
 
 use super::link_end::{LinkEnd, LinkEvent};
 use super::oracle::Oracle;
@@ -142,7 +144,7 @@ impl Program {
     /// An operator's request.
     pub(super) fn request(&mut self, request: OperatorRequest, now: Timestamp) {
         self.step(Input::Request(request), now);
-        if request == OperatorRequest::Engage {
+        if request == OperatorRequest::Camera(CameraRequest::Engage) {
             self.end.take_control();
         }
     }

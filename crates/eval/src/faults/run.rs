@@ -3,7 +3,7 @@
 use anyhow::Result;
 use barrelman_control::{OptimalMode, OptimalSettings};
 use barrelman_pilot::LawSettings;
-use barrelman_vocab::{Nudge, OperatorRequest, StopCause, Timestamp};
+use barrelman_vocab::{CameraRequest, Nudge, OperatorRequest, StopCause, Timestamp};
 
 use super::fault::{self, FaultKind};
 use super::machine::{Machine, Moment};
@@ -229,7 +229,7 @@ impl World {
             self.program.request(OperatorRequest::Stop(StopCause::Operator), now);
             if self.mutant == Mutant::NoLatch {
                 // A stop that does not last: the pilot goes on as if it had not been stopped.
-                self.program.request(OperatorRequest::Engage, now);
+                self.program.request(OperatorRequest::Camera(CameraRequest::Engage), now);
             }
         }
         let ends_ms = fault::last_end_ms(&self.machine.faults);
@@ -238,7 +238,7 @@ impl World {
                 let again = self.engages_again && at_ms == ends_ms + ENGAGES_AGAIN_MS;
                 if at_ms == ENGAGES_AT_MS || again {
                     self.oracle.consent(Licence::Follow);
-                    self.program.request(OperatorRequest::Engage, now);
+                    self.program.request(OperatorRequest::Camera(CameraRequest::Engage), now);
                 }
             }
             Licence::Search | Licence::Calibrate => self.ask_for_behaviour(ends_ms, now, at_ms),
@@ -249,7 +249,10 @@ impl World {
                     self.oracle.consent(Licence::Nudge);
                     self.oracle.nudged(at_ms);
                     let pan = if at_ms % 4_000 < 2_000 { 1.0 } else { -1.0 };
-                    self.program.request(OperatorRequest::Nudge(Nudge { pan, tilt: 0.5 }), now);
+                    self.program.request(
+                        OperatorRequest::Camera(CameraRequest::Nudge(Nudge { pan, tilt: 0.5 })),
+                        now,
+                    );
                 }
             }
         }
@@ -259,19 +262,19 @@ impl World {
     fn ask_for_behaviour(&mut self, ends_ms: u64, now: Timestamp, at_ms: u64) {
         let is_search = self.licence == Licence::Search;
         let (first_ms, request) = if is_search {
-            (SEARCHES_AT_MS, OperatorRequest::Search)
+            (SEARCHES_AT_MS, OperatorRequest::Camera(CameraRequest::Search))
         } else {
-            (CALIBRATES_AT_MS, OperatorRequest::Calibrate)
+            (CALIBRATES_AT_MS, OperatorRequest::Camera(CameraRequest::Calibrate))
         };
         let again_ms = ends_ms + ENGAGES_AGAIN_MS;
         let is_again = self.engages_again && at_ms == again_ms;
         if is_search && at_ms == ENGAGES_AT_MS {
-            self.program.request(OperatorRequest::Engage, now);
+            self.program.request(OperatorRequest::Camera(CameraRequest::Engage), now);
         }
         if is_again {
             // A stop may have to be ended first.
             self.oracle.withdraw();
-            self.program.request(OperatorRequest::Disengage, now);
+            self.program.request(OperatorRequest::Camera(CameraRequest::Disengage), now);
         }
         if at_ms == first_ms || is_again {
             self.oracle.consent_to_behaviour(self.licence, at_ms);

@@ -16,7 +16,7 @@ use anyhow::Result;
 use barrelman_experiments::law_choice::LawChoice;
 use barrelman_pilot::{Input, Notice, Pilot, PilotSettings};
 use barrelman_vision::{FusedConfig, FusedTracker};
-use barrelman_vocab::{DrawnSelection, OperatorRequest, PixelBox, Timestamp, VehicleProfile};
+use barrelman_vocab::{CameraRequest, DrawnSelection, OperatorRequest, PixelBox, Timestamp, VehicleProfile};
 use clap::Args;
 use serde_json::json;
 
@@ -301,8 +301,8 @@ fn select(
         }
         if !is_requested && now >= requested_at {
             is_requested = true;
-            let selection = DrawnSelection { bounds, captured: drawn_at };
-            pilot.step(Input::Request(OperatorRequest::SelectOn(selection)), now);
+            let selection = DrawnSelection { bounds, captured_ns: drawn_at };
+            pilot.step(Input::Request(OperatorRequest::Camera(CameraRequest::Select(selection))), now);
         }
     }
     Ok(selected)

@@ -2,14 +2,15 @@
 
 use barrelman_trial::campaign::{FrameSource, Simulation, StepObserver};
 use barrelman_trial::logs::TrialLog;
+use barrelman_vocab::OperatorRequest;
 use xxhash_rust::xxh3::Xxh3;
 
-use crate::drive::{DriveInput, StoredDrive};
+use crate::drive::StoredDrive;
 
-/// The inputs of a drive, each with its tick, and the last tick.
+/// The requests of a drive, each with its tick, and the last tick.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DriveInputs {
-    inputs: Vec<(u64, DriveInput)>,
+    requests: Vec<(u64, OperatorRequest)>,
     last_tick: u64,
     hands_on: bool,
     /// Whether the pilot commands the boat.
@@ -21,7 +22,7 @@ impl DriveInputs {
     pub fn from_drive(stored: &StoredDrive) -> Self {
         let setup = &stored.setup;
         Self {
-            inputs: stored.inputs.clone(),
+            requests: stored.requests.clone(),
             last_tick: stored.last_tick(),
             hands_on: setup.hands_on,
             commands_boat: setup.commands_boat(),
@@ -39,11 +40,11 @@ impl DriveInputs {
             simulation = simulation.without_selection();
         }
         simulation = simulation.with_tilt_reports(true).with_height_reports();
-        let mut inputs = self.inputs.iter().peekable();
+        let mut requests = self.requests.iter().peekable();
         loop {
             let tick = simulation.world().tick();
-            while let Some((_, input)) = inputs.next_if(|(at, _)| *at <= tick) {
-                input.apply(&mut simulation, observer);
+            while let Some((_, request)) = requests.next_if(|(at, _)| *at <= tick) {
+                simulation.request(*request, observer);
             }
             if tick >= self.last_tick || simulation.is_over() {
                 return simulation.into_log();
@@ -56,8 +57,8 @@ impl DriveInputs {
     pub(super) fn hash(&self) -> String {
         let mut hash = Xxh3::new();
         hash.update(&self.last_tick.to_le_bytes());
-        for (tick, input) in &self.inputs {
-            hash.update(format!("{tick} {input:?}\n").as_bytes());
+        for (tick, request) in &self.requests {
+            hash.update(format!("{tick} {request:?}\n").as_bytes());
         }
         format!("{:016x}", hash.digest())
     }

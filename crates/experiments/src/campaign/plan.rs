@@ -14,8 +14,7 @@ use barrelman_sim::snapshot::ObjectKind;
 use barrelman_sim::{Scenario, World};
 use barrelman_simd::{Simd, SimdLevel};
 use barrelman_trial::campaign::{
-    CampaignEntry, CampaignSettings, FrameSource, RenderedCamera, ReportErrors,
-    Simulation, StepObserver,
+    CampaignEntry, CampaignSettings, FrameSource, RenderedCamera, ReportErrors, Simulation, StepObserver,
 };
 use barrelman_trial::logs::TrialLog;
 use barrelman_trial::metrics::{Arena, TrialEntry, measure};

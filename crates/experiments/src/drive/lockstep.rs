@@ -11,10 +11,9 @@ use barrelman_simd::{Simd, SimdLevel};
 use barrelman_trial::campaign::{FrameSource, RenderedCamera, Simulation, StepObserver};
 use barrelman_trial::target_in_picture::TargetInPicture;
 use barrelman_video::encoder::EncoderSettings;
-use barrelman_vocab::{EncodedUnit, LawId, Timestamp, VehicleRates, VesselProfile};
+use barrelman_vocab::{EncodedUnit, LawId, OperatorRequest, Timestamp, VehicleRates, VesselProfile};
 
 use super::encoded_camera::EncodedCamera;
-use super::input::DriveInput;
 use super::setup::DriveSetup;
 use crate::render_threads::RenderThreads;
 use crate::tracker_choice::TrackerSettings;
@@ -94,9 +93,9 @@ impl<'a> Drive<'a> {
         self.simulation.is_over()
     }
 
-    /// Applies an input before the next tick.
-    pub fn apply(&mut self, input: DriveInput, observer: &mut dyn StepObserver) {
-        input.apply(&mut self.simulation, observer);
+    /// Passes a request to the pilot, before the next tick.
+    pub fn request(&mut self, request: OperatorRequest, observer: &mut dyn StepObserver) {
+        self.simulation.request(request, observer);
     }
 
     /// Runs one tick.

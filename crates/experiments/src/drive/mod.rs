@@ -4,7 +4,6 @@
 //! The clock only decides when the next tick runs. The same setup with the same inputs at the same ticks gives the same
 //! drive, bit for bit.
 
-mod input;
 mod setup;
 
 mod lockstep;
@@ -17,7 +16,6 @@ pub mod motor_schema_shadow;
 mod stored;
 
 pub use hash::DriveHasher;
-pub use input::DriveInput;
 pub(crate) use lockstep::simulated_vessel;
 pub use lockstep::{Drive, DriveObserver};
 pub use setup::{DriveSetup, MAX_DRIVE_S};

@@ -1,24 +1,23 @@
-//! A drive as a file (JSON Lines): its setup, each input with its tick, and the hash of the drive.
+//! A drive as a file (JSON Lines): its setup, each request with its tick, and the hash of the drive.
 //!
 //! ```text
 //! {"drive":"open","scenario_hash":"0c31...","seed":1,"size":[960,540],"tracker":"fused",
 //!  "law":{"name":"optimal","mode":"minimum-energy"},"encoded":false,"program":"0.1.0+5c1f0a9be2d47f60"}
-//! {"tick":0,"input":"engage"}
-//! {"tick":431,"input":"helm","thrust":100,"rudder":0}
+//! {"tick":0,"request":{"kind":"engage"}}
+//! {"tick":431,"request":{"kind":"steer","throttle":1.0,"rudder":0.0}}
 //! {"tick":3600,"hash":"8d5f..."}
 //! ```
 //! A file without its last line was cut off, for instance because the program was killed. It is run again up to its
-//! last input.
+//! last request.
 
 use std::io::{BufWriter, Write as _};
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
 use barrelman_sim::tick::TICKS_PER_SECOND;
-use barrelman_vocab::PictureSize;
+use barrelman_vocab::{OperatorRequest, PictureSize};
 use serde::{Deserialize, Serialize};
 
-use super::input::DriveInput;
 use super::setup::{DriveSetup, MAX_DRIVE_S};
 use crate::law_choice::LawChoice;
 use crate::tracker_choice::TrackerName;
@@ -48,15 +47,8 @@ struct Header {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(untagged)]
 enum Line {
-    Input {
-        tick: u64,
-        #[serde(flatten)]
-        input: DriveInput,
-    },
-    End {
-        tick: u64,
-        hash: String,
-    },
+    Request { tick: u64, request: OperatorRequest },
+    End { tick: u64, hash: String },
 }
 
 /// Writes a drive to a file while the drive runs.
@@ -86,12 +78,12 @@ impl DriveWriter {
         Ok(writer)
     }
 
-    /// Adds an input before a tick.
+    /// Adds a request before a tick.
     ///
     /// # Errors
     /// The file cannot be written.
-    pub fn add(&mut self, tick: u64, input: DriveInput) -> Result<()> {
-        self.write_line(&Line::Input { tick, input })
+    pub fn add(&mut self, tick: u64, request: OperatorRequest) -> Result<()> {
+        self.write_line(&Line::Request { tick, request })
     }
 
     /// Writes the last tick and the hash of the drive.
@@ -102,7 +94,7 @@ impl DriveWriter {
         self.write_line(&Line::End { tick, hash })
     }
 
-    /// Writes a line at once: inputs are few, and the program may be killed.
+    /// Writes a line at once: requests are few, and the program may be killed.
     fn write_line(&mut self, line: &impl Serialize) -> Result<()> {
         let text = serde_json::to_string(line)?;
         writeln!(self.file, "{text}")
@@ -118,17 +110,17 @@ pub struct StoredDrive {
     pub setup: DriveSetup,
     /// The program that stored the drive: version and hash of the executable.
     pub program: String,
-    /// The inputs, each with its tick.
-    pub inputs: Vec<(u64, DriveInput)>,
+    /// The requests, each with its tick.
+    pub requests: Vec<(u64, OperatorRequest)>,
     /// The last tick and the hash of the drive; `None` if the file is cut off.
     pub end: Option<(u64, String)>,
 }
 
 impl StoredDrive {
-    /// The last tick, or the tick of the last input if the file is cut off.
+    /// The last tick, or the tick of the last request if the file is cut off.
     pub fn last_tick(&self) -> u64 {
-        let input = self.inputs.last().map_or(0, |(tick, _)| *tick);
-        self.end.as_ref().map_or(input, |(tick, _)| *tick)
+        let request = self.requests.last().map_or(0, |(tick, _)| *tick);
+        self.end.as_ref().map_or(request, |(tick, _)| *tick)
     }
 
     /// Reads a drive from its file.
@@ -157,11 +149,11 @@ impl StoredDrive {
         if format!("{:016x}", setup.loaded.hash) != header.scenario_hash {
             bail!("the scenario {} is another than it was then", setup.url.scenario);
         }
-        let (mut inputs, mut end) = (Vec::new(), None);
+        let (mut requests, mut end) = (Vec::new(), None);
         for (number, line) in lines.enumerate() {
             let line = serde_json::from_str(line).with_context(|| format!("line {}", number + 2))?;
-            let last: u64 = inputs.last().map_or(0, |(tick, _)| *tick);
-            let (Line::Input { tick, .. } | Line::End { tick, .. }) = &line;
+            let last: u64 = requests.last().map_or(0, |(tick, _)| *tick);
+            let (Line::Request { tick, .. } | Line::End { tick, .. }) = &line;
             if *tick > MAX_TICK {
                 bail!(
                     "line {}: tick {tick}: a drive has at most {MAX_TICK} ticks, which are {MAX_DRIVE_S} s",
@@ -169,11 +161,13 @@ impl StoredDrive {
                 );
             }
             match line {
-                Line::Input { tick, input } if tick >= last && end.is_none() => inputs.push((tick, input)),
+                Line::Request { tick, request } if tick >= last && end.is_none() => {
+                    requests.push((tick, request))
+                }
                 Line::End { tick, hash } if tick >= last && end.is_none() => end = Some((tick, hash)),
-                Line::Input { .. } | Line::End { .. } => bail!("line {} is out of order", number + 2),
+                Line::Request { .. } | Line::End { .. } => bail!("line {} is out of order", number + 2),
             }
         }
-        Ok(Self { setup, program: header.program, inputs, end })
+        Ok(Self { setup, program: header.program, requests, end })
     }
 }

@@ -4,9 +4,7 @@ use barrelman_vocab::{Track, VideoFrame};
 
 use super::{Observation, Pilot};
 use crate::outcome::Notice;
-use crate::selecting::{
-    MIN_CONFIDENCE, PendingSelection, SelectingContext, SelectingResult,
-};
+use crate::selecting::{MIN_CONFIDENCE, PendingSelection, SelectingContext, SelectingResult};
 
 impl Pilot {
     /// Tracks the target in a video frame, or takes the pending selection in it.

@@ -1,6 +1,6 @@
 //! The pilot's part of a search and of a calibration: when a search may begin, their commands, and their end.
 
-use barrelman_vocab::{ImagePoint, OperatorRequest, PictureSize, Timestamp, Track};
+use barrelman_vocab::{Angle, CameraRequest, ImagePoint, PictureSize, Timestamp, Track};
 
 use super::Pilot;
 use crate::outcome::{LOST_BEFORE_SEARCH, Notice, Refusal};
@@ -13,14 +13,22 @@ const MAX_NET_YAW: f64 = 100.0;
 
 impl Pilot {
     /// Why the request makes no sense now, whatever the safety rule says.
-    pub(super) fn refusal(&self, request: &OperatorRequest, now: Timestamp) -> Option<Refusal> {
+    pub(super) fn refusal(&self, request: &CameraRequest, now: Timestamp) -> Option<Refusal> {
         match request {
-            OperatorRequest::Search => self.nothing_to_search(now),
-            OperatorRequest::SetNetYaw(net) => {
-                let is_plausible = net.radians().abs() <= MAX_NET_YAW;
+            CameraRequest::Search => self.nothing_to_search(now),
+            CameraRequest::NetYaw { degrees } => {
+                let is_plausible = Angle::from_degrees(*degrees).radians().abs() <= MAX_NET_YAW;
                 (!is_plausible).then_some(Refusal::NetYawOutOfRange)
             }
-            _ => None,
+            CameraRequest::Select(_)
+            | CameraRequest::SelectNext(_)
+            | CameraRequest::Reject
+            | CameraRequest::Deselect
+            | CameraRequest::Nudge(_)
+            | CameraRequest::Calibrate
+            | CameraRequest::Law { .. }
+            | CameraRequest::Engage
+            | CameraRequest::Disengage => None,
         }
     }
 

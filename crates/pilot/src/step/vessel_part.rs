@@ -1,6 +1,6 @@
 //! The pilot's part of the vessel: what a step tells it.
 
-use barrelman_vocab::{OperatorRequest, Timestamp, Track};
+use barrelman_vocab::{Timestamp, Track, VesselRequest};
 
 use super::Pilot;
 use crate::outcome::{HoldCause, Notice, Refusal};
@@ -9,7 +9,7 @@ use crate::vessel::{Observed, VesselNotice, VesselOutcome, VesselView};
 
 impl Pilot {
     /// Processes a request about the vessel. Returns what the operator has to know.
-    pub(super) fn on_vessel_request(&mut self, request: &OperatorRequest, now: Timestamp) -> Option<Notice> {
+    pub(super) fn on_vessel_request(&mut self, request: &VesselRequest, now: Timestamp) -> Option<Notice> {
         let is_boat_seen = matches!(self.track, Track::Tracking(_)) && self.drawn_selection.is_none();
         let view = VesselView { camera: self.law.camera(), now };
         let Some(vessel) = &mut self.vessel else {

@@ -34,7 +34,7 @@ use core::time::Duration;
 use barrelman_vocab::acceptance::Acceptance;
 use barrelman_vocab::drive_mode::DriveMode;
 use barrelman_vocab::telemetry::{LinkState, Report};
-use barrelman_vocab::{BoatStop, FailSafe, KeepWay, StopCause, Timestamp, VesselCommand, VesselProfile};
+use barrelman_vocab::{FailSafe, KeepWay, StopCause, Timestamp, VesselCommand, VesselProfile, VesselStopper};
 
 use crate::refusal::{HoldCause, Refusal};
 use crate::vehicle::{CommandPath, VehicleState};
@@ -278,14 +278,14 @@ impl VesselGate {
     }
 
     /// The operator stops the boat, also one that this program did not command so far: from now on it does.
-    pub fn stop_boat(&mut self, by: BoatStop) {
+    pub fn stop_boat(&mut self, by: VesselStopper) {
         match by {
-            BoatStop::ConsoleLost => self.stop(VesselStop::ConsoleLost),
-            BoatStop::Operator if self.holder == Holder::Released => {
+            VesselStopper::ConsoleLost => self.stop(VesselStop::ConsoleLost),
+            VesselStopper::Operator if self.holder == Holder::Released => {
                 self.bar_helm();
                 self.holder = Holder::Stopped { cause: VesselStop::Operator };
             }
-            BoatStop::Operator => self.stop(VesselStop::Operator),
+            VesselStopper::Operator => self.stop(VesselStop::Operator),
         }
     }
 

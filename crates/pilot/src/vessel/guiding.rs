@@ -181,9 +181,7 @@ impl Guide {
         self.has_room = self.finds_room(marks, profile, now);
         match guidance.state {
             // There is a destination, but the camera has turned away from it.
-            GuidanceState::NoDestination if marks.destination().is_some() => {
-                Err(VesselHold::NoPlace)
-            }
+            GuidanceState::NoDestination if marks.destination().is_some() => Err(VesselHold::NoPlace),
             GuidanceState::NoDestination => Err(VesselHold::NoDestination),
             GuidanceState::NoFix => Err(VesselHold::NoPlace),
             _ => Ok(command),

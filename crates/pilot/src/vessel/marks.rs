@@ -240,30 +240,30 @@ impl Marks {
         if self.count == MAX_MARKS {
             return Err(MarkRefusal::TooMany);
         }
-        let (direction, water) = place(drawn.pixel, frame_view)?;
-        if drawn.kind == MarkKind::Home {
+        let (direction, water) = place(drawn.at, frame_view)?;
+        if drawn.mark == MarkKind::Home {
             self.remove_if(|mark| mark.kind == MarkKind::Home);
         }
         self.newest_id += 1;
         let id = self.newest_id;
         self.marks[self.count] = Some(Mark {
             id,
-            kind: drawn.kind,
+            kind: drawn.mark,
             direction,
             water,
             has_tilt: is_tilt_known,
-            marked: drawn.captured,
-            drift: water.filter(|_| drawn.kind == MarkKind::Person).map(|fix| Drift::at_rest(&fix)),
+            marked: drawn.captured_ns,
+            drift: water.filter(|_| drawn.mark == MarkKind::Person).map(|fix| Drift::at_rest(&fix)),
         });
         self.count += 1;
-        let is_goal = matches!(drawn.kind, MarkKind::Place | MarkKind::Person);
+        let is_goal = matches!(drawn.mark, MarkKind::Place | MarkKind::Person);
         let replaces =
             self.destination().is_none_or(|mark| mark.kind == MarkKind::Place || mark.kind == MarkKind::Home);
         let is_destination = is_goal && replaces;
         if is_destination {
             self.destination = Some(id);
         }
-        if is_destination || drawn.kind == MarkKind::WayPoint {
+        if is_destination || drawn.mark == MarkKind::WayPoint {
             self.route += 1;
         }
         Ok(id)
@@ -323,11 +323,11 @@ impl Marks {
         frame_view: &FrameView,
         is_tilt_known: bool,
     ) -> Result<RouteChange, MarkRefusal> {
-        let (direction, water) = place(moved.pixel, frame_view)?;
+        let (direction, water) = place(moved.at, frame_view)?;
         let mark = self.marks.iter_mut().flatten().find(|mark| mark.id == moved.id);
         let mark = mark.ok_or(MarkRefusal::NoSuchMark)?;
         let is_on_route = mark.is_on_route(self.destination);
-        let since = moved.captured.since(mark.marked);
+        let since = moved.captured_ns.since(mark.marked);
         match (mark.kind, water, &mut mark.drift) {
             // Places close in time tell nothing of the drift.
             (MarkKind::Person, Some(fix), Some(drift)) if mark.water.is_some() => {
@@ -340,7 +340,7 @@ impl Marks {
             (MarkKind::Person, Some(fix), drift) => *drift = Some(Drift::at_rest(&fix)),
             _ => mark.drift = None,
         }
-        (mark.direction, mark.water, mark.marked) = (direction, water, moved.captured);
+        (mark.direction, mark.water, mark.marked) = (direction, water, moved.captured_ns);
         mark.has_tilt = is_tilt_known;
         // A boat that rests at its destination goes on to where the destination is now.
         if self.destination == Some(moved.id) {
@@ -364,9 +364,7 @@ impl Marks {
 
     fn remove_if(&mut self, is_removed: impl Fn(&Mark) -> bool) -> bool {
         let before = self.count;
-        let changes_route = self
-            .iter()
-            .any(|mark| is_removed(mark) && mark.is_on_route(self.destination));
+        let changes_route = self.iter().any(|mark| is_removed(mark) && mark.is_on_route(self.destination));
         let mut kept = [None; MAX_MARKS];
         let left = self.marks.iter().flatten().filter(|mark| !is_removed(mark));
         self.count = kept.iter_mut().zip(left).map(|(slot, mark)| *slot = Some(*mark)).count();

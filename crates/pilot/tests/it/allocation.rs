@@ -7,7 +7,9 @@ use barrelman_pilot::{Input, LawSettings, Pilot, PilotSettings};
 use barrelman_sim::practice::PracticeClip;
 use barrelman_vision::{CamShift, CamShiftConfig, FusedConfig, FusedTracker, Tracker};
 use barrelman_vocab::video::{Capture, CaptureQuality};
-use barrelman_vocab::{OperatorRequest, Picture, PictureSize, PixelBox, Timestamp, Track, VideoFrame};
+use barrelman_vocab::{
+    CameraRequest, OperatorRequest, Picture, PictureSize, PixelBox, Timestamp, Track, VideoFrame,
+};
 
 use crate::scenes::SceneInput::{Engage, Lost, Reports, Tick};
 use crate::scenes::settings;
@@ -66,7 +68,7 @@ fn steps_allocate_nothing_after_the_first_rounds(tracker: Box<dyn Tracker>, law:
                     w: hull.w / 2.0,
                     h: hull.h / 2.0,
                 };
-                pilot.step(Input::Request(OperatorRequest::Select(inner)), now);
+                pilot.step(Input::Request(OperatorRequest::Camera(CameraRequest::SelectNext(inner))), now);
             }
             allocations += allocations_of(|| {
                 pilot.step(Engage.input(now), now);
@@ -101,7 +103,7 @@ fn localisations_and_refusals_allocate_nothing() {
     let earlier = drawn(&clip, 1, 1, Timestamp::from_nanos(5));
     let outside = PixelBox { u: 900.0, v: 900.0, w: 5.0, h: 5.0 };
     let allocations = allocations_of(|| {
-        pilot.step(Input::Request(OperatorRequest::Select(outside)), now);
+        pilot.step(Input::Request(OperatorRequest::Camera(CameraRequest::SelectNext(outside))), now);
         let refused = pilot.step(Input::Frame(&frame), now);
         let went_back = pilot.step(Input::Frame(&earlier), now);
         pilot.step(Lost.input(now), now);

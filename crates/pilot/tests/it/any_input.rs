@@ -3,7 +3,7 @@
 use core::time::Duration;
 
 use barrelman_pilot::{Input, Mode, Outcome, Pilot};
-use barrelman_vocab::{CameraCommand, ImagePoint, OperatorRequest, StopCause, Timestamp};
+use barrelman_vocab::{CameraCommand, CameraRequest, ImagePoint, OperatorRequest, StopCause, Timestamp};
 use proptest::prelude::*;
 
 use crate::scenes::{Answer, COAST_MS, FRESH_MS, INSIDE, LEFT, RIGHT, Scripted, TOP};
@@ -139,9 +139,9 @@ proptest! {
         for taken in run(&steps, &selections) {
             let (now, outcome) = (taken.now, &taken.outcome);
             match taken.request {
-                Some(OperatorRequest::Engage) => engaged = true,
-                Some(OperatorRequest::Disengage | OperatorRequest::Stop(_)) => engaged = false,
-                Some(OperatorRequest::Select(_)) => last_fresh = None,
+                Some(OperatorRequest::Camera(CameraRequest::Engage)) => engaged = true,
+                Some(OperatorRequest::Camera(CameraRequest::Disengage) | OperatorRequest::Stop(_)) => engaged = false,
+                Some(OperatorRequest::Camera(CameraRequest::SelectNext(_))) => last_fresh = None,
                 Some(_) | None => {}
             }
             if taken.fresh {

@@ -2,7 +2,7 @@
 
 use barrelman_pilot::vessel::VesselStop;
 use barrelman_pilot::{Notice, VesselMode};
-use barrelman_vocab::{ImagePoint, MarkKind, OperatorRequest, PixelPoint};
+use barrelman_vocab::{ImagePoint, MarkKind, OperatorRequest, PixelPoint, VesselRequest};
 
 use crate::scenes::INSIDE;
 use crate::vessel::{AHEAD, Bench, TARGET};
@@ -40,7 +40,7 @@ fn a_guided_boat_that_does_not_move_is_stopped_until_the_next_request() {
         let (mode, since_s) = mode_after(&mut bench, 12.0, moving(0.0, 0.0));
         assert_eq!(mode, NO_ANSWER);
         assert!((7.0..10.0).contains(&since_s), "{since_s}");
-        let outcome = bench.ask(OperatorRequest::Guide);
+        let outcome = bench.ask(OperatorRequest::Vessel(VesselRequest::Guide));
         assert_eq!((outcome.notice, outcome.vessel.mode), (Some(Notice::Going(None)), VesselMode::Guided));
     }
     assert_eq!(mode_after(&mut bench, 12.0, moving(8.0, 8.0)), (VesselMode::Guided, 0.0));
@@ -60,9 +60,9 @@ fn another_destination_far_away_is_no_fault_of_the_boat() {
     bench.see_water().see(INSIDE);
     bench.mark(MarkKind::Home, PixelPoint { u: 20.0, v: 200.0 });
     bench.mark(MarkKind::Place, TARGET);
-    bench.ask(OperatorRequest::Guide);
+    bench.ask(OperatorRequest::Vessel(VesselRequest::Guide));
     assert_eq!(mode_after(&mut bench, 6.0, moving(10.0, -4.0)), (VesselMode::Guided, 0.0));
-    assert_eq!(bench.ask(OperatorRequest::GoHome).notice, Some(Notice::Going(None)));
+    assert_eq!(bench.ask(OperatorRequest::Vessel(VesselRequest::GoHome)).notice, Some(Notice::Going(None)));
     let turned = |seconds: f64| moving(60.0 - 10.0 * seconds, -24.0 + 4.0 * seconds)(1.0);
     assert_eq!(mode_after(&mut bench, 25.0, turned), (VesselMode::Guided, 0.0));
 }
@@ -76,9 +76,9 @@ fn a_boat_that_is_steered_by_hand_need_not_answer_and_the_guidance_asks_anew() {
         if frame % 15 == 0 {
             bench.see_water();
         }
-        bench.ask(OperatorRequest::Steer(AHEAD));
+        bench.ask(OperatorRequest::Vessel(VesselRequest::Steer(AHEAD)));
         assert_eq!(bench.see(INSIDE).vessel.mode, VesselMode::ByHand);
     }
-    bench.ask(OperatorRequest::Guide);
+    bench.ask(OperatorRequest::Vessel(VesselRequest::Guide));
     assert_eq!(mode_after(&mut bench, 5.0, moving(0.0, 0.0)), (VesselMode::Guided, 0.0));
 }

@@ -5,7 +5,9 @@ use std::sync::{Arc, Mutex};
 use barrelman_control::{CameraLaw, CameraModel, Law, LawInput};
 use barrelman_pilot::{CommandPath, Input, Outcome, Pilot};
 use barrelman_vocab::telemetry::Report;
-use barrelman_vocab::{Angle, AngularRate, CameraCommand, Nudge, OperatorRequest, Telemetry, Timestamp};
+use barrelman_vocab::{
+    Angle, AngularRate, CameraCommand, CameraRequest, Nudge, OperatorRequest, Telemetry, Timestamp,
+};
 
 use crate::scenes::SceneInput::{Engage, Seen, Tick};
 use crate::scenes::{RIGHT, Scripted, at, settings};
@@ -89,16 +91,16 @@ fn a_tilt_that_was_reported_long_ago_holds_nothing() {
 #[test]
 fn a_nudge_is_held_off_the_end_stops_too() {
     let (mut pilot, _) = stubborn(CameraCommand::REST, CommandPath::Simulated);
-    pilot.step(Input::Request(OperatorRequest::Disengage), at(10));
+    pilot.step(Input::Request(OperatorRequest::Camera(CameraRequest::Disengage)), at(10));
     pilot.step(Seen(RIGHT).input(at(20)), at(20));
     let mut nudge = |tilt, ms| {
-        let request = OperatorRequest::Nudge(Nudge { pan: 0.3, tilt });
+        let request = OperatorRequest::Camera(CameraRequest::Nudge(Nudge { pan: 0.3, tilt }));
         pilot.step(Input::Request(request), at(ms)).command
     };
     assert_eq!(nudge(1.0, 30), command(0.04, 0.1), "0.03 rad/s is below the least rate");
     report_tilt(&mut pilot, 10.0, 40);
     let mut nudge = |tilt, ms| {
-        let request = OperatorRequest::Nudge(Nudge { pan: 0.3, tilt });
+        let request = OperatorRequest::Camera(CameraRequest::Nudge(Nudge { pan: 0.3, tilt }));
         pilot.step(Input::Request(request), at(ms)).command
     };
     assert_eq!(nudge(1.0, 50), command(0.04, 0.0));

@@ -6,13 +6,15 @@ use core::time::Duration;
 use barrelman_pilot::outcome::{HoldCause, Unconfirmed};
 use barrelman_pilot::{Input, LawSettings, Mode, Notice, Outcome, Pilot, PilotSettings, Refusal};
 use barrelman_vocab::{
-    CameraCommand, DrawnSelection, LawId, Nudge, OperatorRequest, PixelBox, StopCause, Timestamp, Track,
+    CameraCommand, CameraRequest, DrawnSelection, LawId, Nudge, OperatorRequest, PixelBox, StopCause,
+    Timestamp, Track,
 };
 
 use crate::scenes::{Answer, PICTURE, RIGHT, Scripted, at, frame, settings};
 
 const FRAME_MS: u64 = 33;
-const NUDGE_RIGHT: OperatorRequest = OperatorRequest::Nudge(Nudge { pan: 1.0, tilt: 0.0 });
+const NUDGE_RIGHT: OperatorRequest =
+    OperatorRequest::Camera(CameraRequest::Nudge(Nudge { pan: 1.0, tilt: 0.0 }));
 
 /// A pilot that keeps frames and whose tracker takes `selections` boxes and then gives these answers.
 fn pilot(selections: usize, answers: impl IntoIterator<Item = Answer>) -> Pilot {
@@ -41,13 +43,16 @@ fn frames(pilot: &mut Pilot, range: core::ops::Range<u64>) -> Vec<Outcome> {
 /// A selection drawn on the frame of this number.
 fn select_on(index: u64) -> OperatorRequest {
     let bounds = PixelBox { u: 10.0, v: 10.0, w: 20.0, h: 20.0 };
-    OperatorRequest::SelectOn(DrawnSelection { bounds, captured: at(1000 + index * FRAME_MS) })
+    OperatorRequest::Camera(CameraRequest::Select(DrawnSelection {
+        bounds,
+        captured_ns: at(1000 + index * FRAME_MS),
+    }))
 }
 
 #[test]
 fn a_selection_on_an_earlier_frame_is_brought_up_to_date_and_confirmed() {
     let mut pilot = pilot(1, vec![Answer::Tracking(RIGHT); 120]);
-    request(&mut pilot, OperatorRequest::Engage, 900);
+    request(&mut pilot, OperatorRequest::Camera(CameraRequest::Engage), 900);
     frames(&mut pilot, 0..31);
     let selected = request(&mut pilot, select_on(1), 2005);
     assert!(selected.is_confirming && selected.command.is_rest());
@@ -71,7 +76,7 @@ fn a_selection_on_an_earlier_frame_is_brought_up_to_date_and_confirmed() {
 fn a_refused_selection_does_not_confirm_the_one_that_it_replaced() {
     let after = |replacement: OperatorRequest| {
         let mut pilot = pilot(1, vec![Answer::Tracking(RIGHT); 120]);
-        request(&mut pilot, OperatorRequest::Engage, 900);
+        request(&mut pilot, OperatorRequest::Camera(CameraRequest::Engage), 900);
         frames(&mut pilot, 0..60);
         let first = 1000 + 60 * FRAME_MS;
         request(&mut pilot, select_on(59), first - 5);
@@ -83,7 +88,9 @@ fn a_refused_selection_does_not_confirm_the_one_that_it_replaced() {
         (is_at_rest, steps[0].track)
     };
     // Too old, and one that the tracker refuses.
-    for replacement in [select_on(1), select_on(60), OperatorRequest::Select(PICTURE.bounds())] {
+    for replacement in
+        [select_on(1), select_on(60), OperatorRequest::Camera(CameraRequest::SelectNext(PICTURE.bounds()))]
+    {
         assert_eq!(after(replacement), (true, Track::Unseeded), "{replacement:?}");
     }
 }
@@ -91,7 +98,7 @@ fn a_refused_selection_does_not_confirm_the_one_that_it_replaced() {
 #[test]
 fn a_refused_selection_before_the_tracker_took_the_one_of_before_keeps_the_track() {
     let mut pilot = pilot(1, vec![Answer::Tracking(RIGHT); 120]);
-    request(&mut pilot, OperatorRequest::Engage, 900);
+    request(&mut pilot, OperatorRequest::Camera(CameraRequest::Engage), 900);
     frames(&mut pilot, 0..3);
     request(&mut pilot, select_on(2), 1000 + 3 * FRAME_MS - 5);
     let steps = frames(&mut pilot, 3..60);
@@ -166,7 +173,7 @@ fn a_nudge_is_refused_while_engaged_stopped_or_blind() {
     assert_eq!(refused(&mut blind, 1000), Some(Refusal::NoFreshVideo));
     frames(&mut blind, 0..1);
     assert_eq!(refused(&mut blind, 5000), Some(Refusal::NoFreshVideo), "the video has stopped");
-    request(&mut blind, OperatorRequest::Engage, 5001);
+    request(&mut blind, OperatorRequest::Camera(CameraRequest::Engage), 5001);
     assert_eq!(refused(&mut blind, 5002), Some(Refusal::Engaged));
     request(&mut blind, OperatorRequest::Stop(StopCause::Operator), 5003);
     assert_eq!(refused(&mut blind, 5004), Some(Refusal::Stopped));
@@ -177,18 +184,18 @@ fn a_nudge_without_numbers_or_beyond_its_range_is_bounded() {
     let mut pilot = pilot(0, []);
     frames(&mut pilot, 0..1);
     let nudge = Nudge { pan: f64::NAN, tilt: -7.0 };
-    let command = request(&mut pilot, OperatorRequest::Nudge(nudge), 1010).command;
+    let command = request(&mut pilot, OperatorRequest::Camera(CameraRequest::Nudge(nudge)), 1010).command;
     assert_eq!((command.pan.radians_per_second(), command.tilt.radians_per_second()), (0.0, -0.1));
 }
 
 #[test]
 fn the_law_changes_while_disengaged_only() {
     let mut pilot = pilot(0, []);
-    let change = OperatorRequest::ChangeLaw(LawId::Eco);
+    let change = OperatorRequest::Camera(CameraRequest::Law { law: LawId::Eco });
     assert_eq!(request(&mut pilot, change, 10).notice, Some(Notice::LawChanged(LawId::Eco)));
     assert_eq!(pilot.law_id(), Some(LawId::Eco));
-    request(&mut pilot, OperatorRequest::Engage, 20);
-    let schema = OperatorRequest::ChangeLaw(LawId::MotorSchema);
+    request(&mut pilot, OperatorRequest::Camera(CameraRequest::Engage), 20);
+    let schema = OperatorRequest::Camera(CameraRequest::Law { law: LawId::Schema });
     let refused = request(&mut pilot, schema, 30).notice;
     assert_eq!(refused, Some(Notice::RequestRefused(Refusal::Engaged)));
     assert_eq!(pilot.law_id(), Some(LawId::Eco));
@@ -213,12 +220,12 @@ fn happenings() -> [Happening; 10] {
         LostFrame,
         Tick,
         LateTick,
-        Request(OperatorRequest::Engage),
-        Request(OperatorRequest::Disengage),
+        Request(OperatorRequest::Camera(CameraRequest::Engage)),
+        Request(OperatorRequest::Camera(CameraRequest::Disengage)),
         Request(OperatorRequest::Stop(StopCause::Operator)),
         Request(NUDGE_RIGHT),
         Request(select_on(0)),
-        Request(OperatorRequest::Deselect),
+        Request(OperatorRequest::Camera(CameraRequest::Deselect)),
     ]
 }
 
@@ -235,13 +242,18 @@ impl Permission {
     fn after(mut self, happening: Happening, outcome: &Outcome, now: Timestamp) -> Self {
         if let Happening::Request(request) = happening {
             match request {
-                OperatorRequest::Engage => (self.engaged, self.stopped) = (true, false),
-                OperatorRequest::Disengage => (self.engaged, self.stopped) = (false, false),
+                OperatorRequest::Camera(CameraRequest::Engage) => {
+                    (self.engaged, self.stopped) = (true, false)
+                }
+                OperatorRequest::Camera(CameraRequest::Disengage) => {
+                    (self.engaged, self.stopped) = (false, false)
+                }
                 OperatorRequest::Stop(_) => (self.engaged, self.stopped) = (false, true),
-                OperatorRequest::SelectOn(_) | OperatorRequest::Deselect => self.fresh = None,
+                OperatorRequest::Camera(CameraRequest::Select(_))
+                | OperatorRequest::Camera(CameraRequest::Deselect) => self.fresh = None,
                 _ => {}
             }
-            let is_nudge = matches!(request, OperatorRequest::Nudge(_));
+            let is_nudge = matches!(request, OperatorRequest::Camera(CameraRequest::Nudge(_)));
             self.nudged = (is_nudge && !self.engaged && !self.stopped).then_some(now);
         }
         if matches!(happening, Happening::Frame) && !outcome.is_confirming {
@@ -306,5 +318,5 @@ fn no_sequence_of_events_moves_the_camera_without_a_licence() {
 #[test]
 fn settings_name_their_law() {
     let law = |law| Pilot::new(PilotSettings { law, ..settings() }, Box::new(Scripted::default())).law_id();
-    assert_eq!(law(LawSettings::MotorSchema), Some(LawId::MotorSchema));
+    assert_eq!(law(LawSettings::MotorSchema), Some(LawId::Schema));
 }

@@ -9,7 +9,7 @@ use barrelman_pilot::outcome::HoldCause;
 use barrelman_pilot::safety::{Decision, ObservationResult, Safety};
 use barrelman_pilot::{CommandPath, Mode, Purpose, Refusal};
 use barrelman_vocab::telemetry::{ControlState, FlightState, LinkState, Report};
-use barrelman_vocab::{AngularRate, CameraCommand, Nudge, OperatorRequest, StopCause, Timestamp};
+use barrelman_vocab::{AngularRate, CameraCommand, CameraRequest, Nudge, StopCause, Timestamp};
 
 use crate::scenes::at;
 
@@ -210,13 +210,13 @@ fn step(safety: &mut Safety, event: Event, now: Timestamp) -> (bool, Decision) {
             observation = ObservationResult::Unusable(HoldCause::TrackLost);
         }
         Event::Tick | Event::LateTick => {}
-        Event::Engage => accepted = request(safety, OperatorRequest::Engage),
-        Event::Disengage => accepted = request(safety, OperatorRequest::Disengage),
-        Event::Stop => accepted = request(safety, OperatorRequest::Stop(StopCause::Operator)),
+        Event::Engage => accepted = request(safety, CameraRequest::Engage),
+        Event::Disengage => accepted = request(safety, CameraRequest::Disengage),
+        Event::Stop => safety.stop(StopCause::Operator),
         Event::Nudge => {
-            accepted = request(safety, OperatorRequest::Nudge(Nudge { pan: 1.0, tilt: 0.0 }));
+            accepted = request(safety, CameraRequest::Nudge(Nudge { pan: 1.0, tilt: 0.0 }));
         }
-        Event::Select => accepted = request(safety, OperatorRequest::Deselect),
+        Event::Select => accepted = request(safety, CameraRequest::Deselect),
         Event::Consent(purpose) => accepted = safety.consent(purpose, now).is_ok(),
         Event::Propose(purpose) => safety.propose(purpose, command_of(purpose), now),
         Event::SearchEnds => accepted = safety.finish_search(now),
@@ -358,7 +358,7 @@ fn a_purpose_does_not_take_the_place_of_another_unless_the_operator_may_mean_it(
         let mut safety = Safety::new(COAST, CommandPath::Simulated);
         safety.on_video(at(0));
         consents.iter().for_each(|purpose| match purpose {
-            Purpose::Follow => safety.on_request(&OperatorRequest::Engage, at(0)).unwrap(),
+            Purpose::Follow => safety.on_request(&CameraRequest::Engage, at(0)).unwrap(),
             other => safety.consent(*other, at(0)).unwrap(),
         });
         safety
@@ -381,7 +381,7 @@ fn a_rate_never_lasts_longer_than_half_a_second_after_the_last_look() {
     let moves_after = |ms| {
         let mut safety = Safety::new(Duration::from_secs(2), CommandPath::Link);
         safety.on_report(&Report::Link(LinkState::Up));
-        safety.on_request(&OperatorRequest::Engage, at(0)).unwrap();
+        safety.on_request(&CameraRequest::Engage, at(0)).unwrap();
         safety.decide(ObservationResult::Fresh(command_of(Purpose::Follow)), at(0));
         !safety.decide(ObservationResult::NoObservation, at(ms)).command.is_rest()
     };

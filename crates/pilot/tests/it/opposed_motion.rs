@@ -10,8 +10,8 @@ use barrelman_vision::{BackgroundShift, Explanation, SelectionError, SelectionRe
 use barrelman_vocab::profile::{AxisDynamics, CameraDynamics};
 use barrelman_vocab::video::{Capture, CaptureQuality, ColourEncoding};
 use barrelman_vocab::{
-    AngularRate, CameraCommand, ImagePoint, MotionPrior, OperatorRequest, Picture, PixelBox, StopCause,
-    Track, VehicleProfile, VideoFrame,
+    AngularRate, CameraCommand, CameraRequest, ImagePoint, MotionPrior, OperatorRequest, Picture, PixelBox,
+    StopCause, Track, VehicleProfile, VideoFrame,
 };
 
 use crate::scenes::{BOTTOM, INSIDE, LEFT, PICTURE, RIGHT, TOP, at, seen, settings};
@@ -85,7 +85,7 @@ fn run(
     let mut model = camera.model(&settings.profile);
     let mut pilot = Pilot::new(settings, Box::new(ScriptedTracker(Arc::clone(&answer))));
     assert_eq!(
-        pilot.step(Input::Request(OperatorRequest::Engage), at(0)).mode.to_string(),
+        pilot.step(Input::Request(OperatorRequest::Camera(CameraRequest::Engage)), at(0)).mode.to_string(),
         "holding: nothing selected"
     );
     let noise = CounterRng::new(seed, Stream::SwayYaw);

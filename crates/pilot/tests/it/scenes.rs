@@ -9,8 +9,8 @@ use barrelman_vision::{Explanation, SelectionError, SelectionReport, Tracker};
 use barrelman_vocab::telemetry::{LinkState, Report};
 use barrelman_vocab::video::{Capture, CaptureQuality, ColourEncoding};
 use barrelman_vocab::{
-    AngularRate, CameraCommand, ImagePoint, Localisation, MotionPrior, OperatorRequest, Picture, PictureSize,
-    PixelBox, StopCause, Telemetry, Timestamp, Track, VehicleProfile, VideoFrame,
+    AngularRate, CameraCommand, CameraRequest, ImagePoint, Localisation, MotionPrior, OperatorRequest,
+    Picture, PictureSize, PixelBox, StopCause, Telemetry, Timestamp, Track, VehicleProfile, VideoFrame,
 };
 
 pub(crate) const PICTURE: PictureSize = PictureSize::new(640, 480);
@@ -81,9 +81,11 @@ impl SceneInput {
             Self::Unseeded => Input::Localisation(Track::Unseeded),
             Self::Reports => Input::Telemetry(Telemetry { at: now, report: Report::Link(LinkState::Up) }),
             Self::Tick => Input::Tick,
-            Self::Select => Input::Request(OperatorRequest::Select(PICTURE.bounds())),
-            Self::Engage => Input::Request(OperatorRequest::Engage),
-            Self::Disengage => Input::Request(OperatorRequest::Disengage),
+            Self::Select => {
+                Input::Request(OperatorRequest::Camera(CameraRequest::SelectNext(PICTURE.bounds())))
+            }
+            Self::Engage => Input::Request(OperatorRequest::Camera(CameraRequest::Engage)),
+            Self::Disengage => Input::Request(OperatorRequest::Camera(CameraRequest::Disengage)),
             Self::Stop(cause) => Input::Request(OperatorRequest::Stop(cause)),
         }
     }

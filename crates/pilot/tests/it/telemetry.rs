@@ -36,10 +36,7 @@ fn the_first_tilt_that_the_gimbal_reports_takes_the_place_of_the_profiles() {
         believed.lock().unwrap().to_degrees()
     };
     assert!((tilt_after(&[-60.0]) + 60.0).abs() < 1e-9);
-    assert!(
-        (tilt_after(&[f64::NAN, -60.0]) + 60.0).abs() < 1e-9,
-        "a report that is not finite is none"
-    );
+    assert!((tilt_after(&[f64::NAN, -60.0]) + 60.0).abs() < 1e-9, "a report that is not finite is none");
     assert!((tilt_after(&[-60.0, -50.0]) + 58.0).abs() < 1e-9, "later ones correct by a fifth");
 }
 

@@ -5,8 +5,8 @@ use barrelman_pilot::{CommandPath, Input, Outcome, Pilot, PilotSettings, VesselS
 use barrelman_vocab::acceptance::Acceptance;
 use barrelman_vocab::telemetry::{ControlState, EulerAxis, FlightState, LinkState, Quaternion, Report};
 use barrelman_vocab::{
-    Angle, BoatStop, Nudge, OperatorRequest, StopCause, Telemetry, VehicleProfile, VesselCommand,
-    VesselProfile,
+    Angle, CameraRequest, Nudge, OperatorRequest, StopCause, Telemetry, VehicleProfile, VesselCommand,
+    VesselProfile, VesselRequest, VesselStopper,
 };
 
 use crate::scenes::SceneInput::{Engage, Seen};
@@ -189,7 +189,7 @@ fn a_nudge_ends_what_was_found_and_is_no_fault() {
     let mut bench = Bench::new(VehicleProfile::mavlink_gimbal());
     assert!(bench.turn(1_000, |_| (0.3, 0.0)).is_some());
     bench.pilot.step(Seen(INSIDE).input(at(bench.ms)), at(bench.ms));
-    let nudge = OperatorRequest::Nudge(Nudge { pan: 1.0, tilt: 0.0 });
+    let nudge = OperatorRequest::Camera(CameraRequest::Nudge(Nudge { pan: 1.0, tilt: 0.0 }));
     let outcome = bench.pilot.step(Input::Request(nudge), at(bench.ms));
     assert!(!outcome.command.is_rest() && outcome.unasked_motion.is_none(), "{:?}", outcome.mode);
 }
@@ -224,8 +224,9 @@ fn boat_found(speed: impl Fn(f64) -> f64, said: Acceptance, command: Option<Oper
 
 #[test]
 fn a_boat_whose_drive_goes_on_is_found_and_one_that_runs_out_or_drifts_is_not() {
-    let stop = Some(OperatorRequest::StopBoat(BoatStop::Operator));
-    let steered = Some(OperatorRequest::Steer(VesselCommand { throttle: 1.0, rudder: 0.0 }));
+    let stop = Some(OperatorRequest::Vessel(VesselRequest::StopVessel { by: VesselStopper::Operator }));
+    let steered =
+        Some(OperatorRequest::Vessel(VesselRequest::Steer(VesselCommand { throttle: 1.0, rudder: 0.0 })));
     let goes_on: fn(f64) -> f64 = |_| 3.0;
     let gets_faster: fn(f64) -> f64 = |s| 1.0 + s;
     for (speed, said, command, is_found) in [

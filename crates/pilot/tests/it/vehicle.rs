@@ -7,7 +7,7 @@ use barrelman_pilot::outcome::HoldCause;
 use barrelman_pilot::{CommandPath, Input, Mode, Notice, Outcome, Pilot, Refusal};
 use barrelman_vocab::acceptance::Acceptance;
 use barrelman_vocab::telemetry::{ControlState, FlightState, LinkState, Report};
-use barrelman_vocab::{CameraCommand, Nudge, OperatorRequest, StopCause, Telemetry};
+use barrelman_vocab::{CameraCommand, CameraRequest, Nudge, OperatorRequest, StopCause, Telemetry};
 
 use crate::scenes::SceneInput::{Disengage, Engage, Seen};
 use crate::scenes::{
@@ -47,7 +47,9 @@ impl Do {
         };
         let input = match self {
             Scene(input) => input.input(now),
-            Nudges => Input::Request(OperatorRequest::Nudge(Nudge { pan: 1.0, tilt: 0.0 })),
+            Nudges => {
+                Input::Request(OperatorRequest::Camera(CameraRequest::Nudge(Nudge { pan: 1.0, tilt: 0.0 })))
+            }
             Link(state) => report(Report::Link(state)),
             Control(control, uptime_s) => {
                 report(Report::Ground { control, uptime_s, battery_v: 12.0, tether_m: 1.0 })

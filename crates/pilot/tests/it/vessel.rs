@@ -10,8 +10,9 @@ use barrelman_pilot::{CommandPath, Input, Notice, Outcome, Pilot, Refusal, Vesse
 use barrelman_vocab::earth::GeoPoint;
 use barrelman_vocab::telemetry::{LinkState, Report};
 use barrelman_vocab::{
-    Angle, BoatStop, DrawnMark, FailSafe, ImagePoint, KeepWay, MarkKind, MovedMark, Nudge, OperatorRequest,
-    PixelPoint, StopCause, Telemetry, Timestamp, Track, VesselCommand, VesselProfile, WaterPoint,
+    Angle, CameraRequest, DrawnMark, FailSafe, ImagePoint, KeepWay, MarkKind, MovedMark, Nudge,
+    OperatorRequest, PixelPoint, StopCause, Telemetry, Timestamp, Track, VesselCommand, VesselProfile,
+    VesselRequest, VesselStopper, WaterPoint,
 };
 use proptest::prelude::*;
 
@@ -77,12 +78,20 @@ impl Bench {
 
     pub(crate) fn mark(&mut self, kind: MarkKind, pixel: PixelPoint) -> Outcome {
         let captured = at(self.ms).minus(Duration::from_millis(LATENCY_MS));
-        self.ask(OperatorRequest::Mark(DrawnMark { kind, pixel, captured }))
+        self.ask(OperatorRequest::Vessel(VesselRequest::Mark(DrawnMark {
+            mark: kind,
+            at: pixel,
+            captured_ns: captured,
+        })))
     }
 
     fn move_mark(&mut self, id: u32, pixel: PixelPoint) -> Outcome {
         let captured = at(self.ms).minus(Duration::from_millis(LATENCY_MS));
-        self.ask(OperatorRequest::MoveMark(MovedMark { id, pixel, captured }))
+        self.ask(OperatorRequest::Vessel(VesselRequest::MoveMark(MovedMark {
+            id,
+            at: pixel,
+            captured_ns: captured,
+        })))
     }
 
     /// The boat is seen and goes to a mark over the water.
@@ -90,7 +99,7 @@ impl Bench {
         let mut bench = Self::new();
         bench.see_water().see(INSIDE);
         bench.mark(kind, TARGET);
-        let outcome = bench.ask(OperatorRequest::Guide);
+        let outcome = bench.ask(OperatorRequest::Vessel(VesselRequest::Guide));
         assert_eq!(outcome.notice, Some(Notice::Going(None)));
         for _ in 0..10 {
             bench.see(INSIDE);
@@ -111,7 +120,7 @@ fn after_loss(more: &[(MarkKind, PixelPoint)], meanwhile: Option<OperatorRequest
     for (kind, pixel) in more {
         assert!(matches!(bench.mark(*kind, *pixel).notice, Some(Notice::Marked(..))));
     }
-    bench.ask(OperatorRequest::Guide);
+    bench.ask(OperatorRequest::Vessel(VesselRequest::Guide));
     for step in 0..60 {
         // The boat goes away from the camera.
         let outcome = bench.see(ImagePoint { x: 0.0, y: -20.0 + f64::from(step) });
@@ -144,12 +153,12 @@ fn a_boat_that_shall_keeps_way_far_from_all_marks() {
     );
     for request in [
         OperatorRequest::Stop(StopCause::Operator),
-        OperatorRequest::StopBoat(BoatStop::Operator),
-        OperatorRequest::StopBoat(BoatStop::ConsoleLost),
-        OperatorRequest::Deselect,
-        OperatorRequest::UnmarkAll,
-        OperatorRequest::NextMark,
-        OperatorRequest::ReleaseBoat,
+        OperatorRequest::Vessel(VesselRequest::StopVessel { by: VesselStopper::Operator }),
+        OperatorRequest::Vessel(VesselRequest::StopVessel { by: VesselStopper::ConsoleLost }),
+        OperatorRequest::Camera(CameraRequest::Deselect),
+        OperatorRequest::Vessel(VesselRequest::UnmarkAll),
+        OperatorRequest::Vessel(VesselRequest::NextMark),
+        OperatorRequest::Vessel(VesselRequest::ReleaseVessel),
     ] {
         assert_eq!(after_loss(&[], Some(request)).vessel.command, VesselCommand::NEUTRAL, "{request:?}");
     }
@@ -176,7 +185,7 @@ fn the_water_lies_on_earth_while_position_and_direction_are_reported() {
     // The camera turns right: what is ahead at pan 0 stays where it is.
     for _ in 0..20 {
         bench.see(INSIDE);
-        bench.ask(OperatorRequest::Nudge(Nudge { pan: 1.0, tilt: 0.0 }));
+        bench.ask(OperatorRequest::Camera(CameraRequest::Nudge(Nudge { pan: 1.0, tilt: 0.0 })));
     }
     let turned = bench.tell(Report::CameraHeading(degrees(110.0)));
     let pan = turned.net_yaw.angle.degrees();
@@ -200,10 +209,10 @@ fn refused(outcome: &Outcome, refusal: Refusal) {
 fn a_pilot_without_a_boat_refuses_what_is_about_one() {
     let mut pilot = localisation_pilot();
     for request in [
-        OperatorRequest::Guide,
-        OperatorRequest::Steer(AHEAD),
-        OperatorRequest::StopBoat(BoatStop::Operator),
-        OperatorRequest::UnmarkAll,
+        OperatorRequest::Vessel(VesselRequest::Guide),
+        OperatorRequest::Vessel(VesselRequest::Steer(AHEAD)),
+        OperatorRequest::Vessel(VesselRequest::StopVessel { by: VesselStopper::Operator }),
+        OperatorRequest::Vessel(VesselRequest::UnmarkAll),
     ] {
         let outcome = pilot.step(Input::Request(request), at(0));
         refused(&outcome, Refusal::NoVessel);
@@ -214,17 +223,17 @@ fn a_pilot_without_a_boat_refuses_what_is_about_one() {
 #[test]
 fn guidance_needs_a_mark_and_a_boat_that_is_seen() {
     let mut bench = Bench::new();
-    refused(&bench.ask(OperatorRequest::Guide), Refusal::NothingMarked);
+    refused(&bench.ask(OperatorRequest::Vessel(VesselRequest::Guide)), Refusal::NothingMarked);
     refused(&bench.mark(MarkKind::Place, TARGET), Refusal::NoFreshVideo);
     bench.see_water().see(INSIDE);
     assert_eq!(bench.mark(MarkKind::Place, TARGET).notice, Some(Notice::Marked(1, MarkKind::Place)));
     bench.step(SceneInput::Lost.input(at(bench.ms)));
-    refused(&bench.ask(OperatorRequest::Guide), Refusal::BoatNotSeen);
-    refused(&bench.ask(OperatorRequest::GoHome), Refusal::NoHome);
+    refused(&bench.ask(OperatorRequest::Vessel(VesselRequest::Guide)), Refusal::BoatNotSeen);
+    refused(&bench.ask(OperatorRequest::Vessel(VesselRequest::GoHome)), Refusal::NoHome);
     let mut by_hand = Bench::with(GuidanceLaw::ByHand);
     by_hand.see_water().see(INSIDE);
     by_hand.mark(MarkKind::Place, TARGET);
-    refused(&by_hand.ask(OperatorRequest::Guide), Refusal::ByHandOnly);
+    refused(&by_hand.ask(OperatorRequest::Vessel(VesselRequest::Guide)), Refusal::ByHandOnly);
 }
 
 #[test]
@@ -241,18 +250,12 @@ fn guidance_needs_fresh_video() {
         (asked, bench.see(INSIDE).vessel.mode)
     };
     let refused = Some(Notice::RequestRefused(Refusal::NoFreshVideo));
-    for request in [OperatorRequest::Guide, OperatorRequest::GoHome] {
-        assert_eq!(
-            asked_after(249, request),
-            (Some(Notice::Going(None)), VesselMode::Guided),
-            "{request:?}"
-        );
+    for request in
+        [OperatorRequest::Vessel(VesselRequest::Guide), OperatorRequest::Vessel(VesselRequest::GoHome)]
+    {
+        assert_eq!(asked_after(249, request), (Some(Notice::Going(None)), VesselMode::Guided), "{request:?}");
         for ms in [250, 60_000] {
-            assert_eq!(
-                asked_after(ms, request),
-                (refused.clone(), VesselMode::Released),
-                "{request:?}"
-            );
+            assert_eq!(asked_after(ms, request), (refused.clone(), VesselMode::Released), "{request:?}");
         }
     }
 }
@@ -271,7 +274,7 @@ fn a_mark_stays_on_the_water_while_the_camera_turns() {
     assert!((first.u - TARGET.u).abs() < 1e-6 && (first.v - TARGET.v).abs() < 1e-6);
     let water = before.vessel.marks.destination().unwrap().point(before.at).unwrap();
     for _ in 0..60 {
-        bench.ask(OperatorRequest::Nudge(Nudge { pan: 1.0, tilt: 0.0 }));
+        bench.ask(OperatorRequest::Camera(CameraRequest::Nudge(Nudge { pan: 1.0, tilt: 0.0 })));
         bench.see(INSIDE);
     }
     let after = bench.see(INSIDE);
@@ -291,14 +294,14 @@ fn marks_at_the_horizon_too_many_and_too_old_ones_are_refused() {
         assert_eq!(bench.mark(kind, TARGET).notice, Some(Notice::Marked(id, kind)));
     }
     refused(&bench.mark(MarkKind::Place, TARGET), Refusal::TooManyMarks);
-    refused(&bench.ask(OperatorRequest::Unmark(99)), Refusal::NoSuchMark);
-    assert_eq!(bench.ask(OperatorRequest::Unmark(3)).notice, None);
+    refused(&bench.ask(OperatorRequest::Vessel(VesselRequest::Unmark { id: 99 })), Refusal::NoSuchMark);
+    assert_eq!(bench.ask(OperatorRequest::Vessel(VesselRequest::Unmark { id: 3 })).notice, None);
     bench.ms += 1_600;
-    let old = DrawnMark { kind: MarkKind::Place, pixel: TARGET, captured: at(bench.ms - 1_501) };
-    let outcome = bench.ask(OperatorRequest::Mark(old));
+    let old = DrawnMark { mark: MarkKind::Place, at: TARGET, captured_ns: at(bench.ms - 1_501) };
+    let outcome = bench.ask(OperatorRequest::Vessel(VesselRequest::Mark(old)));
     assert!(matches!(outcome.notice, Some(Notice::RequestRefused(Refusal::SelectionTooOld { .. }))));
-    let early = DrawnMark { kind: MarkKind::Place, pixel: TARGET, captured: at(bench.ms + 1) };
-    refused(&bench.ask(OperatorRequest::Mark(early)), Refusal::NotYetCaptured);
+    let early = DrawnMark { mark: MarkKind::Place, at: TARGET, captured_ns: at(bench.ms + 1) };
+    refused(&bench.ask(OperatorRequest::Vessel(VesselRequest::Mark(early))), Refusal::NotYetCaptured);
 }
 
 #[test]
@@ -308,10 +311,13 @@ fn a_person_who_was_marked_before_the_height_was_known_has_a_circle_when_it_is()
     bench.see(INSIDE);
     bench.mark(MarkKind::Person, PixelPoint { u: 400.0, v: 260.0 });
     bench.mark(MarkKind::Place, TARGET);
-    bench.ask(OperatorRequest::NextMark);
+    bench.ask(OperatorRequest::Vessel(VesselRequest::NextMark));
     let marks = |outcome: &Outcome| outcome.vessel.marks.iter().copied().collect::<Vec<_>>();
-    refused(&bench.ask(OperatorRequest::Guide), Refusal::PictureOnly(NoWater::NoHeight));
-    let before = bench.ask(OperatorRequest::Guide);
+    refused(
+        &bench.ask(OperatorRequest::Vessel(VesselRequest::Guide)),
+        Refusal::PictureOnly(NoWater::NoHeight),
+    );
+    let before = bench.ask(OperatorRequest::Vessel(VesselRequest::Guide));
     assert_eq!(before.notice, Some(Notice::Going(Some(NoWater::NoHeight))));
     assert!(marks(&before).iter().all(|mark| mark.water.is_none()));
     bench.see_water();
@@ -332,7 +338,7 @@ fn a_mark_that_was_set_before_any_tilt_was_reported_gets_no_place_until_it_is_mo
     bench.see(INSIDE);
     bench.mark(MarkKind::Person, TARGET);
     bench.see_water().see(INSIDE);
-    bench.ask(OperatorRequest::Guide);
+    bench.ask(OperatorRequest::Vessel(VesselRequest::Guide));
     let unplaced = bench.see(INSIDE);
     assert_eq!(distance_m(&unplaced), None);
     assert_eq!(unplaced.vessel.mode, VesselMode::Holding(VesselHold::UnplacedMark));
@@ -354,12 +360,12 @@ fn a_guided_boat_waits_while_a_person_has_no_place_on_the_water() {
     bench.tell(Report::CameraHeight(15.0));
     bench.see(INSIDE);
     bench.mark(MarkKind::Place, TARGET);
-    bench.ask(OperatorRequest::NextMark);
-    bench.ask(OperatorRequest::Guide);
+    bench.ask(OperatorRequest::Vessel(VesselRequest::NextMark));
+    bench.ask(OperatorRequest::Vessel(VesselRequest::Guide));
     let outcome = bench.see(INSIDE);
     let mode = VesselMode::Holding(VesselHold::UnplacedMark);
     assert_eq!((outcome.vessel.mode, outcome.vessel.command), (mode, VesselCommand::NEUTRAL));
-    bench.ask(OperatorRequest::Unmark(1));
+    bench.ask(OperatorRequest::Vessel(VesselRequest::Unmark { id: 1 }));
     assert_eq!(bench.see(INSIDE).vessel.mode, VesselMode::Guided);
 }
 
@@ -408,7 +414,7 @@ fn marks_that_change_no_way_point_do_not_send_the_boat_back_to_the_first() {
         bench.mark(MarkKind::Person, TARGET);
         bench.mark(MarkKind::Forbidden, PixelPoint { u: 60.0, v: 200.0 });
         bench.mark(MarkKind::Person, PixelPoint { u: 80.0, v: 400.0 });
-        bench.ask(OperatorRequest::Guide);
+        bench.ask(OperatorRequest::Vessel(VesselRequest::Guide));
         let mut x = INSIDE.x;
         let mut leg = |bench: &mut Bench| {
             let mut leg = None;
@@ -429,11 +435,17 @@ fn marks_that_change_no_way_point_do_not_send_the_boat_back_to_the_first() {
         ("a person is marked", 1, &|bench| bench.mark(MarkKind::Person, aside)),
         ("an area is marked", 1, &|bench| bench.mark(MarkKind::Forbidden, aside)),
         ("home is marked", 1, &|bench| bench.mark(MarkKind::Home, aside)),
-        ("an area is removed", 1, &|bench| bench.ask(OperatorRequest::Unmark(4))),
-        ("a person is removed", 1, &|bench| bench.ask(OperatorRequest::Unmark(5))),
+        ("an area is removed", 1, &|bench| {
+            bench.ask(OperatorRequest::Vessel(VesselRequest::Unmark { id: 4 }))
+        }),
+        ("a person is removed", 1, &|bench| {
+            bench.ask(OperatorRequest::Vessel(VesselRequest::Unmark { id: 5 }))
+        }),
         ("a way-point is marked", 0, &|bench| bench.mark(MarkKind::WayPoint, aside)),
         ("a way-point is moved", 0, &|bench| bench.move_mark(2, aside)),
-        ("another destination is chosen", 0, &|bench| bench.ask(OperatorRequest::NextMark)),
+        ("another destination is chosen", 0, &|bench| {
+            bench.ask(OperatorRequest::Vessel(VesselRequest::NextMark))
+        }),
     ];
     for (what, leg, change) in expected {
         assert_eq!(leg_after(change), leg, "{what}");
@@ -447,7 +459,7 @@ fn a_boat_guided_in_the_picture_does_not_start_by_itself_long_after_its_destinat
         bench.tell(Report::CameraTilt(Angle::from_degrees(-80.0)));
         bench.see(INSIDE);
         bench.mark(MarkKind::Place, PixelPoint { u: 480.0, v: 470.0 });
-        bench.ask(OperatorRequest::Guide);
+        bench.ask(OperatorRequest::Vessel(VesselRequest::Guide));
         assert_eq!(bench.see(INSIDE).vessel.mode, VesselMode::Guided);
         let mut away = bench.see(INSIDE);
         for _ in 0..frames {
@@ -476,10 +488,10 @@ fn a_person_stays_the_destination_and_a_place_gives_way() {
     assert_eq!(destination(&bench.mark(MarkKind::Place, TARGET)), Some(2));
     assert_eq!(destination(&bench.mark(MarkKind::Person, TARGET)), Some(3));
     assert_eq!(destination(&bench.mark(MarkKind::Person, TARGET)), Some(3));
-    assert_eq!(destination(&bench.ask(OperatorRequest::NextMark)), Some(4));
-    assert_eq!(destination(&bench.ask(OperatorRequest::NextMark)), Some(1));
-    assert_eq!(destination(&bench.ask(OperatorRequest::Unmark(1))), None);
-    assert_eq!(destination(&bench.ask(OperatorRequest::NextMark)), Some(2));
+    assert_eq!(destination(&bench.ask(OperatorRequest::Vessel(VesselRequest::NextMark))), Some(4));
+    assert_eq!(destination(&bench.ask(OperatorRequest::Vessel(VesselRequest::NextMark))), Some(1));
+    assert_eq!(destination(&bench.ask(OperatorRequest::Vessel(VesselRequest::Unmark { id: 1 }))), None);
+    assert_eq!(destination(&bench.ask(OperatorRequest::Vessel(VesselRequest::NextMark))), Some(2));
 }
 
 #[test]
@@ -539,8 +551,9 @@ fn a_corrected_mark_of_a_person_at_rest_tells_no_drift() {
 #[test]
 fn the_large_stop_stops_both_and_stop_boat_the_boat_alone() {
     let mut bench = Bench::going(MarkKind::Place);
-    bench.ask(OperatorRequest::Engage);
-    let outcome = bench.ask(OperatorRequest::StopBoat(BoatStop::Operator));
+    bench.ask(OperatorRequest::Camera(CameraRequest::Engage));
+    let outcome =
+        bench.ask(OperatorRequest::Vessel(VesselRequest::StopVessel { by: VesselStopper::Operator }));
     assert_eq!(outcome.vessel.mode, VesselMode::Stopped(VesselStop::Operator));
     assert!(outcome.vessel.command.is_neutral() && outcome.mode.to_string() != "stopped by the operator");
 
@@ -548,13 +561,13 @@ fn the_large_stop_stops_both_and_stop_boat_the_boat_alone() {
     let outcome = bench.ask(OperatorRequest::Stop(StopCause::Operator));
     assert_eq!(outcome.vessel.mode, VesselMode::Stopped(VesselStop::Everything(StopCause::Operator)));
     assert_eq!(outcome.mode, barrelman_pilot::Mode::Stopped(StopCause::Operator));
-    bench.ask(OperatorRequest::Engage);
+    bench.ask(OperatorRequest::Camera(CameraRequest::Engage));
     assert!(bench.see(INSIDE).vessel.command.is_neutral(), "Engage is about the camera alone");
 }
 
 #[test]
 fn another_selection_ends_the_guidance() {
-    for request in [OperatorRequest::Deselect, SceneInput::Select.request()] {
+    for request in [OperatorRequest::Camera(CameraRequest::Deselect), SceneInput::Select.request()] {
         let mut bench = Bench::going(MarkKind::Person);
         let outcome = bench.ask(request);
         assert_eq!(outcome.vessel.mode, VesselMode::Stopped(VesselStop::OtherBoat), "{request:?}");
@@ -585,7 +598,7 @@ fn without_height_or_tilt_the_boat_is_guided_by_the_picture() {
     let mut bench = Bench::new();
     bench.see(INSIDE);
     bench.mark(MarkKind::Place, TARGET);
-    bench.ask(OperatorRequest::Guide);
+    bench.ask(OperatorRequest::Vessel(VesselRequest::Guide));
     for _ in 0..10 {
         bench.see(INSIDE);
     }
@@ -598,8 +611,8 @@ fn without_height_or_tilt_the_boat_is_guided_by_the_picture() {
     bench.see(INSIDE);
     let near = INSIDE.in_pixels(crate::scenes::PICTURE);
     bench.mark(MarkKind::Person, PixelPoint { u: near.u + 50.0, v: near.v });
-    bench.ask(OperatorRequest::Guide);
-    bench.ask(OperatorRequest::Guide);
+    bench.ask(OperatorRequest::Vessel(VesselRequest::Guide));
+    bench.ask(OperatorRequest::Vessel(VesselRequest::Guide));
     assert_eq!(bench.see(INSIDE).vessel.mode, VesselMode::Guided);
     assert!(bench.see(INSIDE).vessel.command.is_neutral());
 }
@@ -621,20 +634,23 @@ fn with_people_marked_and_no_water_go_is_asked_for_twice_within_five_seconds() {
         for kind in marks {
             bench.mark(*kind, TARGET);
         }
-        let first = bench.ask(OperatorRequest::Guide);
+        let first = bench.ask(OperatorRequest::Vessel(VesselRequest::Guide));
         refused(&first, no_height);
         assert_eq!(first.vessel.mode, VesselMode::Released);
         bench.ms += waits_ms;
         bench.tell(Report::CameraTilt(Angle::from_degrees(-40.0)));
         bench.see(INSIDE);
-        let notice = bench.ask(OperatorRequest::Guide).notice;
+        let notice = bench.ask(OperatorRequest::Vessel(VesselRequest::Guide)).notice;
         assert_eq!(notice, second.map_or(going.clone(), |refusal| Some(Notice::RequestRefused(refusal))));
     }
     // Without people and areas one press is enough, and the operator is told.
     let mut bench = Bench::new();
     bench.see(INSIDE);
     bench.mark(MarkKind::Place, TARGET);
-    assert_eq!(bench.ask(OperatorRequest::Guide).notice, Some(Notice::Going(Some(NoWater::NoTilt))));
+    assert_eq!(
+        bench.ask(OperatorRequest::Vessel(VesselRequest::Guide)).notice,
+        Some(Notice::Going(Some(NoWater::NoTilt)))
+    );
     // A refusal says what to do.
     let text = no_height.to_string();
     assert!(text.contains("press Go again within 5 s"), "{text}");
@@ -659,8 +675,8 @@ fn a_step_with_a_boat_allocates_nothing() {
     let allocations = allocation_counter::measure(|| {
         for _ in 0..50 {
             bench.see(INSIDE);
-            bench.ask(OperatorRequest::Steer(AHEAD));
-            bench.ask(OperatorRequest::Guide);
+            bench.ask(OperatorRequest::Vessel(VesselRequest::Steer(AHEAD)));
+            bench.ask(OperatorRequest::Vessel(VesselRequest::Guide));
         }
     });
     assert_eq!(allocations.count_total, 0);
@@ -676,16 +692,16 @@ enum What {
 
 fn any_what() -> impl Strategy<Value = What> {
     let asked = prop_oneof![
-        4 => Just(OperatorRequest::Guide),
+        4 => Just(OperatorRequest::Vessel(VesselRequest::Guide)),
         4 => (-1.2..1.2, -1.2..1.2)
-            .prop_map(|(throttle, rudder)| OperatorRequest::Steer(VesselCommand { throttle, rudder })),
-        1 => Just(OperatorRequest::Steer(VesselCommand::NEUTRAL)),
-        1 => Just(OperatorRequest::StopBoat(BoatStop::Operator)),
-        1 => Just(OperatorRequest::StopBoat(BoatStop::ConsoleLost)),
+            .prop_map(|(throttle, rudder)| OperatorRequest::Vessel(VesselRequest::Steer(VesselCommand { throttle, rudder }))),
+        1 => Just(OperatorRequest::Vessel(VesselRequest::Steer(VesselCommand::NEUTRAL))),
+        1 => Just(OperatorRequest::Vessel(VesselRequest::StopVessel { by: VesselStopper::Operator })),
+        1 => Just(OperatorRequest::Vessel(VesselRequest::StopVessel { by: VesselStopper::ConsoleLost })),
         1 => Just(OperatorRequest::Stop(StopCause::Operator)),
-        1 => Just(OperatorRequest::ReleaseBoat),
-        1 => Just(OperatorRequest::Deselect),
-        1 => Just(OperatorRequest::NextMark),
+        1 => Just(OperatorRequest::Vessel(VesselRequest::ReleaseVessel)),
+        1 => Just(OperatorRequest::Camera(CameraRequest::Deselect)),
+        1 => Just(OperatorRequest::Vessel(VesselRequest::NextMark)),
     ];
     prop_oneof![
         8 => Just(What::Seen),
@@ -721,7 +737,7 @@ proptest! {
             match what {
                 What::Seen => (seen_at, video_at) = (Some(now), Some(now)),
                 What::Lost => video_at = Some(now),
-                What::Ask(OperatorRequest::Steer(_)) => steered_at = Some(now),
+                What::Ask(OperatorRequest::Vessel(VesselRequest::Steer(_))) => steered_at = Some(now),
                 _ => {}
             }
             let VesselCommand { throttle, rudder } = outcome.vessel.command;

@@ -21,9 +21,9 @@ use barrelman_experiments::drive::DriveSetup;
 use barrelman_experiments::law_choice::LawChoice;
 use barrelman_experiments::scenario::{self, ScenarioOverrides};
 use barrelman_experiments::world_url::WorldUrl;
-use barrelman_host::program::identity;
 use barrelman_host::clock::Clock;
 use barrelman_host::output::OutputFile;
+use barrelman_host::program::identity;
 
 /// Default limit of the picture's width, pixels: pictures are rendered on the CPU.
 const MAX_WIDTH: u32 = 960;

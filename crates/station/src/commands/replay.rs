@@ -54,7 +54,11 @@ pub fn run(args: &ReplayArgs) -> Result<ExitCode> {
     )?;
     let program = identity();
     if replayed.recorded_by != program {
-        writeln!(out, "recorded by barrelman {}, this program is {program}: outcomes may differ", replayed.recorded_by)?;
+        writeln!(
+            out,
+            "recorded by barrelman {}, this program is {program}: outcomes may differ",
+            replayed.recorded_by
+        )?;
     }
     if !args.compare {
         return Ok(ExitCode::SUCCESS);

@@ -112,10 +112,7 @@ impl Configuration {
         Self::resolve_within(file, |_| AxisRates { pan: max, tilt: max })
     }
 
-    fn resolve_within(
-        file: &ConfigFile,
-        rate_limits: impl Fn(&VehicleProfile) -> AxisRates,
-    ) -> Result<Self> {
+    fn resolve_within(file: &ConfigFile, rate_limits: impl Fn(&VehicleProfile) -> AxisRates) -> Result<Self> {
         let vehicle = &file.vehicle;
         let base = profile_named(vehicle.profile.as_deref().unwrap_or(VehicleProfile::NAMES[0]))
             .context("vehicle.profile")?;
@@ -323,11 +320,7 @@ fn login_source(video: &VideoSection) -> Result<Option<LoginSource>> {
 }
 
 /// The profile `base` with the values of a file. Limits are at most `max`, motor schema rates at most their axis' limit.
-fn overridden(
-    base: VehicleProfile,
-    vehicle: &VehicleSection,
-    max: AxisRates,
-) -> Result<VehicleProfile> {
+fn overridden(base: VehicleProfile, vehicle: &VehicleSection, max: AxisRates) -> Result<VehicleProfile> {
     let share = |key: &str, value: Option<f64>, base: f64| ranged(key, value, base, 0.01, 1.0, "a share");
     let vehicle_limit = "the limit of the vehicle";
     let (pan, tilt) = (vehicle.limit_pan_rad_per_s, vehicle.limit_tilt_rad_per_s);

@@ -12,11 +12,10 @@ use axum::body::{Body, to_bytes};
 use axum::http::{Request, Response};
 use barrelman_host::clock::Clock;
 use barrelman_pilot::{Input, Outcome};
-use barrelman_vocab::{VehicleProfile, VehicleRates};
+use barrelman_vocab::{self as vocab, VehicleProfile, VehicleRates};
 use tower::ServiceExt as _;
 
 use super::access::{Access, Role, Tokens};
-use super::api::ConsoleRequest;
 use super::guard::Hosts;
 use super::requests::{Reply, Requester, answer, begin_request};
 use super::seats::ClientId;
@@ -93,8 +92,13 @@ impl InMemory {
     }
 
     /// A request of a page (`client`) or of a program, and its answer.
-    pub(super) fn request(&mut self, role: Role, client: Option<ClientId>, request: ConsoleRequest) -> Reply {
-        let pending = begin_request(&self.console, Requester { role, client }, request);
+    pub(super) fn request(
+        &mut self,
+        role: Role,
+        client: Option<ClientId>,
+        request: impl Into<vocab::Request>,
+    ) -> Reply {
+        let pending = begin_request(&self.console, Requester { role, client }, request.into());
         self.take_requests();
         let console = Arc::clone(&self.console);
         block_on(async move { answer(&console, pending).await })

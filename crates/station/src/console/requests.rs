@@ -3,19 +3,17 @@
 
 use std::time::Duration;
 
-use barrelman_experiments::drive::DriveInput;
 use barrelman_vocab::{
-    Angle, BoatStop, DrawnMark, DrawnSelection, LawId, MarkKind, MovedMark, Nudge, OperatorRequest, PixelBox,
-    PixelPoint, Timestamp, VesselCommand,
+    CameraRequest, DrawnMark, DrawnSelection, MovedMark, Nudge, OperatorRequest, PixelBox, PixelPoint,
+    Request, SeatRequest, StopCause, VesselCommand, VesselRequest, VesselStopper,
 };
-
 use tokio::sync::oneshot;
 
 use super::access::Role;
-use super::api::{AnswerKind, ConsoleRequest, LawName, MarkName};
+use super::api::AnswerKind;
 use super::seats::{ClientId, Seats};
 use super::shared::Console;
-use crate::operator::{Answer, Request};
+use crate::operator::{self, Answer};
 use crate::snapshot::Level;
 
 /// How long a stop may take until the pilot has taken it. Beyond that the loop hangs, and the page raises an alarm.
@@ -52,23 +50,33 @@ pub(super) enum Pending {
 }
 
 /// Makes a request. Does not wait, so that the requests of a page are made in their order.
-pub(super) fn begin_request(console: &Console, from: Requester, request: ConsoleRequest) -> Pending {
-    if request == ConsoleRequest::Stop {
-        return Pending::Stop(console.gateway.stop());
+pub(super) fn begin_request(console: &Console, from: Requester, request: Request) -> Pending {
+    if let Request::Operator(OperatorRequest::Stop(cause)) = request {
+        return match cause {
+            StopCause::Operator => Pending::Stop(console.gateway.stop()),
+            _ => Pending::Answered(refused("a page or a program stops with the cause `operator` alone")),
+        };
     }
     if let Some(reason) = console.with_seats(|seats| refusal(seats, from, &request)) {
         return Pending::Answered(refused(reason));
     }
-    if let Some(result) = change_seats(console, from, &request) {
-        return Pending::Answered(result.map_or_else(refused, |()| ACCEPTED));
-    }
-    if commands_boat(&request) {
-        console.gateway.set_boat_left(false);
-    }
-    match session_request(&request) {
-        Ok(request) => Pending::Submitted(console.gateway.submit(request)),
-        Err(reason) => Pending::Answered(refused(reason)),
-    }
+    let request = match request {
+        Request::Seat(request) => {
+            let result = change_seats(console, from, request);
+            return Pending::Answered(result.map_or_else(refused, |()| ACCEPTED));
+        }
+        Request::World(request) => operator::Request::World(request),
+        Request::Operator(request) => {
+            if let Err(reason) = check_values(&request) {
+                return Pending::Answered(refused(reason));
+            }
+            if commands_vessel(&request) {
+                console.gateway.set_boat_left(false);
+            }
+            operator::Request::Pilot(request)
+        }
+    };
+    Pending::Submitted(console.gateway.submit(request))
 }
 
 /// Waits for the answer to a request.
@@ -94,18 +102,16 @@ pub(super) async fn answer(console: &Console, pending: Pending) -> Reply {
 }
 
 /// Why this requester may not make this request; `None`: the requester may.
-fn refusal(seats: &Seats, from: Requester, request: &ConsoleRequest) -> Option<String> {
+fn refusal(seats: &Seats, from: Requester, request: &Request) -> Option<String> {
     if from.role == Role::Watch {
         return Some("this token may only watch and stop".to_owned());
     }
-    let is_about_seats = matches!(
-        request,
-        ConsoleRequest::TakeControl | ConsoleRequest::AskControl | ConsoleRequest::GiveControl { .. }
-    );
+    let is_about_seats = matches!(request, Request::Seat(_));
+    let commands_vessel = matches!(request, Request::Operator(request) if commands_vessel(request));
     match from.client {
         None if is_about_seats => Some("only a page on a socket can control".to_owned()),
         // A boat that no page watches over is stopped at once.
-        None if seats.is_empty() && commands_boat(request) => {
+        None if seats.is_empty() && commands_vessel => {
             Some("only a page on a socket can command the boat".to_owned())
         }
         None if seats.is_empty() => None,
@@ -117,110 +123,93 @@ fn refusal(seats: &Seats, from: Requester, request: &ConsoleRequest) -> Option<S
 }
 
 /// Whether a request lets the boat move.
-const fn commands_boat(request: &ConsoleRequest) -> bool {
-    matches!(request, ConsoleRequest::Guide | ConsoleRequest::GoHome | ConsoleRequest::Helm { .. })
+const fn commands_vessel(request: &OperatorRequest) -> bool {
+    matches!(
+        request,
+        OperatorRequest::Vessel(VesselRequest::Guide | VesselRequest::GoHome | VesselRequest::Steer(_))
+    )
 }
 
-/// Changes who controls. `None`: the request is about something else.
-fn change_seats(
-    console: &Console,
-    from: Requester,
-    request: &ConsoleRequest,
-) -> Option<Result<(), &'static str>> {
-    let id = from.client?;
-    let (result, text) = match *request {
-        ConsoleRequest::TakeControl => (console.with_seats(|seats| seats.take(id)), "took the control"),
-        ConsoleRequest::AskControl => (console.with_seats(|seats| seats.ask(id)), "asks for the control"),
-        ConsoleRequest::GiveControl { client } => {
+/// Changes who controls.
+fn change_seats(console: &Console, from: Requester, request: SeatRequest) -> Result<(), &'static str> {
+    let Some(id) = from.client else { return Err("only a page on a socket can control") };
+    let (result, text) = match request {
+        SeatRequest::TakeControl => (console.with_seats(|seats| seats.take(id)), "took the control"),
+        SeatRequest::AskControl => (console.with_seats(|seats| seats.ask(id)), "asks for the control"),
+        SeatRequest::GiveControl { client } => {
             (console.with_seats(|seats| seats.give(id, client)), "gave the control away")
         }
-        _ => return None,
     };
     if result.is_ok() {
         console.events.add(console.time.now(), Level::Info, "control", format!("page {id} {text}"));
         console.publish_seats();
     }
-    Some(result)
+    result
 }
 
-/// The session's form of a request that is neither a stop nor about control.
-fn session_request(request: &ConsoleRequest) -> Result<Request, &'static str> {
-    let pilot = |request| Ok(Request::Pilot(request));
-    match *request {
-        ConsoleRequest::Select { bounds: [u, v, w, h], captured_ns } => {
-            if ![u, v, w, h].iter().all(|value| value.is_finite()) || w <= 0.0 || h <= 0.0 {
-                return Err("the box must have four numbers, and a width and a height above zero");
+/// Whether the values of a request make sense, and are for a page or a program to give.
+///
+/// # Errors
+/// The reason.
+fn check_values(request: &OperatorRequest) -> Result<(), &'static str> {
+    match request {
+        OperatorRequest::Stop(_) => Ok(()),
+        OperatorRequest::Camera(request) => match *request {
+            CameraRequest::Select(DrawnSelection { bounds, .. }) | CameraRequest::SelectNext(bounds) => {
+                check_box(bounds)
             }
-            let captured = Timestamp::from_nanos(captured_ns);
-            pilot(OperatorRequest::SelectOn(DrawnSelection { bounds: PixelBox { u, v, w, h }, captured }))
-        }
-        ConsoleRequest::Reject => pilot(OperatorRequest::Reject),
-        ConsoleRequest::Deselect => pilot(OperatorRequest::Deselect),
-        ConsoleRequest::Engage => pilot(OperatorRequest::Engage),
-        ConsoleRequest::Disengage => pilot(OperatorRequest::Disengage),
-        ConsoleRequest::Nudge { pan, tilt } => {
-            in_share(pan)?;
-            in_share(tilt)?;
-            pilot(OperatorRequest::Nudge(Nudge { pan, tilt }))
-        }
-        ConsoleRequest::Search => pilot(OperatorRequest::Search),
-        ConsoleRequest::NetYaw { degrees } if degrees.is_finite() => {
-            pilot(OperatorRequest::SetNetYaw(Angle::from_degrees(degrees)))
-        }
-        ConsoleRequest::NetYaw { .. } => Err("the net yaw must be a number of degrees"),
-        ConsoleRequest::Law { law } => pilot(OperatorRequest::ChangeLaw(match law {
-            LawName::Schema => LawId::MotorSchema,
-            LawName::MinimumEnergy => LawId::MinimumEnergy,
-            LawName::TimeFuel => LawId::TimeFuel,
-            LawName::Eco => LawId::Eco,
-            LawName::Intermittent => LawId::Intermittent,
-        })),
-        ConsoleRequest::Helm { thrust, rudder } => {
-            in_share(thrust)?;
-            in_share(rudder)?;
-            pilot(OperatorRequest::Steer(VesselCommand { throttle: thrust, rudder: -rudder }))
-        }
-        ConsoleRequest::Helmsman => pilot(OperatorRequest::ReleaseBoat),
-        ConsoleRequest::Mark { mark, at: [u, v], captured_ns } => {
-            if !(u.is_finite() && v.is_finite()) {
-                return Err("the point must have two numbers");
+            CameraRequest::Nudge(Nudge { pan, tilt }) => check_shares([pan, tilt]),
+            CameraRequest::NetYaw { degrees } if !degrees.is_finite() => {
+                Err("the net yaw must be a number of degrees")
             }
-            pilot(OperatorRequest::Mark(DrawnMark {
-                kind: match mark {
-                    MarkName::Place => MarkKind::Place,
-                    MarkName::Person => MarkKind::Person,
-                    MarkName::WayPoint => MarkKind::WayPoint,
-                    MarkName::Forbidden => MarkKind::Forbidden,
-                    MarkName::Home => MarkKind::Home,
-                },
-                pixel: PixelPoint { u, v },
-                captured: Timestamp::from_nanos(captured_ns),
-            }))
-        }
-        ConsoleRequest::MoveMark { id, at: [u, v], captured_ns } => {
-            if !(u.is_finite() && v.is_finite()) {
-                return Err("the point must have two numbers");
+            CameraRequest::Calibrate => {
+                Err("calibrate with `barrelman calibrate axes`, which stores the result")
             }
-            let captured = Timestamp::from_nanos(captured_ns);
-            pilot(OperatorRequest::MoveMark(MovedMark { id, pixel: PixelPoint { u, v }, captured }))
-        }
-        ConsoleRequest::Unmark { id } => pilot(OperatorRequest::Unmark(id)),
-        ConsoleRequest::UnmarkAll => pilot(OperatorRequest::UnmarkAll),
-        ConsoleRequest::NextMark => pilot(OperatorRequest::NextMark),
-        ConsoleRequest::Guide => pilot(OperatorRequest::Guide),
-        ConsoleRequest::GoHome => pilot(OperatorRequest::GoHome),
-        ConsoleRequest::StopBoat => pilot(OperatorRequest::StopBoat(BoatStop::Operator)),
-        ConsoleRequest::Pause => Ok(Request::World(DriveInput::Pause)),
-        ConsoleRequest::Resume => Ok(Request::World(DriveInput::Resume)),
-        ConsoleRequest::Stop
-        | ConsoleRequest::TakeControl
-        | ConsoleRequest::AskControl
-        | ConsoleRequest::GiveControl { .. } => Err("the request is not for the session"),
+            CameraRequest::NetYaw { .. }
+            | CameraRequest::Reject
+            | CameraRequest::Deselect
+            | CameraRequest::Search
+            | CameraRequest::Law { .. }
+            | CameraRequest::Engage
+            | CameraRequest::Disengage => Ok(()),
+        },
+        OperatorRequest::Vessel(request) => match *request {
+            VesselRequest::Mark(DrawnMark { at, .. }) | VesselRequest::MoveMark(MovedMark { at, .. }) => {
+                check_point(at)
+            }
+            VesselRequest::Steer(VesselCommand { throttle, rudder }) => check_shares([throttle, rudder]),
+            VesselRequest::StopVessel { by: VesselStopper::ConsoleLost } => {
+                Err("a page or a program stops the boat by `operator` alone")
+            }
+            VesselRequest::StopVessel { by: VesselStopper::Operator }
+            | VesselRequest::Unmark { .. }
+            | VesselRequest::UnmarkAll
+            | VesselRequest::NextMark
+            | VesselRequest::Guide
+            | VesselRequest::GoHome
+            | VesselRequest::ReleaseVessel => Ok(()),
+        },
     }
 }
 
-fn in_share(share: f64) -> Result<(), &'static str> {
-    if (-1.0..=1.0).contains(&share) { Ok(()) } else { Err("the values must be numbers from -1 to 1") }
+fn check_box(PixelBox { u, v, w, h }: PixelBox) -> Result<(), &'static str> {
+    if [u, v, w, h].iter().all(|value| value.is_finite()) && w > 0.0 && h > 0.0 {
+        Ok(())
+    } else {
+        Err("the box must have four numbers, and a width and a height above zero")
+    }
+}
+
+fn check_point(PixelPoint { u, v }: PixelPoint) -> Result<(), &'static str> {
+    if u.is_finite() && v.is_finite() { Ok(()) } else { Err("the point must have two numbers") }
+}
+
+fn check_shares(shares: [f64; 2]) -> Result<(), &'static str> {
+    if shares.iter().all(|share| (-1.0..=1.0).contains(share)) {
+        Ok(())
+    } else {
+        Err("the values must be numbers from -1 to 1")
+    }
 }
 
 #[cfg(test)]

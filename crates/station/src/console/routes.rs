@@ -27,8 +27,10 @@ use axum::routing::{get, post};
 use bytes::Bytes;
 use serde::Serialize;
 
+use barrelman_vocab::{self as vocab, OperatorRequest};
+
 use super::access::{Access, Role};
-use super::api::{Answer, ConsoleRequest, RequestBody};
+use super::api::{Answer, RequestBody};
 use super::files;
 use super::guard::{Hosts, Provenance};
 use super::limits::{BODY_TIMEOUT, MAX_MESSAGE_BYTES, SOCKET_REQUESTS};
@@ -307,7 +309,8 @@ async fn requests(State(console): Shared, request: Request) -> Response {
             return (StatusCode::BAD_REQUEST, text).into_response();
         }
     };
-    if is_beyond_limit && body.request != ConsoleRequest::Stop {
+    let is_stop = matches!(body.request, vocab::Request::Operator(OperatorRequest::Stop(_)));
+    if is_beyond_limit && !is_stop {
         return *too_many();
     }
     let pending = begin_request(&console, Requester { role, client: None }, body.request);

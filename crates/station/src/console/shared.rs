@@ -4,8 +4,10 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use tokio::sync::watch;
 
+use barrelman_vocab::LawId;
+
 use super::access::{Access, Role};
-use super::api::{ControlSeat, Hello, LawName};
+use super::api::{ControlSeat, Hello};
 use super::guard::Hosts;
 use super::on_lost::OnConsoleLost;
 use super::pictures::PictureSlot;
@@ -127,13 +129,7 @@ impl Console {
             source: self.facts.source.clone(),
             link: self.facts.link.clone(),
             vehicle: self.facts.vehicle.clone(),
-            laws: vec![
-                LawName::MinimumEnergy,
-                LawName::TimeFuel,
-                LawName::Eco,
-                LawName::Intermittent,
-                LawName::Schema,
-            ],
+            laws: vec![LawId::MinimumEnergy, LawId::TimeFuel, LawId::Eco, LawId::Intermittent, LawId::Schema],
             nudge_rate: NUDGE_RATE,
             on_console_lost: if self.on_lost == OnConsoleLost::Stop { "stop" } else { "stay" },
         }

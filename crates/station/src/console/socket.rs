@@ -20,8 +20,10 @@ use tokio_tungstenite::tungstenite::Message;
 use tokio_tungstenite::tungstenite::protocol::frame::coding::CloseCode;
 use tokio_tungstenite::tungstenite::protocol::{CloseFrame, Role as SocketRole, WebSocketConfig};
 
+use barrelman_vocab::{OperatorRequest, Request};
+
 use super::access::Role;
-use super::api::{Answer, ClientMessage, ConsoleRequest, ServerMessage, VideoPath};
+use super::api::{Answer, ClientMessage, ServerMessage, VideoPath};
 use super::frame_counter::FrameCounter;
 use super::limited_stream::LimitedStream;
 use super::limits::{FRAMES, IDLE_TIMEOUT, MAX_MESSAGE_BYTES, READ_BYTES, SEND_TIMEOUT};
@@ -111,7 +113,10 @@ impl Reader {
             };
             if self.is_over.load(Ordering::Relaxed) {
                 // The next read ends the connection. A stop among what came before is taken.
-                if matches!(message, ClientMessage::Request { request: ConsoleRequest::Stop, .. }) {
+                if matches!(
+                    message,
+                    ClientMessage::Request { request: Request::Operator(OperatorRequest::Stop(_)), .. }
+                ) {
                     self.console.gateway.stop();
                 }
                 continue;

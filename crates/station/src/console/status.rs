@@ -6,11 +6,11 @@ use barrelman_pilot::outcome::HoldCause;
 use barrelman_pilot::{Mode, Outcome};
 use barrelman_vocab::acceptance::Acceptance;
 use barrelman_vocab::telemetry::{ControlState, FlightState};
-use barrelman_vocab::{Angle, CameraCommand, LawId, PixelBox, StopCause, Track};
+use barrelman_vocab::{Angle, CameraCommand, PixelBox, StopCause, Track};
 
 use super::api::{
-    AxisPair, BoatStatus, CameraWork, LawName, LinkStatus, ModeStatus, PerceptStatus, PositionStatus,
-    RecordingStatus, RegionStatus, StatusSnapshot, TrackStatus, VideoStatus, WorkFigures,
+    AxisPair, BoatStatus, CameraWork, LinkStatus, ModeStatus, PerceptStatus, PositionStatus, RecordingStatus,
+    RegionStatus, StatusSnapshot, TrackStatus, VideoStatus, WorkFigures,
 };
 use super::vessel_status::vessel_of;
 use crate::snapshot::{self, RecordingState, Snapshot, VehicleSnapshot, VideoSnapshot, VideoSourceState};
@@ -34,7 +34,7 @@ pub(super) fn status_of(snapshot: &Snapshot, h264: bool) -> StatusSnapshot {
         pitch_rate: snapshot.rates.pitch.radians_per_second(),
         net_yaw_deg: outcome.map_or(0.0, |outcome| outcome.net_yaw.angle.degrees()),
         search_refusal: outcome.and_then(|outcome| outcome.search_refusal).map(|refusal| refusal.to_string()),
-        law: snapshot.law.map(law_name),
+        law: snapshot.law,
         video: video_of(&snapshot.video, h264),
         boat: snapshot.boat.map(boat_of),
         earth: match outcome.map(|outcome| outcome.earth) {
@@ -49,17 +49,6 @@ pub(super) fn status_of(snapshot: &Snapshot, h264: bool) -> StatusSnapshot {
         alarms: snapshot.alarms.iter().map(|alarm| alarm.key()).collect(),
         stops_taken: snapshot.stops_taken,
         drive: snapshot.drive.clone(),
-    }
-}
-
-/// The API's name of a law.
-pub(super) const fn law_name(law: LawId) -> LawName {
-    match law {
-        LawId::MotorSchema => LawName::Schema,
-        LawId::MinimumEnergy => LawName::MinimumEnergy,
-        LawId::TimeFuel => LawName::TimeFuel,
-        LawId::Eco => LawName::Eco,
-        LawId::Intermittent => LawName::Intermittent,
     }
 }
 

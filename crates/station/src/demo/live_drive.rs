@@ -5,10 +5,10 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError};
 use std::time::Duration;
 
 use anyhow::Result;
-use barrelman_experiments::drive::{Drive, DriveInput, DriveSetup, DriveWriter};
+use barrelman_experiments::drive::{Drive, DriveSetup, DriveWriter};
 use barrelman_host::clock::Clock;
 use barrelman_pilot::VesselMode;
-use barrelman_vocab::{OperatorRequest, StopCause, Timestamp};
+use barrelman_vocab::{CameraRequest, OperatorRequest, StopCause, Timestamp, WorldRequest};
 
 use super::observers::DriveObservers;
 use super::pacing::Pacing;
@@ -57,7 +57,7 @@ impl LiveDrive<'_> {
     /// If an input cannot be stored.
     pub(super) fn run(&mut self, events: &Receiver<Event>, until: Option<Timestamp>) -> Result<DriveEnd> {
         if !self.setup.hands_on {
-            self.apply(DriveInput::Engage)?;
+            self.request(CameraRequest::Engage.into())?;
         }
         let mut pacing = Pacing::new(0, self.clock.now());
         loop {
@@ -128,19 +128,22 @@ impl LiveDrive<'_> {
         }
         let mode = self.drive.outcome().map_or(VesselMode::Absent, |outcome| outcome.vessel.mode);
         if let Some(request) = self.gateway.stop_for_left_boat(mode) {
-            self.apply(DriveInput::from(request))?;
+            self.request(request)?;
         }
         loop {
             self.take_stop()?;
             let Some(Submitted { request, answer }) = self.gateway.next_request() else { return Ok(()) };
             match request {
-                Request::World(input) => {
-                    self.on_world_input(input)?;
+                Request::World(request) => {
+                    self.is_paused = match request {
+                        WorldRequest::Pause => true,
+                        WorldRequest::Resume => false,
+                    };
                     answer.give(Answer::ACCEPTED);
                 }
                 Request::Pilot(request) => {
                     // A helm that is renewed is stored each time: the pilot makes a step for it.
-                    self.apply(DriveInput::from(request))?;
+                    self.request(request)?;
                     if let (Some(console), Some(outcome)) =
                         (&mut self.observers.console, self.drive.outcome())
                     {
@@ -164,28 +167,18 @@ impl LiveDrive<'_> {
             }
         }
         if !changes_nothing {
-            self.apply(DriveInput::from(OperatorRequest::Stop(StopCause::Operator)))?;
+            self.request(OperatorRequest::Stop(StopCause::Operator))?;
         }
         self.gateway.stop_latch().acknowledge(press);
         Ok(())
     }
 
-    /// Handles an input of the world.
-    fn on_world_input(&mut self, input: DriveInput) -> Result<()> {
-        match input {
-            DriveInput::Pause => self.is_paused = true,
-            DriveInput::Resume => self.is_paused = false,
-            _ => {}
-        }
-        self.apply(input)
-    }
-
-    /// Applies an input before the next tick, and stores it.
-    fn apply(&mut self, input: DriveInput) -> Result<()> {
+    /// Passes a request to the pilot before the next tick, and stores it.
+    fn request(&mut self, request: OperatorRequest) -> Result<()> {
         if let Some(store) = &mut self.store {
-            store.add(self.drive.world().tick(), input)?;
+            store.add(self.drive.world().tick(), request)?;
         }
-        self.drive.apply(input, &mut self.observers);
+        self.drive.request(request, &mut self.observers);
         let (law, now) = (self.drive.law_id(), self.drive.world().now());
         if let Some(console) = &mut self.observers.console {
             console.law = law;

@@ -36,7 +36,7 @@ pub struct ReplayedDrive {
 pub fn replay(record: Option<OutputFile>, path: &Path) -> Result<ReplayedDrive> {
     let stored = StoredDrive::read(path)?;
     let last_tick = stored.last_tick();
-    let StoredDrive { setup, program, inputs, end } = stored;
+    let StoredDrive { setup, program, requests, end } = stored;
     if record.is_some() && !setup.encoded {
         bail!(
             "{} was driven without --record, on pictures that were not encoded: a recording would show another drive",
@@ -48,11 +48,11 @@ pub fn replay(record: Option<OutputFile>, path: &Path) -> Result<ReplayedDrive> 
     let mut observers =
         DriveObservers { recorder: recording::begin(record, &setup)?, ..DriveObservers::default() };
     let progress = Progress::new("ticks", last_tick);
-    let mut inputs = inputs.into_iter().peekable();
+    let mut requests = requests.into_iter().peekable();
     loop {
         let tick = drive.world().tick();
-        while let Some((_, input)) = inputs.next_if(|(at, _)| *at <= tick) {
-            drive.apply(input, &mut observers);
+        while let Some((_, request)) = requests.next_if(|(at, _)| *at <= tick) {
+            drive.request(request, &mut observers);
         }
         if tick >= last_tick || drive.is_over() {
             break;

@@ -7,7 +7,7 @@ use std::time::Duration;
 
 use barrelman_experiments::calibration::CalibrationRecorder;
 use barrelman_pilot::{Input, Mode, Notice};
-use barrelman_vocab::{OperatorRequest, Timestamp};
+use barrelman_vocab::{CameraRequest, OperatorRequest, Timestamp};
 
 use super::event::{Event, QuitCause};
 use super::run_loop::{LiveStep, LiveStepObserver};
@@ -93,7 +93,7 @@ impl LiveStepObserver for CalibrationObserver {
             let is_due = state.asked_at.is_none_or(|asked| now.since(asked) >= ASK_INTERVAL);
             if is_due {
                 state.asked_at = Some(now);
-                self.gateway.submit_logged(OperatorRequest::Calibrate);
+                self.gateway.submit_logged(OperatorRequest::Camera(CameraRequest::Calibrate));
             }
         }
     }

@@ -18,7 +18,8 @@ use barrelman_pilot::{Input, Notice, Outcome, Pilot, Refusal, VesselMode};
 use barrelman_video::VideoState;
 use barrelman_vocab::telemetry::{LinkState, Report};
 use barrelman_vocab::{
-    OperatorRequest, PictureSize, StopCause, Timestamp, VehicleProfile, VehicleRates, VesselOrder, VideoFrame,
+    CameraRequest, OperatorRequest, PictureSize, StopCause, Timestamp, VehicleProfile, VehicleRates,
+    VesselOrder, VesselRequest, VideoFrame,
 };
 
 use super::event::{Event, EventSource};
@@ -217,7 +218,8 @@ impl RunLoop<'_> {
         let asks_for_boat = matches!(
             (request, &outcome.notice),
             (
-                OperatorRequest::Guide | OperatorRequest::GoHome,
+                OperatorRequest::Vessel(VesselRequest::Guide)
+                    | OperatorRequest::Vessel(VesselRequest::GoHome),
                 Some(Notice::RequestRefused(
                     Refusal::NoVesselMotion(HoldCause::NoControl) | Refusal::NotAccepted(_)
                 ))
@@ -227,7 +229,9 @@ impl RunLoop<'_> {
             boat.take_control();
         }
         let is_refused = matches!(outcome.notice, Some(Notice::RequestRefused(_)));
-        if let (OperatorRequest::Engage, false, Some(link)) = (request, is_refused, self.link) {
+        if let (OperatorRequest::Camera(CameraRequest::Engage), false, Some(link)) =
+            (request, is_refused, self.link)
+        {
             link.take_control();
         }
     }

@@ -21,7 +21,7 @@ use barrelman_link_http::HttpSettings;
 use barrelman_pilot::Pilot;
 use barrelman_video::VideoHandle;
 use barrelman_vocab::telemetry::LinkState;
-use barrelman_vocab::{OperatorRequest, PixelBox};
+use barrelman_vocab::{CameraRequest, OperatorRequest, PixelBox};
 
 use super::calibration::LiveCalibration;
 use super::event::{Event, EventQueue};
@@ -318,8 +318,8 @@ fn observer<'a>(observer: impl LiveStepObserver + 'a) -> Box<dyn LiveStepObserve
 
 /// The requests that the pilot receives before the first event.
 fn first_requests(selection: Option<PixelBox>, engage: bool) -> Vec<OperatorRequest> {
-    let select = selection.map(OperatorRequest::Select);
-    select.into_iter().chain(engage.then_some(OperatorRequest::Engage)).collect()
+    let select = selection.map(|bounds| CameraRequest::SelectNext(bounds).into());
+    select.into_iter().chain(engage.then_some(CameraRequest::Engage.into())).collect()
 }
 
 impl OpenParts {

@@ -15,7 +15,7 @@ use std::time::Duration;
 
 use anyhow::Result;
 use barrelman_host::clock::Clock;
-use barrelman_vocab::{OperatorRequest, StopCause};
+use barrelman_vocab::{CameraRequest, OperatorRequest, StopCause};
 use rustix::event::{PollFd, PollFlags, poll};
 use rustix::termios::{LocalModes, OptionalActions, Termios, tcgetattr, tcsetattr};
 use signal_hook::consts::{SIGHUP, SIGINT, SIGQUIT, SIGTERM, SIGTSTP};
@@ -170,9 +170,9 @@ enum TerminalInput {
 /// The meaning of a key. The help of `run` lists the keys.
 fn key_input(key: u8) -> Option<TerminalInput> {
     match key {
-        b'e' => Some(TerminalInput::Request(OperatorRequest::Engage)),
-        b'd' => Some(TerminalInput::Request(OperatorRequest::Disengage)),
-        b's' => Some(TerminalInput::Request(OperatorRequest::Search)),
+        b'e' => Some(TerminalInput::Request(OperatorRequest::Camera(CameraRequest::Engage))),
+        b'd' => Some(TerminalInput::Request(OperatorRequest::Camera(CameraRequest::Disengage))),
+        b's' => Some(TerminalInput::Request(OperatorRequest::Camera(CameraRequest::Search))),
         b' ' => Some(TerminalInput::Request(OperatorRequest::Stop(StopCause::Operator))),
         b'q' => Some(TerminalInput::Quit(QuitCause::Key)),
         _ => None,

@@ -6,7 +6,7 @@ use std::sync::mpsc::SyncSender;
 use barrelman_host::latest::Latest;
 use barrelman_video::sender_clock::VideoTiming;
 use barrelman_video::{DecodeError, VideoSink, VideoState};
-use barrelman_vocab::{EncodedUnit, OperatorRequest, PixelBox, VideoFrame};
+use barrelman_vocab::{CameraRequest, EncodedUnit, OperatorRequest, PixelBox, VideoFrame};
 
 use super::event::Event;
 use super::recorder::RecorderInput;
@@ -45,7 +45,7 @@ impl VideoSink for LiveVideoSink {
     fn on_target(&mut self, target: PixelBox) {
         if self.selects_target {
             tracing::info!("no --select: the simulated world says where the boat is, {target}");
-            self.gateway.submit_logged(OperatorRequest::Select(target));
+            self.gateway.submit_logged(OperatorRequest::Camera(CameraRequest::SelectNext(target)));
         }
     }
 

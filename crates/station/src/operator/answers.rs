@@ -4,7 +4,7 @@
 //! request is answered by the outcome of its own step.
 
 use barrelman_pilot::{Notice, Outcome};
-use barrelman_vocab::OperatorRequest;
+use barrelman_vocab::{CameraRequest, OperatorRequest};
 
 use super::answer::{Answer, AnswerSlot};
 
@@ -21,11 +21,13 @@ impl Answers {
             return answer.give(Answer::Refused(refusal.to_string()));
         }
         match request {
-            OperatorRequest::SelectOn(_) => {
+            OperatorRequest::Camera(CameraRequest::Select(_)) => {
                 self.supersede_selection("another selection was made");
                 self.selection = Some(answer);
             }
-            OperatorRequest::Select(_) | OperatorRequest::Reject | OperatorRequest::Deselect => {
+            OperatorRequest::Camera(CameraRequest::SelectNext(_))
+            | OperatorRequest::Camera(CameraRequest::Reject)
+            | OperatorRequest::Camera(CameraRequest::Deselect) => {
                 self.supersede_selection("the target was changed");
                 answer.give(Answer::ACCEPTED);
             }
@@ -72,8 +74,10 @@ mod tests {
     use crate::test_scenes::{PICTURE, at, idle, localisation};
 
     const BOUNDS: PixelBox = PixelBox { u: 1.0, v: 2.0, w: 30.0, h: 40.0 };
-    const SELECT_ON: OperatorRequest =
-        OperatorRequest::SelectOn(DrawnSelection { bounds: BOUNDS, captured: Timestamp::ZERO });
+    const SELECT_ON: OperatorRequest = OperatorRequest::Camera(CameraRequest::Select(DrawnSelection {
+        bounds: BOUNDS,
+        captured_ns: Timestamp::ZERO,
+    }));
 
     fn outcome(notice: Option<Notice>) -> Outcome {
         Outcome { notice, ..idle(at(0)) }
@@ -92,21 +96,24 @@ mod tests {
     #[test]
     fn a_request_is_answered_by_the_outcome_of_its_own_step() {
         for (made, notice) in [
-            (OperatorRequest::Engage, None),
-            (OperatorRequest::Disengage, None),
-            (OperatorRequest::Nudge(Nudge::default()), None),
-            (OperatorRequest::Select(BOUNDS), None),
-            (OperatorRequest::ChangeLaw(LawId::Eco), Some(Notice::LawChanged(LawId::Eco))),
-            (OperatorRequest::Reject, Some(Notice::TargetRejected)),
-            (OperatorRequest::Deselect, Some(Notice::Deselected)),
+            (OperatorRequest::Camera(CameraRequest::Engage), None),
+            (OperatorRequest::Camera(CameraRequest::Disengage), None),
+            (OperatorRequest::Camera(CameraRequest::Nudge(Nudge::default())), None),
+            (OperatorRequest::Camera(CameraRequest::SelectNext(BOUNDS)), None),
+            (
+                OperatorRequest::Camera(CameraRequest::Law { law: LawId::Eco }),
+                Some(Notice::LawChanged(LawId::Eco)),
+            ),
+            (OperatorRequest::Camera(CameraRequest::Reject), Some(Notice::TargetRejected)),
+            (OperatorRequest::Camera(CameraRequest::Deselect), Some(Notice::Deselected)),
         ] {
             let mut answer = request(&mut Answers::default(), made, notice);
             assert_eq!(answer.try_recv(), Ok(Answer::ACCEPTED), "{made:?}");
         }
         for (made, refusal) in [
-            (OperatorRequest::Nudge(Nudge::default()), Refusal::Stopped),
-            (OperatorRequest::ChangeLaw(LawId::Eco), Refusal::Engaged),
-            (OperatorRequest::Reject, Refusal::NothingToReject),
+            (OperatorRequest::Camera(CameraRequest::Nudge(Nudge::default())), Refusal::Stopped),
+            (OperatorRequest::Camera(CameraRequest::Law { law: LawId::Eco }), Refusal::Engaged),
+            (OperatorRequest::Camera(CameraRequest::Reject), Refusal::NothingToReject),
             (SELECT_ON, Refusal::NoFreshVideo),
         ] {
             let mut answer = request(&mut Answers::default(), made, Some(Notice::RequestRefused(refusal)));
@@ -153,13 +160,19 @@ mod tests {
         let superseded = |why: &str| Some(Answer::Superseded(why.to_owned()));
         assert_eq!(superseded_by(SELECT_ON, None), superseded("another selection was made"));
         let changed = superseded("the target was changed");
-        assert_eq!(superseded_by(OperatorRequest::Select(BOUNDS), None), changed);
-        assert_eq!(superseded_by(OperatorRequest::Reject, Some(Notice::TargetRejected)), changed);
-        assert_eq!(superseded_by(OperatorRequest::Deselect, Some(Notice::Deselected)), changed);
+        assert_eq!(superseded_by(OperatorRequest::Camera(CameraRequest::SelectNext(BOUNDS)), None), changed);
+        assert_eq!(
+            superseded_by(OperatorRequest::Camera(CameraRequest::Reject), Some(Notice::TargetRejected)),
+            changed
+        );
+        assert_eq!(
+            superseded_by(OperatorRequest::Camera(CameraRequest::Deselect), Some(Notice::Deselected)),
+            changed
+        );
         let refused = Some(Notice::RequestRefused(Refusal::NothingToReject));
-        assert_eq!(superseded_by(OperatorRequest::Reject, refused), None);
-        assert_eq!(superseded_by(OperatorRequest::Engage, None), None);
-        assert_eq!(superseded_by(OperatorRequest::Disengage, None), None);
+        assert_eq!(superseded_by(OperatorRequest::Camera(CameraRequest::Reject), refused), None);
+        assert_eq!(superseded_by(OperatorRequest::Camera(CameraRequest::Engage), None), None);
+        assert_eq!(superseded_by(OperatorRequest::Camera(CameraRequest::Disengage), None), None);
     }
 
     #[test]

@@ -6,9 +6,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::SyncSender;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-use barrelman_experiments::drive::DriveInput;
 use barrelman_pilot::VesselMode;
-use barrelman_vocab::{BoatStop, OperatorRequest, StopCause};
+use barrelman_vocab::{OperatorRequest, StopCause, VesselRequest, VesselStopper, WorldRequest};
 use tokio::sync::oneshot;
 
 use super::answer::{Answer, AnswerSlot};
@@ -23,8 +22,8 @@ const CAPACITY: usize = 64;
 pub enum Request {
     /// A request to the pilot.
     Pilot(OperatorRequest),
-    /// An input of the simulated world: helm, helmsman, pause, resume.
-    World(DriveInput),
+    /// A request about the simulated world.
+    World(WorldRequest),
 }
 
 /// A request that waits for the loop.
@@ -96,7 +95,8 @@ impl Gateway {
             VesselMode::ByHand | VesselMode::Guided | VesselMode::Holding(_) | VesselMode::KeepingWay(_)
         );
         let is_left = moves && self.is_boat_left.load(Ordering::Relaxed);
-        is_left.then_some(OperatorRequest::StopBoat(BoatStop::ConsoleLost))
+        is_left
+            .then_some(OperatorRequest::Vessel(VesselRequest::StopVessel { by: VesselStopper::ConsoleLost }))
     }
 
     /// Submits a request. The receiver gets the answer; without one, the session has ended. A stop of the operator goes
@@ -155,9 +155,11 @@ impl Gateway {
 mod tests {
     use std::sync::mpsc::sync_channel;
 
+    use barrelman_vocab::CameraRequest;
+
     use super::*;
 
-    const ENGAGE: Request = Request::Pilot(OperatorRequest::Engage);
+    const ENGAGE: Request = Request::Pilot(OperatorRequest::Camera(CameraRequest::Engage));
 
     #[test]
     fn a_full_queue_refuses_requests_but_never_a_stop() {
@@ -177,7 +179,7 @@ mod tests {
         let (events, queue) = sync_channel(8);
         let gateway = Gateway::new(events);
         gateway.submit(ENGAGE);
-        let mut second = gateway.submit(Request::Pilot(OperatorRequest::Disengage));
+        let mut second = gateway.submit(Request::Pilot(OperatorRequest::Camera(CameraRequest::Disengage)));
         assert_eq!(gateway.next_request().map(|submitted| submitted.request), Some(ENGAGE));
         gateway.refuse_waiting();
         assert!(matches!(second.try_recv(), Ok(Answer::Superseded(_))));
@@ -245,7 +247,7 @@ mod tests {
         let (events, _queue) = sync_channel(1);
         let gateway = Gateway::new(events);
         let mut waiting = gateway.submit(ENGAGE);
-        gateway.submit_logged(OperatorRequest::Disengage);
+        gateway.submit_logged(OperatorRequest::Camera(CameraRequest::Disengage));
         drop(gateway);
         assert_eq!(waiting.try_recv(), Err(oneshot::error::TryRecvError::Closed));
     }

@@ -88,7 +88,7 @@ impl CameraWorkMeter {
 
     /// The work so far under this law.
     pub(super) fn work(&self, law: Option<LawId>) -> CameraWork {
-        let is_schema = law == Some(LawId::MotorSchema);
+        let is_schema = law == Some(LawId::Schema);
         CameraWork {
             camera: self.camera.figures,
             schema: (!is_schema).then_some(self.schema.figures),
@@ -215,7 +215,7 @@ mod tests {
         assert_eq!((beside.camera.moves, beside.camera.rest_s), (0, 0.2), "the camera has rested");
         assert_eq!((schema.moves, schema.rest_s), (1, 0.0), "the schema would have panned");
         assert!(beside.schema_p.is_some_and(|p| p > 1.0) && meter.work(None).schema.is_some());
-        let own = meter.work(Some(LawId::MotorSchema));
+        let own = meter.work(Some(LawId::Schema));
         assert_eq!((own.schema, own.schema_p), (None, None));
         assert_eq!(own.camera, beside.camera);
     }

@@ -10,7 +10,7 @@ use std::time::Duration;
 use barrelman_host::clock::Clock;
 use barrelman_link::Waker;
 use barrelman_link::port_io::poll_for;
-use barrelman_vocab::{DrawnSelection, OperatorRequest, Timestamp};
+use barrelman_vocab::{CameraRequest, DrawnSelection, OperatorRequest, Timestamp};
 use barrelman_wire::mavlink::TrackingCamera;
 use barrelman_wire::mavlink::tracking_camera::{RequestNumber, TrackingAnswer, TrackingRequest};
 use rustix::event::{PollFd, PollFlags};
@@ -153,12 +153,15 @@ impl Work {
     /// The request to the pilot. A selection names the video frame that the ground station shows.
     fn request(&self, request: TrackingRequest) -> Request {
         Request::Pilot(match request {
-            TrackingRequest::Forget => OperatorRequest::Deselect,
+            TrackingRequest::Forget => OperatorRequest::Camera(CameraRequest::Deselect),
             TrackingRequest::Select(bounds) => {
                 let newest = self.parts.snapshots.borrow().video.frame;
                 let captured = newest.map_or(Timestamp::ZERO, |(captured, _)| captured);
                 let captured = captured.minus(self.setup.display_delay);
-                OperatorRequest::SelectOn(DrawnSelection { bounds, captured })
+                OperatorRequest::Camera(CameraRequest::Select(DrawnSelection {
+                    bounds,
+                    captured_ns: captured,
+                }))
             }
         })
     }

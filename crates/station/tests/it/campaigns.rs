@@ -120,8 +120,7 @@ fn campaigns_of_different_worlds_are_compared_only_when_asked() {
     // Truth and pixels: the settings as a campaign in pixels would have them.
     let text = std::fs::read_to_string(&usual).unwrap();
     let pixels = folder.join("pixels.jsonl");
-    let changed =
-        text.replace("\"perception\":\"truth\"", "\"perception\":\"pixels\",\"tracker\":\"fused\"");
+    let changed = text.replace("\"perception\":\"truth\"", "\"perception\":\"pixels\",\"tracker\":\"fused\"");
     assert_ne!(changed, text);
     std::fs::write(&pixels, changed).unwrap();
     failed(

@@ -8,7 +8,7 @@ use barrelman_station::commands::run::build_pilot;
 use barrelman_station::config::{self, Configuration};
 use barrelman_trial::records::{Entry, RecordedInput, RecordedOutcome, RecordingStart, RecordingWriter};
 use barrelman_vocab::telemetry::{LinkState, Report};
-use barrelman_vocab::{OperatorRequest, Telemetry, Timestamp, Track};
+use barrelman_vocab::{CameraRequest, OperatorRequest, Telemetry, Timestamp, Track};
 
 use crate::live_scenes::{at, localisation};
 use crate::program::{argument, barrelman, empty_folder, failed, succeeded};
@@ -35,7 +35,7 @@ fn record(name: &str, made: CommandPath, stated: CommandPath) -> (PathBuf, bool)
     let mut pilot = build_pilot(&configuration, made).unwrap();
     let report = |state, now: Timestamp| Telemetry { at: now, report: Report::Link(state) };
     let mut inputs = vec![
-        (1_000, RecordedInput::Request(OperatorRequest::Engage)),
+        (1_000, RecordedInput::Request(OperatorRequest::Camera(CameraRequest::Engage))),
         (1_010, RecordedInput::Telemetry(report(LinkState::Starting, at(1_010)))),
         (2_000, RecordedInput::Telemetry(report(LinkState::Up, at(2_000)))),
     ];

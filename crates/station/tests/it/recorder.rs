@@ -16,7 +16,7 @@ use barrelman_trial::records::{
 };
 use barrelman_vocab::unit::{Rotation, UnitCodec};
 use barrelman_vocab::video::{Capture, CaptureQuality};
-use barrelman_vocab::{EncodedUnit, OperatorRequest, VehicleRates};
+use barrelman_vocab::{CameraRequest, EncodedUnit, OperatorRequest, VehicleRates};
 use bytes::Bytes;
 
 use crate::live_scenes::{SELECTION, at, frame, pilot};
@@ -146,8 +146,18 @@ fn entries_are_written_in_order_and_can_be_read_back() {
     let (mut input, mut pilot) = (recorder.input(), pilot());
     let frame = frame(0, at(1_030));
     let mut expected = vec![Entry::Start(recording_start())];
-    expected.extend(step(&mut pilot, &mut input, 0, Input::Request(OperatorRequest::Select(SELECTION))));
-    expected.extend(step(&mut pilot, &mut input, 1, Input::Request(OperatorRequest::Engage)));
+    expected.extend(step(
+        &mut pilot,
+        &mut input,
+        0,
+        Input::Request(OperatorRequest::Camera(CameraRequest::SelectNext(SELECTION))),
+    ));
+    expected.extend(step(
+        &mut pilot,
+        &mut input,
+        1,
+        Input::Request(OperatorRequest::Camera(CameraRequest::Engage)),
+    ));
     // The video thread has a handle of its own.
     recorder.input().unit(&unit(0, 100));
     expected.push(Entry::Unit(unit(0, 100)));

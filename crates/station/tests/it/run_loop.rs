@@ -19,16 +19,16 @@ use barrelman_station::snapshot::{LinkStatus, Publisher, RecordingState};
 use barrelman_video::{VideoError, VideoState};
 use barrelman_vocab::telemetry::{ControlState, LinkState, Report};
 use barrelman_vocab::{
-    Lens, OperatorRequest, PictureSize, StopCause, Telemetry, Timestamp, VehicleProfile, VehicleRates,
-    VideoFrame,
+    CameraRequest, Lens, OperatorRequest, PictureSize, StopCause, Telemetry, Timestamp, VehicleProfile,
+    VehicleRates, VideoFrame,
 };
 
 use crate::live_scenes::{REFUSED, SELECTION, at, frame, pilot};
 
 /// How long rates last after a fresh video frame, ms: `coast_motion` of the Fotokite Pro.
 const COAST_MS: u64 = 250;
-const SELECT: OperatorRequest = OperatorRequest::Select(SELECTION);
-const ENGAGE: OperatorRequest = OperatorRequest::Engage;
+const SELECT: OperatorRequest = OperatorRequest::Camera(CameraRequest::SelectNext(SELECTION));
+const ENGAGE: OperatorRequest = OperatorRequest::Camera(CameraRequest::Engage);
 
 /// What arrives at a time of the test.
 enum Arrival {
@@ -330,7 +330,7 @@ fn each_end_of_a_run_sends_a_stop_last() {
 
 #[test]
 fn a_refused_selection_ends_the_run_where_it_cannot_be_made_again() {
-    let refused = [OperatorRequest::Select(REFUSED), ENGAGE];
+    let refused = [OperatorRequest::Camera(CameraRequest::SelectNext(REFUSED)), ENGAGE];
     let run = run(&refused, [(1_100, Frame), (1_200, Frame)]);
     assert!(matches!(&run.end, RunEnd::Failed(reason) if reason.contains("width")), "{:?}", run.end);
     assert_eq!(run.last(), ("Stop(Fault)", Mode::Stopped(StopCause::Fault)));
@@ -339,7 +339,7 @@ fn a_refused_selection_ends_the_run_where_it_cannot_be_made_again() {
 
 #[test]
 fn a_refused_selection_can_be_made_again_elsewhere() {
-    let refused = [OperatorRequest::Select(REFUSED), ENGAGE];
+    let refused = [OperatorRequest::Camera(CameraRequest::SelectNext(REFUSED)), ENGAGE];
     let arrivals = [(1_100, Frame), (1_150, Arrival::Request(SELECT)), (1_200, Frame), (1_210, quit())];
     let run = run_with(&refused, arrivals, false);
     assert_eq!(run.end, RunEnd::Requested("q was pressed".to_owned()));

@@ -3,13 +3,13 @@
 use std::fs::File;
 use std::path::Path;
 
-use barrelman_experiments::drive::{DriveInput, DriveSetup, DriveWriter, StoredDrive};
+use barrelman_experiments::drive::{DriveSetup, DriveWriter, StoredDrive};
 use barrelman_experiments::law_choice::LawChoice;
 use barrelman_experiments::tracker_choice::TrackerName;
 use barrelman_experiments::world_url::WorldUrl;
 use barrelman_host::output::OutputFile;
 use barrelman_trial::records::{Entry, RecordingReader, RecordingStart, RecordingWriter};
-use barrelman_vocab::PictureSize;
+use barrelman_vocab::{CameraRequest, PictureSize};
 
 use crate::program::{argument, barrelman, empty_folder, failed, succeeded};
 
@@ -57,7 +57,7 @@ fn the_replay_of_a_drive_names_another_program_than_the_one_that_stored_it() {
     let url = WorldUrl { size: Some(PictureSize::new(192, 108)), ..WorldUrl::new("open") };
     let setup = DriveSetup::new(url, TrackerName::Camshift, LawChoice::OPTIMAL, false).unwrap();
     let mut writer = DriveWriter::begin(OutputFile::open(&path, true).unwrap(), &setup).unwrap();
-    writer.add(0, DriveInput::Engage).unwrap();
+    writer.add(0, CameraRequest::Engage.into()).unwrap();
     writer.finish(60, "0123456789abcdef".to_owned()).unwrap();
     let stored = StoredDrive::read(&path).unwrap();
     assert!(stored.program.starts_with("0.1.0+"), "{}", stored.program);

@@ -13,7 +13,8 @@ use barrelman_sim::tick::TICKS_PER_SECOND;
 use barrelman_sim::world::{Truth, World};
 use barrelman_sim::{Optics, WorldPoint};
 use barrelman_vocab::{
-    DrawnMark, MarkKind, MovedMark, OperatorRequest, PixelPoint, Timestamp, Track, VesselCommand, WaterPoint,
+    DrawnMark, MarkKind, MovedMark, OperatorRequest, PixelPoint, Timestamp, Track, VesselCommand,
+    VesselRequest, WaterPoint,
 };
 
 use crate::metrics::GuidanceMetrics;
@@ -104,14 +105,24 @@ impl Rescue {
             // The number that the pilot gives to the next mark.
             let next_id = self.mark_ids.len() as u32 + 1;
             if let Some((_, id)) = self.mark_ids.iter().find(|(person, _)| *person == index) {
-                requests.push(OperatorRequest::MoveMark(MovedMark { id: *id, pixel, captured }));
+                requests.push(OperatorRequest::Vessel(VesselRequest::MoveMark(MovedMark {
+                    id: *id,
+                    at: pixel,
+                    captured_ns: captured,
+                })));
                 continue;
             }
             self.mark_ids.push((index, next_id));
-            requests.push(OperatorRequest::Mark(DrawnMark { kind: MarkKind::Person, pixel, captured }));
+            requests.push(OperatorRequest::Vessel(VesselRequest::Mark(DrawnMark {
+                mark: MarkKind::Person,
+                at: pixel,
+                captured_ns: captured,
+            })));
             // The person to go to came into the picture after others: the boat goes there from now on.
             if let Some(destination) = outcome.vessel.marks.destination().filter(|_| index == 0) {
-                requests.extend((destination.id..next_id).map(|_| OperatorRequest::NextMark));
+                requests.extend(
+                    (destination.id..next_id).map(|_| OperatorRequest::Vessel(VesselRequest::NextMark)),
+                );
             }
         }
         if !requests.is_empty() {
@@ -121,7 +132,7 @@ impl Rescue {
                 outcome.vessel.mode,
                 VesselMode::Guided | VesselMode::Holding(_) | VesselMode::KeepingWay(_)
             );
-            requests.extend((!goes).then_some(OperatorRequest::Guide));
+            requests.extend((!goes).then_some(OperatorRequest::Vessel(VesselRequest::Guide)));
         }
         requests
     }

@@ -17,7 +17,8 @@ use barrelman_sim::world::{Truth, World};
 use barrelman_sim::{LocalisationSensor, Optics, Scenario};
 use barrelman_vocab::telemetry::Report;
 use barrelman_vocab::{
-    Angle, LawId, Localisation, OperatorRequest, Telemetry, Timestamp, Track, VehicleProfile, VehicleRates,
+    Angle, CameraRequest, LawId, Localisation, OperatorRequest, Telemetry, Timestamp, Track, VehicleProfile,
+    VehicleRates,
 };
 
 use super::frame_source::{CapturedFrame, FrameSource};
@@ -193,7 +194,7 @@ impl<'a> Simulation<'a> {
         mut frames: Option<&mut dyn FrameSource>,
         observer: &mut dyn StepObserver,
     ) -> TrialLog {
-        self.request(OperatorRequest::Engage, observer);
+        self.request(OperatorRequest::Camera(CameraRequest::Engage), observer);
         while !self.is_over() {
             self.tick(&mut frames, observer);
         }
@@ -309,7 +310,10 @@ impl<'a> Simulation<'a> {
                     .flatten();
                 if let Some(selection) = selection {
                     self.is_selected = true;
-                    self.step_pilot(Input::Request(OperatorRequest::Select(selection)), observer);
+                    self.step_pilot(
+                        Input::Request(OperatorRequest::Camera(CameraRequest::SelectNext(selection))),
+                        observer,
+                    );
                 }
                 let frame =
                     frames.as_mut().map_or_else(|| captured.frame.clone(), |frames| frames.deliver(captured));
@@ -354,7 +358,11 @@ impl<'a> Simulation<'a> {
     }
 
     fn step_pilot(&mut self, input: Input<'_>, observer: &mut dyn StepObserver) {
-        if let Input::Request(OperatorRequest::Select(_) | OperatorRequest::SelectOn(_)) = input {
+        if let Input::Request(
+            OperatorRequest::Camera(CameraRequest::SelectNext(_))
+            | OperatorRequest::Camera(CameraRequest::Select(_)),
+        ) = input
+        {
             self.log.selections = self.log.selections.map(|selections| selections + 1);
         }
         let now = self.world.now();

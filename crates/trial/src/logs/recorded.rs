@@ -2,7 +2,7 @@
 
 use std::collections::VecDeque;
 
-use barrelman_vocab::{OperatorRequest, PictureSize, Timestamp, VehicleRates};
+use barrelman_vocab::{CameraRequest, OperatorRequest, PictureSize, Timestamp, VehicleRates};
 
 use super::laboratory;
 use super::trial_log::{LogRow, RowTruth, TrialLog};
@@ -98,7 +98,10 @@ impl LogBuilder {
     pub fn add_input(&mut self, input: &RecordedInput) {
         let is_selection = matches!(
             input,
-            RecordedInput::Request(OperatorRequest::Select(_) | OperatorRequest::SelectOn(_))
+            RecordedInput::Request(
+                OperatorRequest::Camera(CameraRequest::SelectNext(_))
+                    | OperatorRequest::Camera(CameraRequest::Select(_))
+            )
         );
         self.selections += usize::from(is_selection);
     }

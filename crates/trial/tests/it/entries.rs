@@ -19,9 +19,9 @@ use barrelman_vocab::unit::{Rotation, UnitCodec};
 use barrelman_vocab::vehicle_text::VehicleText;
 use barrelman_vocab::video::{Capture, CaptureQuality, ColourEncoding, ColourMatrix, SampleRange};
 use barrelman_vocab::{
-    Angle, AngularRate, BoatStop, CameraCommand, DrawnMark, EncodedUnit, ImagePoint, Localisation, MarkKind,
-    MovedMark, OperatorRequest, PictureSize, PixelBox, PixelPoint, StopCause, Telemetry, Timestamp, Track,
-    VesselCommand, WaterPoint,
+    Angle, AngularRate, CameraCommand, CameraRequest, DrawnMark, EncodedUnit, ImagePoint, Localisation,
+    MarkKind, MovedMark, OperatorRequest, PictureSize, PixelBox, PixelPoint, StopCause, Telemetry, Timestamp,
+    Track, VesselCommand, VesselRequest, VesselStopper, WaterPoint,
 };
 use bytes::Bytes;
 
@@ -181,7 +181,7 @@ pub(crate) fn entries_with(value: f64) -> Vec<Entry> {
         input(RecordedInput::Localisation(Track::Tracking(localisation(value)))),
         input(RecordedInput::Localisation(Track::Coasting(localisation(value)))),
         input(RecordedInput::Localisation(Track::Lost { since: ns(4), confidence: value })),
-        input(RecordedInput::Request(OperatorRequest::Select(bounds))),
+        input(RecordedInput::Request(OperatorRequest::Camera(CameraRequest::SelectNext(bounds)))),
         telemetry(Report::VehicleAttitude(q)),
         telemetry(Report::GimbalAttitude(q)),
         telemetry(Report::CameraTilt(Angle::from_radians(value))),
@@ -193,20 +193,20 @@ pub(crate) fn entries_with(value: f64) -> Vec<Entry> {
         telemetry(Report::Text(VehicleText::of(4, b"PreArm: check the compass"))),
         telemetry(Report::GimbalDevice(2)),
         input(RecordedInput::VesselTelemetry(Telemetry { at: ns(999), report: Report::CameraHeight(value) })),
-        input(RecordedInput::Request(OperatorRequest::Steer(VesselCommand {
+        input(RecordedInput::Request(OperatorRequest::Vessel(VesselRequest::Steer(VesselCommand {
             throttle: value,
             rudder: value,
-        }))),
-        input(RecordedInput::Request(OperatorRequest::MoveMark(MovedMark {
+        })))),
+        input(RecordedInput::Request(OperatorRequest::Vessel(VesselRequest::MoveMark(MovedMark {
             id: 3,
-            pixel: PixelPoint { u: value, v: value },
-            captured: ns(8),
-        }))),
-        input(RecordedInput::Request(OperatorRequest::Mark(DrawnMark {
-            kind: MarkKind::Person,
-            pixel: PixelPoint { u: value, v: value },
-            captured: ns(7),
-        }))),
+            at: PixelPoint { u: value, v: value },
+            captured_ns: ns(8),
+        })))),
+        input(RecordedInput::Request(OperatorRequest::Vessel(VesselRequest::Mark(DrawnMark {
+            mark: MarkKind::Person,
+            at: PixelPoint { u: value, v: value },
+            captured_ns: ns(7),
+        })))),
         telemetry(Report::FieldOfView(Angle::from_radians(value))),
         telemetry(Report::FlightState { state: FlightState::Other(u32::MAX), is_battery_low: true }),
         telemetry(Report::Acceptance(Acceptance::ALL[13])),
@@ -272,16 +272,20 @@ pub(crate) fn every_kind() -> Vec<Entry> {
     entries.extend([
         input(RecordedInput::Localisation(Track::Unseeded)),
         input(RecordedInput::Localisation(Track::Tracking(bare))),
-        input(RecordedInput::Request(OperatorRequest::Engage)),
-        input(RecordedInput::Request(OperatorRequest::Disengage)),
-        input(RecordedInput::Request(OperatorRequest::Unmark(7))),
-        input(RecordedInput::Request(OperatorRequest::UnmarkAll)),
-        input(RecordedInput::Request(OperatorRequest::NextMark)),
-        input(RecordedInput::Request(OperatorRequest::Guide)),
-        input(RecordedInput::Request(OperatorRequest::GoHome)),
-        input(RecordedInput::Request(OperatorRequest::StopBoat(BoatStop::Operator))),
-        input(RecordedInput::Request(OperatorRequest::StopBoat(BoatStop::ConsoleLost))),
-        input(RecordedInput::Request(OperatorRequest::ReleaseBoat)),
+        input(RecordedInput::Request(OperatorRequest::Camera(CameraRequest::Engage))),
+        input(RecordedInput::Request(OperatorRequest::Camera(CameraRequest::Disengage))),
+        input(RecordedInput::Request(OperatorRequest::Vessel(VesselRequest::Unmark { id: 7 }))),
+        input(RecordedInput::Request(OperatorRequest::Vessel(VesselRequest::UnmarkAll))),
+        input(RecordedInput::Request(OperatorRequest::Vessel(VesselRequest::NextMark))),
+        input(RecordedInput::Request(OperatorRequest::Vessel(VesselRequest::Guide))),
+        input(RecordedInput::Request(OperatorRequest::Vessel(VesselRequest::GoHome))),
+        input(RecordedInput::Request(OperatorRequest::Vessel(VesselRequest::StopVessel {
+            by: VesselStopper::Operator,
+        }))),
+        input(RecordedInput::Request(OperatorRequest::Vessel(VesselRequest::StopVessel {
+            by: VesselStopper::ConsoleLost,
+        }))),
+        input(RecordedInput::Request(OperatorRequest::Vessel(VesselRequest::ReleaseVessel))),
         input(RecordedInput::Tick),
     ]);
     let causes = [

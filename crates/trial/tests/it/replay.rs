@@ -10,8 +10,8 @@ use barrelman_vision::{CamShift, CamShiftConfig};
 use barrelman_vocab::profile::AxisRates;
 use barrelman_vocab::telemetry::{LinkState, Report};
 use barrelman_vocab::{
-    AngularRate, Localisation, OperatorRequest, PictureSize, StopCause, Telemetry, Timestamp, Track,
-    VehicleProfile,
+    AngularRate, CameraRequest, Localisation, OperatorRequest, PictureSize, StopCause, Telemetry, Timestamp,
+    Track, VehicleProfile,
 };
 
 use crate::entries::{read, start};
@@ -54,11 +54,11 @@ fn trial(profile: &VehicleProfile) -> Vec<u8> {
         };
         events.push((now, RecordedInput::Localisation(track)));
         let request = match frame {
-            10 | 450 => Some(OperatorRequest::Engage),
-            300 => Some(OperatorRequest::Disengage),
-            320 => Some(OperatorRequest::Engage),
+            10 | 450 => Some(OperatorRequest::Camera(CameraRequest::Engage)),
+            300 => Some(OperatorRequest::Camera(CameraRequest::Disengage)),
+            320 => Some(OperatorRequest::Camera(CameraRequest::Engage)),
             400 => Some(OperatorRequest::Stop(StopCause::Operator)),
-            500 => Some(OperatorRequest::Select(truth.bounds)),
+            500 => Some(OperatorRequest::Camera(CameraRequest::SelectNext(truth.bounds))),
             _ => None,
         };
         events.extend(request.map(|request| (now, RecordedInput::Request(request))));

@@ -15,8 +15,8 @@ use barrelman_vocab::acceptance::Acceptance;
 use barrelman_vocab::telemetry::{LinkState, Report};
 use barrelman_vocab::video::{Capture, CaptureQuality, ColourEncoding, Picture};
 use barrelman_vocab::{
-    Angle, BoatStop, DrawnMark, FailSafe, MarkKind, OperatorRequest, PixelPoint, StopCause, Telemetry,
-    Timestamp, Track, VehicleProfile, VesselOrder, VesselProfile, VideoFrame,
+    Angle, DrawnMark, FailSafe, MarkKind, OperatorRequest, PixelPoint, StopCause, Telemetry, Timestamp,
+    Track, VehicleProfile, VesselOrder, VesselProfile, VesselRequest, VesselStopper, VideoFrame,
 };
 
 use super::super::link_end::{LinkEnd, LinkEvent};
@@ -91,7 +91,10 @@ impl VesselProgram {
         );
         let is_left = self.console.is_left(now) && self.mutant != Mutant::NoConsoleTimeOut;
         if moves && is_left {
-            self.request(OperatorRequest::StopBoat(BoatStop::ConsoleLost), now);
+            self.request(
+                OperatorRequest::Vessel(VesselRequest::StopVessel { by: VesselStopper::ConsoleLost }),
+                now,
+            );
         }
         while let Some(event) = self.end.next_event(now) {
             match event {
@@ -153,14 +156,17 @@ impl VesselProgram {
 
     /// Marks a place on a video frame. Returns whether it is marked.
     pub(super) fn mark(&mut self, now: Timestamp) -> bool {
-        let drawn = DrawnMark { kind: MarkKind::Place, pixel: self.mark, captured: now.minus(MARK_AGE) };
-        matches!(self.request(OperatorRequest::Mark(drawn), now), Some(Notice::Marked(..)))
+        let drawn = DrawnMark { mark: MarkKind::Place, at: self.mark, captured_ns: now.minus(MARK_AGE) };
+        matches!(
+            self.request(OperatorRequest::Vessel(VesselRequest::Mark(drawn)), now),
+            Some(Notice::Marked(..))
+        )
     }
 
     /// The operator presses Go. A boat that another commander steers is asked for.
     pub(super) fn go(&mut self, now: Timestamp) {
         self.console.commands_boat(now);
-        let notice = self.request(OperatorRequest::Guide, now);
+        let notice = self.request(OperatorRequest::Vessel(VesselRequest::Guide), now);
         if matches!(
             notice,
             Some(Notice::RequestRefused(
@@ -173,7 +179,7 @@ impl VesselProgram {
 
     /// A request of the operator.
     pub(super) fn request(&mut self, request: OperatorRequest, now: Timestamp) -> Option<Notice> {
-        if matches!(request, OperatorRequest::Steer(_)) {
+        if matches!(request, OperatorRequest::Vessel(VesselRequest::Steer(_))) {
             self.console.commands_boat(now);
         }
         self.step(Input::Request(request), now)

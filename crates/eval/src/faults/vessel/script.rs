@@ -1,7 +1,9 @@
 //! What the operator does: engages the camera, marks a place, presses Go or holds the helm, and does what the faults of the
 //! operator and of the page are.
 
-use barrelman_vocab::{BoatStop, OperatorRequest, StopCause, Timestamp, VesselCommand};
+use barrelman_vocab::{
+    CameraRequest, OperatorRequest, StopCause, Timestamp, VesselCommand, VesselRequest, VesselStopper,
+};
 
 use super::super::fault::{self, Fault, FaultKind};
 use super::super::mutant::Mutant;
@@ -77,7 +79,7 @@ impl Script {
             desk.program.console.hear(desk.now);
         }
         if at_ms == ENGAGES_CAMERA_AT_MS {
-            desk.ask(OperatorRequest::Engage);
+            desk.ask(OperatorRequest::Camera(CameraRequest::Engage));
         }
         if at_ms == MARKS_AT_MS || desk.ends(FaultKind::MarkRemoved) {
             desk.mark();
@@ -101,19 +103,22 @@ impl Script {
     fn act_by_faults(&self, desk: &mut Desk<'_>) {
         if desk.begins(FaultKind::MarkRemoved) {
             desk.oracle.set_destination(false);
-            desk.ask(OperatorRequest::UnmarkAll);
+            desk.ask(OperatorRequest::Vessel(VesselRequest::UnmarkAll));
         }
         if desk.begins(FaultKind::TargetDeselected) {
             desk.oracle.withdraw_guidance();
-            desk.ask(OperatorRequest::Deselect);
+            desk.ask(OperatorRequest::Camera(CameraRequest::Deselect));
         }
         if desk.begins(FaultKind::BoatReleased) {
             desk.oracle.withdraw_guidance();
-            desk.ask(OperatorRequest::ReleaseBoat);
+            desk.ask(OperatorRequest::Vessel(VesselRequest::ReleaseVessel));
         }
         let stops = [
             (FaultKind::OperatorStops, OperatorRequest::Stop(StopCause::Operator)),
-            (FaultKind::OperatorStopsBoat, OperatorRequest::StopBoat(BoatStop::Operator)),
+            (
+                FaultKind::OperatorStopsBoat,
+                OperatorRequest::Vessel(VesselRequest::StopVessel { by: VesselStopper::Operator }),
+            ),
         ];
         for (kind, stop) in stops {
             if !desk.begins(kind) {
@@ -125,7 +130,7 @@ impl Script {
                 // A stop that does not last: the pilot goes on as if it had not been stopped.
                 match self.licence {
                     Some(VesselLicence::Guided) => desk.program.go(desk.now),
-                    _ => desk.ask(OperatorRequest::Steer(VesselCommand::NEUTRAL)),
+                    _ => desk.ask(OperatorRequest::Vessel(VesselRequest::Steer(VesselCommand::NEUTRAL))),
                 }
             }
         }
@@ -135,7 +140,7 @@ impl Script {
         let at_ms = desk.at_ms;
         let is_again = |ms: u64| self.engages_again && at_ms == ms;
         if is_again(again_ms) {
-            desk.ask(OperatorRequest::Engage);
+            desk.ask(OperatorRequest::Camera(CameraRequest::Engage));
         }
         if at_ms == ENGAGES_AT_MS
             || at_ms == ENGAGES_AT_MS + GO_AGAIN_MS
@@ -165,7 +170,7 @@ impl Script {
             ms == at_ms
         }) {
             self.is_helm_held = false;
-            desk.ask(OperatorRequest::Steer(VesselCommand::NEUTRAL));
+            desk.ask(OperatorRequest::Vessel(VesselRequest::Steer(VesselCommand::NEUTRAL)));
         }
         if presses {
             self.is_helm_held = true;
@@ -175,7 +180,7 @@ impl Script {
         if self.is_helm_held && (presses || at_ms.is_multiple_of(HELM_INTERVAL_MS)) {
             desk.oracle.steered(at_ms);
             let rudder = if at_ms % 4_000 < 2_000 { 0.5 } else { -0.5 };
-            desk.ask(OperatorRequest::Steer(VesselCommand { throttle: 0.7, rudder }));
+            desk.ask(OperatorRequest::Vessel(VesselRequest::Steer(VesselCommand { throttle: 0.7, rudder })));
         }
     }
 }

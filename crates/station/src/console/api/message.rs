@@ -3,9 +3,9 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::request::{ConsoleRequest, LawName};
 use super::snapshot::{ControlSeat, StatusSnapshot};
 use crate::snapshot::EventEntry;
+use barrelman_vocab::{LawId, Request};
 
 /// How a page receives video.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
@@ -28,7 +28,7 @@ pub enum ClientMessage {
         /// Number of the request, chosen by the page.
         id: u64,
         /// The request.
-        request: ConsoleRequest,
+        request: Request,
     },
     /// Choose how video is sent. Nothing is sent before the first choice.
     Video {
@@ -90,7 +90,7 @@ pub struct Hello {
     /// The vehicle profile.
     pub vehicle: String,
     /// The laws that can be chosen.
-    pub laws: Vec<LawName>,
+    pub laws: Vec<LawId>,
     /// Rate of a nudge, rad/s.
     pub nudge_rate: f64,
     /// What happens when the controlling page is gone: `stay` or `stop`.
@@ -129,11 +129,12 @@ pub struct RequestBody {
     #[serde(default)]
     pub id: u64,
     /// The request.
-    pub request: ConsoleRequest,
+    pub request: Request,
 }
 
 #[cfg(test)]
 mod tests {
+    use barrelman_vocab::{CameraRequest, DrawnSelection, PixelBox, SeatRequest, Timestamp};
     use serde_json::{Value, json};
 
     use super::*;
@@ -148,19 +149,21 @@ mod tests {
 
     #[test]
     fn messages_of_a_page_are_read_and_written_in_one_form() {
-        let request = ConsoleRequest::Engage;
+        let request = CameraRequest::Engage.into();
         check(
             json!({"type": "request", "id": 3, "request": {"kind": "engage"}}),
             ClientMessage::Request { id: 3, request },
         );
-        let request = ConsoleRequest::Select { bounds: [1.5, 2.0, 3.0, 4.0], captured_ns: u64::MAX };
+        let bounds = PixelBox { u: 1.5, v: 2.0, w: 3.0, h: 4.0 };
+        let captured_ns = Timestamp::from_nanos(u64::MAX);
+        let request = CameraRequest::Select(DrawnSelection { bounds, captured_ns }).into();
         check(
             json!({"type": "request", "id": u64::MAX, "request": {
-                "kind": "select", "box": [1.5, 2.0, 3.0, 4.0], "captured_ns": u64::MAX,
+                "kind": "select", "bounds": {"u": 1.5, "v": 2.0, "w": 3.0, "h": 4.0}, "captured_ns": u64::MAX,
             }}),
             ClientMessage::Request { id: u64::MAX, request },
         );
-        let request = ConsoleRequest::GiveControl { client: 2 };
+        let request = SeatRequest::GiveControl { client: 2 }.into();
         check(
             json!({"type": "request", "id": 0, "request": {"kind": "give-control", "client": 2}}),
             ClientMessage::Request { id: 0, request },

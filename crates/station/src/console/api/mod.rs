@@ -11,7 +11,6 @@
 //! ```
 
 mod message;
-mod request;
 
 mod place;
 mod snapshot;
@@ -23,7 +22,6 @@ mod video_message;
 pub use crate::snapshot::{DriveState, EventEntry, Level};
 pub use message::{Answer, AnswerKind, ClientMessage, Hello, RequestBody, ServerMessage, VideoPath};
 pub use place::PlaceStatus;
-pub use request::{ConsoleRequest, LawName, MarkName};
 pub use schema::api_document;
 pub use snapshot::{
     AxisPair, BoatStatus, CameraWork, ControlSeat, LinkStatus, ModeStatus, PerceptStatus, PositionStatus,

@@ -4,9 +4,9 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::place::PlaceStatus;
-use super::request::LawName;
 use super::vessel::VesselStatus;
 use crate::snapshot::DriveState;
+use barrelman_vocab::LawId;
 
 /// A value of each camera axis, rad/s.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
@@ -48,7 +48,7 @@ pub struct StatusSnapshot {
     /// Why a search would be refused now; `null`: it can be asked for.
     pub search_refusal: Option<String>,
     /// The law; `null`: a law that cannot be chosen here.
-    pub law: Option<LawName>,
+    pub law: Option<LawId>,
     /// The video.
     pub video: VideoStatus,
     /// Where the followed boat is on the water; `null`: nothing is followed, or height or tilt of the camera are not known.

@@ -1,19 +1,22 @@
 //! Requests of pages and programs, with the answers of a scripted session.
 
 use super::super::in_memory::{InMemory, LIVE, block_on};
+use barrelman_vocab::{LawId, MarkKind, Timestamp, WorldRequest};
+
 use super::*;
-use crate::operator::AnswerSlot;
+use crate::operator::{AnswerSlot, Request as Submitted};
 
 const CONTROL: Role = Role::Control;
 const WATCH: Role = Role::Watch;
+const STOP: OperatorRequest = OperatorRequest::Stop(StopCause::Operator);
 
-fn parsed(json: &str) -> ConsoleRequest {
+fn parsed(json: &str) -> Request {
     serde_json::from_str(json).unwrap_or_else(|error| panic!("{json}: {error}"))
 }
 
 /// A request of a program in its JSON form reaches the session as this.
 #[track_caller]
-fn check(json: &str, expected: Request) {
+fn check(json: &str, expected: Submitted) {
     let mut session = InMemory::new(LIVE);
     assert_eq!(session.request(CONTROL, None, parsed(json)), ACCEPTED, "{json}");
     assert_eq!(session.taken, [expected], "{json}");
@@ -32,29 +35,32 @@ fn check_refused(json: &str, reason: &str) {
 
 #[test]
 fn each_request_reaches_the_session_in_its_own_words() {
-    let pilot = Request::Pilot;
-    check(r#"{"kind":"engage"}"#, pilot(OperatorRequest::Engage));
-    check(r#"{"kind":"disengage"}"#, pilot(OperatorRequest::Disengage));
-    check(r#"{"kind":"reject"}"#, pilot(OperatorRequest::Reject));
-    check(r#"{"kind":"deselect"}"#, pilot(OperatorRequest::Deselect));
+    let pilot = Submitted::Pilot;
+    check(r#"{"kind":"engage"}"#, pilot(OperatorRequest::Camera(CameraRequest::Engage)));
+    check(r#"{"kind":"disengage"}"#, pilot(OperatorRequest::Camera(CameraRequest::Disengage)));
+    check(r#"{"kind":"reject"}"#, pilot(OperatorRequest::Camera(CameraRequest::Reject)));
+    check(r#"{"kind":"deselect"}"#, pilot(OperatorRequest::Camera(CameraRequest::Deselect)));
     let bounds = PixelBox { u: 10.5, v: -3.0, w: 40.0, h: 20.0 };
-    let drawn = DrawnSelection { bounds, captured: Timestamp::from_nanos(1_234_567_890_123) };
+    let drawn = DrawnSelection { bounds, captured_ns: Timestamp::from_nanos(1_234_567_890_123) };
     check(
-        r#"{"kind":"select","box":[10.5,-3,40,20],"captured_ns":1234567890123}"#,
-        pilot(OperatorRequest::SelectOn(drawn)),
+        r#"{"kind":"select","bounds":{"u":10.5,"v":-3,"w":40,"h":20},"captured_ns":1234567890123}"#,
+        pilot(OperatorRequest::Camera(CameraRequest::Select(drawn))),
     );
-    let nudge = |pan, tilt| pilot(OperatorRequest::Nudge(Nudge { pan, tilt }));
+    let nudge = |pan, tilt| pilot(OperatorRequest::Camera(CameraRequest::Nudge(Nudge { pan, tilt })));
     check(r#"{"kind":"nudge","pan":0.25,"tilt":-1}"#, nudge(0.25, -1.0));
     check(r#"{"kind":"nudge","pan":0,"tilt":1.0}"#, nudge(0.0, 1.0));
-    let law = |law| pilot(OperatorRequest::ChangeLaw(law));
-    check(r#"{"kind":"law","law":"schema"}"#, law(LawId::MotorSchema));
+    let law = |law| pilot(OperatorRequest::Camera(CameraRequest::Law { law }));
+    check(r#"{"kind":"law","law":"schema"}"#, law(LawId::Schema));
     check(r#"{"kind":"law","law":"intermittent"}"#, law(LawId::Intermittent));
     check(r#"{"kind":"law","law":"minimum-energy"}"#, law(LawId::MinimumEnergy));
     check(r#"{"kind":"law","law":"time-fuel"}"#, law(LawId::TimeFuel));
     check(r#"{"kind":"law","law":"eco"}"#, law(LawId::Eco));
-    check(r#"{"kind":"helmsman"}"#, pilot(OperatorRequest::ReleaseBoat));
-    let drawn =
-        |kind| DrawnMark { kind, pixel: PixelPoint { u: 4.5, v: -1.0 }, captured: Timestamp::from_nanos(17) };
+    check(r#"{"kind":"release-vessel"}"#, pilot(OperatorRequest::Vessel(VesselRequest::ReleaseVessel)));
+    let drawn = |kind| DrawnMark {
+        mark: kind,
+        at: PixelPoint { u: 4.5, v: -1.0 },
+        captured_ns: Timestamp::from_nanos(17),
+    };
     for (name, kind) in [
         ("place", MarkKind::Place),
         ("person", MarkKind::Person),
@@ -62,53 +68,52 @@ fn each_request_reaches_the_session_in_its_own_words() {
         ("forbidden", MarkKind::Forbidden),
         ("home", MarkKind::Home),
     ] {
-        let json = format!(r#"{{"kind":"mark","mark":"{name}","at":[4.5,-1],"captured_ns":17}}"#);
-        check(&json, pilot(OperatorRequest::Mark(drawn(kind))));
+        let json = format!(r#"{{"kind":"mark","mark":"{name}","at":{{"u":4.5,"v":-1}},"captured_ns":17}}"#);
+        check(&json, pilot(OperatorRequest::Vessel(VesselRequest::Mark(drawn(kind)))));
     }
-    let moved = MovedMark { id: 2, pixel: PixelPoint { u: 1.0, v: 2.0 }, captured: Timestamp::from_nanos(9) };
+    let moved = MovedMark { id: 2, at: PixelPoint { u: 1.0, v: 2.0 }, captured_ns: Timestamp::from_nanos(9) };
     check(
-        r#"{"kind":"move-mark","id":2,"at":[1,2],"captured_ns":9}"#,
-        pilot(OperatorRequest::MoveMark(moved)),
+        r#"{"kind":"move-mark","id":2,"at":{"u":1,"v":2},"captured_ns":9}"#,
+        pilot(OperatorRequest::Vessel(VesselRequest::MoveMark(moved))),
     );
-    check(r#"{"kind":"unmark","id":3}"#, pilot(OperatorRequest::Unmark(3)));
-    check(r#"{"kind":"unmark-all"}"#, pilot(OperatorRequest::UnmarkAll));
-    check(r#"{"kind":"next-mark"}"#, pilot(OperatorRequest::NextMark));
-    check(r#"{"kind":"stop-boat"}"#, pilot(OperatorRequest::StopBoat(BoatStop::Operator)));
-    check(r#"{"kind":"pause"}"#, Request::World(DriveInput::Pause));
-    check(r#"{"kind":"resume"}"#, Request::World(DriveInput::Resume));
+    check(r#"{"kind":"unmark","id":3}"#, pilot(OperatorRequest::Vessel(VesselRequest::Unmark { id: 3 })));
+    check(r#"{"kind":"unmark-all"}"#, pilot(OperatorRequest::Vessel(VesselRequest::UnmarkAll)));
+    check(r#"{"kind":"next-mark"}"#, pilot(OperatorRequest::Vessel(VesselRequest::NextMark)));
+    check(
+        r#"{"kind":"stop-vessel"}"#,
+        pilot(OperatorRequest::Vessel(VesselRequest::StopVessel { by: VesselStopper::Operator })),
+    );
+    check(r#"{"kind":"pause"}"#, Submitted::World(WorldRequest::Pause));
+    check(r#"{"kind":"resume"}"#, Submitted::World(WorldRequest::Resume));
 }
 
 #[test]
 fn the_boat_is_commanded_from_a_page_only() {
-    for (request, expected) in [
-        (
-            ConsoleRequest::Helm { thrust: 1.0, rudder: -0.5 },
-            OperatorRequest::Steer(VesselCommand { throttle: 1.0, rudder: 0.5 }),
-        ),
-        (ConsoleRequest::Guide, OperatorRequest::Guide),
-        (ConsoleRequest::GoHome, OperatorRequest::GoHome),
-    ] {
+    let steer = VesselRequest::Steer(VesselCommand { throttle: 1.0, rudder: 0.5 });
+    for request in [steer, VesselRequest::Guide, VesselRequest::GoHome].map(OperatorRequest::Vessel) {
         let mut session = InMemory::new(LIVE);
         let (answer, reason) = session.request(CONTROL, None, request);
         assert_eq!(answer, AnswerKind::Refused);
         assert!(reason.unwrap_or_default().contains("only a page on a socket"), "{request:?}");
         session.join("a", CONTROL);
         assert_eq!(session.request(CONTROL, Some(0), request).0, AnswerKind::Accepted);
-        assert_eq!(session.taken, [Request::Pilot(expected)]);
+        assert_eq!(session.taken, [Submitted::Pilot(request)]);
     }
 }
 
 #[test]
 fn values_without_sense_are_refused_with_the_reason() {
-    for bounds in ["[0,0,0,5]", "[0,0,5,0]", "[0,0,-5,5]", "[0,0,5,-0.0]"] {
-        check_refused(&format!(r#"{{"kind":"select","box":{bounds},"captured_ns":0}}"#), "the box must have");
+    for (w, h) in [("0", "5"), ("5", "0"), ("-5", "5"), ("5", "-0.0")] {
+        let bounds = format!(r#"{{"u":0,"v":0,"w":{w},"h":{h}}}"#);
+        let json = format!(r#"{{"kind":"select","bounds":{bounds},"captured_ns":0}}"#);
+        check_refused(&json, "the box must have");
     }
     for (first, second) in [("1.01", "0"), ("0", "-1.01"), ("1e300", "0"), ("-100", "100")] {
         let range = "numbers from -1 to 1";
         check_refused(&format!(r#"{{"kind":"nudge","pan":{first},"tilt":{second}}}"#), range);
         let mut session = InMemory::new(LIVE);
         session.join("a", CONTROL);
-        let helm = parsed(&format!(r#"{{"kind":"helm","thrust":{first},"rudder":{second}}}"#));
+        let helm = parsed(&format!(r#"{{"kind":"steer","throttle":{first},"rudder":{second}}}"#));
         let (answer, reason) = session.request(CONTROL, Some(0), helm);
         assert_eq!((answer, session.taken.len()), (AnswerKind::Refused, 0));
         assert!(reason.unwrap_or_default().contains(range));
@@ -117,17 +122,22 @@ fn values_without_sense_are_refused_with_the_reason() {
 
 #[test]
 fn numbers_that_json_cannot_carry_are_refused_too() {
-    let select = |bounds| ConsoleRequest::Select { bounds, captured_ns: 0 };
+    let captured_ns = Timestamp::ZERO;
+    let select = |[u, v, w, h]: [f64; 4]| -> OperatorRequest {
+        CameraRequest::Select(DrawnSelection { bounds: PixelBox { u, v, w, h }, captured_ns }).into()
+    };
+    let nudge = |pan, tilt| CameraRequest::Nudge(Nudge { pan, tilt }).into();
+    let steer = |throttle, rudder| VesselRequest::Steer(VesselCommand { throttle, rudder }).into();
     let nan = f64::NAN;
     for request in [
         select([nan, 0.0, 1.0, 1.0]),
         select([0.0, f64::INFINITY, 1.0, 1.0]),
         select([0.0, 0.0, f64::INFINITY, 1.0]),
         select([0.0, 0.0, 1.0, nan]),
-        ConsoleRequest::Nudge { pan: nan, tilt: 0.0 },
-        ConsoleRequest::Nudge { pan: 0.0, tilt: f64::NEG_INFINITY },
-        ConsoleRequest::Helm { thrust: nan, rudder: 0.0 },
-        ConsoleRequest::Helm { thrust: 0.0, rudder: nan },
+        nudge(nan, 0.0),
+        nudge(0.0, f64::NEG_INFINITY),
+        steer(nan, 0.0),
+        steer(0.0, nan),
     ] {
         let mut session = InMemory::new(LIVE);
         assert_eq!(session.request(CONTROL, None, request).0, AnswerKind::Refused, "{request:?}");
@@ -151,7 +161,8 @@ use Who::{Dropped, Holder, Other, Program, Viewer, ViewingProgram};
 
 /// With three pages connected, a request gets this answer; an empty reason: accepted.
 #[track_caller]
-fn check_from(from: Who, request: ConsoleRequest, reason: &str) {
+fn check_from(from: Who, request: impl Into<Request>, reason: &str) {
+    let request = request.into();
     let mut session = InMemory::new(LIVE);
     for (name, role) in [("a", CONTROL), ("b", CONTROL), ("c", WATCH)] {
         session.join(name, role);
@@ -174,19 +185,22 @@ fn check_from(from: Who, request: ConsoleRequest, reason: &str) {
 
 #[test]
 fn a_session_is_commanded_from_the_control_seat_only() {
-    for request in [
-        ConsoleRequest::Engage,
-        ConsoleRequest::Disengage,
-        ConsoleRequest::Reject,
-        ConsoleRequest::Deselect,
-        ConsoleRequest::Select { bounds: [1.0, 2.0, 3.0, 4.0], captured_ns: 5 },
-        ConsoleRequest::Nudge { pan: 0.0, tilt: 0.0 },
-        ConsoleRequest::Law { law: LawName::Eco },
-        ConsoleRequest::Helm { thrust: 0.0, rudder: 0.0 },
-        ConsoleRequest::Helmsman,
-        ConsoleRequest::Pause,
-        ConsoleRequest::Resume,
-    ] {
+    let bounds = PixelBox { u: 1.0, v: 2.0, w: 3.0, h: 4.0 };
+    let captured_ns = Timestamp::from_nanos(5);
+    let requests: [Request; 11] = [
+        CameraRequest::Engage.into(),
+        CameraRequest::Disengage.into(),
+        CameraRequest::Reject.into(),
+        CameraRequest::Deselect.into(),
+        CameraRequest::Select(DrawnSelection { bounds, captured_ns }).into(),
+        CameraRequest::Nudge(Nudge::default()).into(),
+        CameraRequest::Law { law: LawId::Eco }.into(),
+        VesselRequest::Steer(VesselCommand::NEUTRAL).into(),
+        VesselRequest::ReleaseVessel.into(),
+        WorldRequest::Pause.into(),
+        WorldRequest::Resume.into(),
+    ];
+    for request in requests {
         check_from(Holder, request, "");
         check_from(Other, request, "another page is in control: ask for the control, or take it");
         check_from(Viewer, request, "this token may only watch and stop");
@@ -199,14 +213,14 @@ fn a_session_is_commanded_from_the_control_seat_only() {
 #[test]
 fn everybody_can_stop() {
     for from in [Holder, Other, Viewer, Dropped, Program, ViewingProgram] {
-        check_from(from, ConsoleRequest::Stop, "");
+        check_from(from, STOP, "");
     }
 }
 
 #[test]
 fn control_moves_between_pages_that_may_control() {
-    let (take, ask) = (ConsoleRequest::TakeControl, ConsoleRequest::AskControl);
-    let give = |client| ConsoleRequest::GiveControl { client };
+    let (take, ask) = (SeatRequest::TakeControl, SeatRequest::AskControl);
+    let give = |client| SeatRequest::GiveControl { client };
     let may_watch = "this token may only watch";
     for request in [take, ask, give(0)] {
         check_from(Viewer, request, may_watch);
@@ -230,13 +244,13 @@ fn pages_are_told_who_asks_for_takes_and_gives_the_control() {
     let mut session = InMemory::new(LIVE);
     let (first, second) = (session.join("a", CONTROL), session.join("b", CONTROL));
     let seat = session.console.seat_changes.subscribe();
-    session.request(CONTROL, Some(second), ConsoleRequest::AskControl);
+    session.request(CONTROL, Some(second), SeatRequest::AskControl);
     assert_eq!((seat.borrow().holder, seat.borrow().asking.clone()), (Some(first), vec![second]));
-    session.request(CONTROL, Some(first), ConsoleRequest::GiveControl { client: second });
+    session.request(CONTROL, Some(first), SeatRequest::GiveControl { client: second });
     assert_eq!((seat.borrow().holder, seat.borrow().asking.clone()), (Some(second), vec![]));
-    session.request(CONTROL, Some(first), ConsoleRequest::TakeControl);
+    session.request(CONTROL, Some(first), SeatRequest::TakeControl);
     assert_eq!(seat.borrow().holder, Some(first));
-    session.request(CONTROL, Some(second), ConsoleRequest::GiveControl { client: second });
+    session.request(CONTROL, Some(second), SeatRequest::GiveControl { client: second });
     let notices = ["page 1 asks for the control", "page 0 gave the control away", "page 0 took the control"];
     assert_eq!(session.logged("control"), notices, "a refused request is no change");
 }
@@ -245,13 +259,13 @@ fn pages_are_told_who_asks_for_takes_and_gives_the_control() {
 fn a_program_may_command_while_no_page_is_there() {
     let mut session = InMemory::new(LIVE);
     let watcher = session.join("w", WATCH);
-    assert_eq!(session.request(CONTROL, None, ConsoleRequest::Engage), ACCEPTED);
+    assert_eq!(session.request(CONTROL, None, CameraRequest::Engage), ACCEPTED);
     let page = session.join("a", CONTROL);
-    assert_eq!(session.request(CONTROL, None, ConsoleRequest::Engage).0, AnswerKind::Refused);
+    assert_eq!(session.request(CONTROL, None, CameraRequest::Engage).0, AnswerKind::Refused);
     session.console.with_seats(|seats| seats.leave(page, session.console.time.clock()));
-    let reply = session.request(CONTROL, None, ConsoleRequest::Engage);
+    let reply = session.request(CONTROL, None, CameraRequest::Engage);
     assert_eq!(reply.0, AnswerKind::Refused, "the seat of a lost page is kept for a reload");
-    assert_eq!(session.request(WATCH, Some(watcher), ConsoleRequest::Stop), ACCEPTED);
+    assert_eq!(session.request(WATCH, Some(watcher), STOP), ACCEPTED);
 }
 
 #[test]
@@ -267,7 +281,7 @@ fn the_answer_is_that_of_the_session() {
     ] {
         let mut session = InMemory::new(LIVE);
         session.answer = given;
-        assert_eq!(session.request(CONTROL, None, ConsoleRequest::Engage), expected);
+        assert_eq!(session.request(CONTROL, None, CameraRequest::Engage), expected);
     }
 }
 
@@ -284,8 +298,8 @@ fn a_request_that_the_session_never_took_is_refused_at_its_end() {
 fn a_stop_supersedes_the_requests_that_wait() {
     let mut session = InMemory::new(LIVE);
     let from = Requester { role: CONTROL, client: None };
-    let waiting = begin_request(&session.console, from, ConsoleRequest::Engage);
-    let stop = begin_request(&session.console, from, ConsoleRequest::Stop);
+    let waiting = begin_request(&session.console, from, CameraRequest::Engage.into());
+    let stop = begin_request(&session.console, from, STOP.into());
     session.take_requests();
     assert_eq!(session.taken, [], "the pilot is not engaged after the stop");
     let superseded = (AnswerKind::Superseded, Some("stopped".to_owned()));
@@ -297,7 +311,7 @@ fn a_stop_supersedes_the_requests_that_wait() {
 fn repeated_stops_are_all_acknowledged_by_one_step() {
     let mut session = InMemory::new(LIVE);
     let from = Requester { role: WATCH, client: None };
-    let stops = [(); 3].map(|()| begin_request(&session.console, from, ConsoleRequest::Stop));
+    let stops = [(); 3].map(|()| begin_request(&session.console, from, STOP.into()));
     session.take_requests();
     assert_eq!(session.publisher.newest().steps, 1);
     for stop in stops {
@@ -308,9 +322,9 @@ fn repeated_stops_are_all_acknowledged_by_one_step() {
 #[test]
 fn a_stop_that_is_pressed_again_is_not_acknowledged_by_the_step_before() {
     let mut session = InMemory::new(LIVE);
-    assert_eq!(session.request(WATCH, None, ConsoleRequest::Stop), ACCEPTED);
+    assert_eq!(session.request(WATCH, None, STOP), ACCEPTED);
     let from = Requester { role: WATCH, client: None };
-    let second = begin_request(&session.console, from, ConsoleRequest::Stop);
+    let second = begin_request(&session.console, from, STOP.into());
     assert!(matches!(second, Pending::Stop(2)), "{second:?}");
     let InMemory { console, publisher, .. } = session;
     drop(publisher);

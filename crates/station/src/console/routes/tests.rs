@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use barrelman_vocab::OperatorRequest;
+use barrelman_vocab::{CameraRequest, OperatorRequest};
 
 use super::super::access::Role;
 use super::super::in_memory::{
@@ -271,7 +271,7 @@ fn requests_are_taken_from_the_control_token_and_a_stop_from_both() {
     call(&mut session, STOP, &[WATCH]);
     assert_eq!((session.taken.as_slice(), session.console.gateway.stop_latch().taken()), (&[][..], 1));
     call(&mut session, ENGAGE, &[CONTROL]);
-    assert_eq!(session.taken, [SessionRequest::Pilot(OperatorRequest::Engage)]);
+    assert_eq!(session.taken, [SessionRequest::Pilot(OperatorRequest::Camera(CameraRequest::Engage))]);
 }
 
 #[test]
@@ -293,15 +293,22 @@ fn a_body_that_cannot_be_read_is_refused_with_the_reason() {
         ("null", "the request cannot be read"),
         (r#"{"request":"stop"}"#, "the request cannot be read"),
         (r#"{"request":{}}"#, "missing field `kind`"),
-        (r#"{"request":{"kind":"take-off"}}"#, "unknown variant `take-off`"),
-        (r#"{"request":{"kind":"Stop"}}"#, "unknown variant `Stop`"),
+        (
+            r#"{"request":{"kind":"take-off"}}"#,
+            "there is no request of the kind `take-off`: use one of stop, select, ",
+        ),
+        (r#"{"request":{"kind":"Stop"}}"#, "there is no request of the kind `Stop`"),
         (r#"{"request":{"kind":"stop"},"token":"x"}"#, "unknown field `token`"),
         (r#"{"id":-1,"request":{"kind":"stop"}}"#, "invalid value"),
         (r#"{"request":{"kind":"nudge","pan":1}}"#, "missing field `tilt`"),
         (r#"{"request":{"kind":"nudge","pan":"1","tilt":0}}"#, "invalid type"),
         (r#"{"request":{"kind":"nudge","pan":1,"tilt":0,"speed":9}}"#, "unknown field `speed`"),
         (r#"{"request":{"kind":"law","law":"fastest"}}"#, "unknown variant `fastest`"),
-        (r#"{"request":{"kind":"select","box":[1,2,3],"captured_ns":0}}"#, "the request cannot be read"),
+        (
+            r#"{"request":{"kind":"select","bounds":{"u":1,"v":2,"w":3},"captured_ns":0}}"#,
+            "missing field `h`",
+        ),
+        (r#"{"request":{"kind":"engage","law":"eco"}}"#, "unknown field `law`"),
         (r#"{"request":{"kind":"stop"}} {}"#, "trailing characters"),
         ("\u{feff}{}", "the request cannot be read"),
     ] {

@@ -5,7 +5,7 @@ use std::collections::VecDeque;
 use axum::http::StatusCode;
 use barrelman_vocab::unit::{Rotation, UnitCodec};
 use barrelman_vocab::video::{Capture, CaptureQuality};
-use barrelman_vocab::{EncodedUnit, OperatorRequest};
+use barrelman_vocab::{CameraRequest, EncodedUnit, OperatorRequest};
 use hyper::server::conn::http1;
 use hyper_util::rt::TokioIo;
 use hyper_util::service::TowerToHyperService;
@@ -220,7 +220,13 @@ fn each_request_gets_its_answer_by_its_number() {
         assert_eq!(answers, expected.map(|(id, answer)| (id, answer.to_owned())));
     });
     let pilot = Request::Pilot;
-    assert_eq!(session.taken, [pilot(OperatorRequest::Engage), pilot(OperatorRequest::Disengage)]);
+    assert_eq!(
+        session.taken,
+        [
+            pilot(OperatorRequest::Camera(CameraRequest::Engage)),
+            pilot(OperatorRequest::Camera(CameraRequest::Disengage))
+        ]
+    );
 }
 
 #[test]

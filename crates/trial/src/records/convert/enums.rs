@@ -6,7 +6,7 @@ use barrelman_pilot::outcome::HoldCause;
 use barrelman_vocab::acceptance::Acceptance;
 use barrelman_vocab::telemetry::LinkState;
 use barrelman_vocab::video::{CaptureQuality, ColourMatrix, SampleRange};
-use barrelman_vocab::{BoatStop, LawId, MarkKind, StopCause};
+use barrelman_vocab::{MarkKind, StopCause};
 
 use super::malformed::{Malformed, missing};
 use crate::records::stored;
@@ -102,23 +102,12 @@ variants!(CommandPath, CommandPath, "command_path", [
     CommandPath::Link => Link,
     CommandPath::DryRun => DryRun,
 ]);
-variants!(LawId, LawId, "law", [
-    LawId::MotorSchema => MotorSchema,
-    LawId::MinimumEnergy => MinimumEnergy,
-    LawId::TimeFuel => TimeFuel,
-    LawId::Eco => Eco,
-    LawId::Intermittent => Intermittent,
-]);
 variants!(MarkKind, MarkKind, "mark_kind", [
     MarkKind::Place => Place,
     MarkKind::Person => Person,
     MarkKind::WayPoint => WayPoint,
     MarkKind::Forbidden => Forbidden,
     MarkKind::Home => Home,
-]);
-variants!(BoatStop, BoatStop, "boat_stop", [
-    BoatStop::Operator => Operator,
-    BoatStop::ConsoleLost => ConsoleLost,
 ]);
 variants!(Sector, Sector, "sector", [
     Sector::Right => Right,

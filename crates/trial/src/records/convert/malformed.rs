@@ -10,6 +10,11 @@ impl From<prost::DecodeError> for Malformed {
     }
 }
 
+/// The error of a field that another format stands in.
+pub(super) fn unreadable(field: &str, error: &dyn core::fmt::Display) -> Malformed {
+    Malformed(format!("{field} is unreadable: {error}"))
+}
+
 /// The error of a field that is absent, or whose number stands for no known variant.
 pub(super) fn missing(field: &str) -> Malformed {
     Malformed(format!("{field} is missing, or has a value that this version does not know"))

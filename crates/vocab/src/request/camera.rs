@@ -1,0 +1,82 @@
+//! Requests about the camera and the target that it follows.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use strum::VariantNames;
+
+use crate::image::PixelBox;
+use crate::time::Timestamp;
+
+/// A request about the camera and the target that it follows.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema, VariantNames)]
+#[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
+#[strum(serialize_all = "kebab-case")]
+pub enum CameraRequest {
+    /// Track what this box contained in the video frame on which it was drawn. Replaces an earlier selection at any
+    /// time. The track is brought up to the newest frame, and then has to be confirmed. The answer comes when the track
+    /// has been confirmed (accepted) or could not be confirmed (refused), or when another selection comes (superseded).
+    Select(DrawnSelection),
+    /// Track the content of this box of the next video frame, without a confirmation.
+    SelectNext(PixelBox),
+    /// "Not that one": forget the present track, do not take that object again, and search for the selected target.
+    Reject,
+    /// Forget the target and follow nothing.
+    Deselect,
+    /// Turn the camera slowly while this is renewed, at least every 250 ms; while disengaged only.
+    Nudge(Nudge),
+    /// Turn the camera slowly to find the target that was lost: the last bearing first, then a bounded sweep. A search
+    /// ends when the target is found, and after a minute.
+    Search,
+    /// Turn the camera slowly to measure its axes.
+    Calibrate,
+    /// State by how much the vehicle is turned about the vertical, and with it the tether twisted.
+    NetYaw {
+        /// Degrees, positive to the right.
+        degrees: f64,
+    },
+    /// Change the camera law; while not engaged only.
+    Law {
+        /// The law.
+        law: LawId,
+    },
+    /// Let the pilot move the camera. After a stop, only `engage` allows motion again.
+    Engage,
+    /// Continue tracking with the camera at rest. This also ends a stop, without allowing motion.
+    Disengage,
+}
+
+/// A selection, and the video frame on which it was drawn.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct DrawnSelection {
+    /// The box, pixels of the displayed picture.
+    pub bounds: PixelBox,
+    /// Time of capture of the video frame.
+    pub captured_ns: Timestamp,
+}
+
+/// A slow turn of the camera by hand, in shares of the nudge rate.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Nudge {
+    /// -1 to 1, positive to the right.
+    pub pan: f64,
+    /// -1 to 1, positive upwards.
+    pub tilt: f64,
+}
+
+/// The camera laws that an operator can choose.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum LawId {
+    /// The paper's motor schema.
+    Schema,
+    /// Optimal law: least energy.
+    MinimumEnergy,
+    /// Optimal law: time in motion and energy.
+    TimeFuel,
+    /// Optimal law: longest rest.
+    Eco,
+    /// Optimal law: one movement for each excursion.
+    Intermittent,
+}
