@@ -225,9 +225,9 @@ mod tests {
     #[test]
     fn each_key_has_one_meaning() {
         for (key, expected) in [
-            (b'e', "Some(Request(Engage))"),
-            (b'd', "Some(Request(Disengage))"),
-            (b's', "Some(Request(Search))"),
+            (b'e', "Some(Request(Camera(Engage)))"),
+            (b'd', "Some(Request(Camera(Disengage)))"),
+            (b's', "Some(Request(Camera(Search)))"),
             (b' ', "Some(Request(Stop(Operator)))"),
             (b'q', "Some(Quit(Key))"),
             (b'E', "None"),
@@ -248,7 +248,7 @@ mod tests {
             TerminalPoll { signals: &[], keys: Some(keys.as_fd()), output: Some(output.as_fd()) };
         assert_eq!(events(&mut watcher), [""; 0]);
         typist.write_all(b"ex ").unwrap();
-        assert_eq!(events(&mut watcher), ["Request(Engage)", "Request(Stop(Operator))"]);
+        assert_eq!(events(&mut watcher), ["Request(Camera(Engage))", "Request(Stop(Operator))"]);
         drop(typist);
         assert_eq!(events(&mut watcher), [""; 0]);
         assert!(watcher.keys.is_none(), "an input that has ended is not read again");

@@ -256,7 +256,7 @@ fn a_frame_is_stepped_and_its_rates_are_sent_with_their_time_to_live() {
 fn requests_are_stepped_before_the_first_event() {
     let run = run(&[SELECT, ENGAGE], [(1_000, quit())]);
     let inputs = run.inputs();
-    assert_eq!(inputs[..2], [(1_000, &*format!("{SELECT:?}")), (1_000, "Engage")]);
+    assert_eq!(inputs[..2], [(1_000, &*format!("{SELECT:?}")), (1_000, "Camera(Engage)")]);
 }
 
 #[test]
