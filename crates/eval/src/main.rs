@@ -1,8 +1,8 @@
-//! The evaluation program: measures the tracker, the simulator and the camera laws against their requirements, tunes
-//! and fits parameters, and renders sample views.
+//! The evaluation program: measures the tracker, the simulator and the camera laws against their requirements, fits the
+//! motion of the simulated target, and renders sample views.
 //!
 //! ```text
-//! cargo run --release -p barrelman-eval -- tracker|selection|training-samples|simulator|calibration|search|guidance|law|tune|views|fit|closed-loop|faults|link-latency
+//! cargo run --release -p barrelman-eval -- tracker|selection|training-samples|simulator|calibration|search|guidance|law|views|fit|closed-loop|faults|link-latency
 //! ```
 //! The exit status is 1 if a requirement is missed or a command fails.
 //!
@@ -62,8 +62,6 @@ enum Command {
     Guidance(guidance::Options),
     /// Compare the camera laws on the same seeds.
     Law(law::Options),
-    /// Search for parameters of the optimal law.
-    Tune(law::TuneOptions),
     /// Render named views of the simulator as PNG files.
     Views(views::Options),
     /// Fit the motion of the simulated laboratory target to the recorded trials.
@@ -88,7 +86,6 @@ fn main() -> ExitCode {
         Command::Search(options) => ("search", search::run(&options)),
         Command::Guidance(options) => ("guidance", guidance::run(&options)),
         Command::Law(options) => ("law", law::run(&options)),
-        Command::Tune(options) => ("tune", law::tune(&options).map(|()| true)),
         Command::Views(options) => ("views", views::render(&options).map(|()| true)),
         Command::Fit(options) => ("fit", simulator::fit_target(&options).map(|()| true)),
         Command::ClosedLoop(options) => ("closed-loop", closed_loop::run(&options)),

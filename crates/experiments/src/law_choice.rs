@@ -38,6 +38,28 @@ pub enum ModeName {
     Intermittent,
 }
 
+impl ModeName {
+    /// The mode's name on the command line and in a configuration.
+    pub const fn name_str(self) -> &'static str {
+        match self {
+            Self::MinimumEnergy => "minimum-energy",
+            Self::TimeFuel => "time-fuel",
+            Self::Eco => "eco",
+            Self::Intermittent => "intermittent",
+        }
+    }
+
+    /// The mode of the optimal law.
+    pub const fn optimal_mode(self) -> OptimalMode {
+        match self {
+            Self::MinimumEnergy => OptimalMode::MinimumEnergy,
+            Self::TimeFuel => OptimalMode::TimeFuel,
+            Self::Eco => OptimalMode::Eco,
+            Self::Intermittent => OptimalMode::Intermittent,
+        }
+    }
+}
+
 /// A camera law with its mode and its horizon, which only the optimal law has.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -101,22 +123,12 @@ impl LawChoice {
 
     /// The mode's name on the command line and in a configuration; `None` for a law without modes.
     pub fn mode_str(&self) -> Option<&'static str> {
-        (self.name == LawName::Optimal).then(|| match self.mode.unwrap_or_default() {
-            ModeName::MinimumEnergy => "minimum-energy",
-            ModeName::TimeFuel => "time-fuel",
-            ModeName::Eco => "eco",
-            ModeName::Intermittent => "intermittent",
-        })
+        (self.name == LawName::Optimal).then(|| self.mode.unwrap_or_default().name_str())
     }
 
     /// The law's settings.
     pub fn settings(&self) -> LawSettings {
-        let mode = match self.mode.unwrap_or_default() {
-            ModeName::MinimumEnergy => OptimalMode::MinimumEnergy,
-            ModeName::TimeFuel => OptimalMode::TimeFuel,
-            ModeName::Eco => OptimalMode::Eco,
-            ModeName::Intermittent => OptimalMode::Intermittent,
-        };
+        let mode = self.mode.unwrap_or_default().optimal_mode();
         match self.name {
             LawName::MotorSchema => LawSettings::MotorSchema,
             LawName::Optimal => LawSettings::Optimal(OptimalSettings { mode, horizon_s: self.horizon_s }),

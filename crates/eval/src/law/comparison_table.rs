@@ -42,15 +42,29 @@ const MAX_SEEDS_OF_SLOW_LAW: u64 = 48;
 /// Most trials of each condition in which the path is taken as known.
 const MAX_SEEDS_OF_CLAIRVOYANT: u64 = 48;
 
+/// All laws that are compared with the schema, with their names.
+const LAWS: [(&str, LawUnderTest); 8] = [
+    optimal(ModeName::MinimumEnergy),
+    optimal(ModeName::TimeFuel),
+    optimal(ModeName::Eco),
+    optimal(ModeName::Intermittent),
+    ("centre", LawUnderTest::Centring),
+    ("LQG, weight 1", LawUnderTest::Lqg(1.0)),
+    ("LQG, weight 10", LawUnderTest::Lqg(10.0)),
+    ("MPC", LawUnderTest::Mpc),
+];
+
+const fn optimal(mode: ModeName) -> (&'static str, LawUnderTest) {
+    (mode.name_str(), LawUnderTest::Optimal(mode))
+}
+
 /// Prints the table. Returns whether every requirement holds.
 pub(super) fn print(conditions: &[&Condition], options: &Options) -> Result<bool> {
     let Options { first_seed, seeds, .. } = *options;
-    let laws = laws(options)?;
     let mut is_met = true;
     for condition in conditions {
         let plan = condition.plan()?;
-        let baseline =
-            LawUnderTest::MotorSchema.simulate_with_motion(&plan, first_seed..first_seed + seeds)?;
+        let baseline = LawUnderTest::MotorSchema.simulate_with_motion(&plan, options.seeds())?;
         print_line(&format!(
             "\n{}: {seeds} trials, seeds from {first_seed} on; ratios to the schema's means, 95 %",
             condition.name()
@@ -60,7 +74,7 @@ pub(super) fn print(conditions: &[&Condition], options: &Options) -> Result<bool
         print_line(&format!(
             "  with the target's path known, {enough:.2} rad of travel are enough to keep it inside"
         ));
-        for (name, law) in laws.iter().filter(|(name, _)| options.includes_law(name)) {
+        for (name, law) in LAWS.iter().filter(|(name, _)| options.includes_law(name)) {
             let count = if law.is_slow() { seeds.min(MAX_SEEDS_OF_SLOW_LAW) } else { seeds };
             let trials = law.simulate_with_motion(&plan, first_seed..first_seed + count)?;
             let comparison = CampaignComparison::new(&baseline.0, &trials.0, &Bootstrap::DEFAULT);
@@ -73,27 +87,6 @@ pub(super) fn print(conditions: &[&Condition], options: &Options) -> Result<bool
         }
     }
     Ok(is_met)
-}
-
-/// All laws that are compared with the schema, with their names.
-///
-/// # Errors
-/// If a changed value does not exist.
-pub(super) fn laws(options: &Options) -> Result<Vec<(&'static str, LawUnderTest)>> {
-    let optimal = |mode| {
-        let (name, tuning) = options.tuning_of(mode)?;
-        anyhow::Ok((name, LawUnderTest::Optimal(tuning)))
-    };
-    Ok(vec![
-        optimal(ModeName::MinimumEnergy)?,
-        optimal(ModeName::TimeFuel)?,
-        optimal(ModeName::Eco)?,
-        optimal(ModeName::Intermittent)?,
-        ("centre", LawUnderTest::Centring),
-        ("LQG, weight 1", LawUnderTest::Lqg(1.0)),
-        ("LQG, weight 10", LawUnderTest::Lqg(10.0)),
-        ("MPC", LawUnderTest::Mpc),
-    ])
 }
 
 /// Prints rows of a law. Returns whether its requirements hold.

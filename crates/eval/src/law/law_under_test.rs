@@ -3,9 +3,10 @@
 use std::ops::Range;
 
 use anyhow::Result;
-use barrelman_control::optimal::{ModeTuning, OptimalLaw};
+use barrelman_control::optimal::{OptimalLaw, OptimalSettings};
 use barrelman_control::{CentringGains, Law, MotorSchema};
 use barrelman_experiments::campaign::plan::CampaignPlan;
+use barrelman_experiments::law_choice::ModeName;
 use barrelman_trial::metrics::TrialEntry;
 use barrelman_vocab::VehicleProfile;
 
@@ -20,9 +21,9 @@ use crate::parallel;
 pub(super) enum LawUnderTest {
     MotorSchema,
     Centring,
-    Optimal(ModeTuning),
+    Optimal(ModeName),
     /// The same, with pictures that are taken to arrive this long after their capture, seconds, whatever the truth is.
-    OptimalWithAssumedLatency(ModeTuning, f64),
+    OptimalWithAssumedLatency(ModeName, f64),
     /// A linear-quadratic regulator with this weight of the squared rate, s².
     Lqg(f64),
     /// Model predictive control with a soft ellipse.
@@ -43,9 +44,9 @@ impl LawUnderTest {
                 CentringGains::HAND_TUNED,
                 profile.limits,
             )),
-            Self::Optimal(tuning) => Box::new(OptimalLaw::with_tuning(*tuning, profile)),
-            Self::OptimalWithAssumedLatency(tuning, latency_s) => {
-                Box::new(AssumedLatency::new(OptimalLaw::with_tuning(*tuning, profile), *latency_s))
+            Self::Optimal(mode) => Box::new(optimal(*mode, profile)),
+            Self::OptimalWithAssumedLatency(mode, latency_s) => {
+                Box::new(AssumedLatency::new(optimal(*mode, profile), *latency_s))
             }
             Self::Lqg(weight) => Box::new(Lqg::new(*weight, profile)),
             Self::Mpc => Box::new(Mpc::new(profile)),
@@ -79,4 +80,8 @@ impl LawUnderTest {
         .collect::<Result<Vec<_>>>()
         .map(|pairs| pairs.into_iter().unzip())
     }
+}
+
+fn optimal(mode: ModeName, profile: &VehicleProfile) -> OptimalLaw {
+    OptimalLaw::new(&OptimalSettings::new(mode.optimal_mode()), profile)
 }

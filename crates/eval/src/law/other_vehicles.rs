@@ -3,21 +3,21 @@
 use core::time::Duration;
 
 use anyhow::Result;
-use barrelman_control::optimal::ModeTuning;
 use barrelman_sim::Scenario;
 use barrelman_sim::video_link::VideoLinkModel;
 use barrelman_sim::zoom::Zoom;
 use barrelman_vocab::profile::AxisRates;
 use barrelman_vocab::{AngularRate, VehicleProfile};
 
+use super::options::Options;
 use super::variants::{self, Variant};
 
 /// Prints the table. Returns whether every column is within its limit in every row.
 ///
 /// # Errors
 /// If a scenario cannot be used.
-pub(super) fn print(first_seed: u64, seeds: u64, tuning: ModeTuning) -> Result<bool> {
-    variants::print_table("other vehicles", &VARIANTS, (first_seed, seeds), tuning)
+pub(super) fn print(options: &Options) -> Result<bool> {
+    variants::print_table("other vehicles", &VARIANTS, options)
 }
 
 /// The camera of a vehicle.
@@ -65,7 +65,7 @@ const KITE_ON_WATER: Vehicle = Vehicle {
 const ZOOM: Zoom = Zoom { ratio: 2.0, period_s: 20.0 };
 
 /// The first vehicle is that of all other tables.
-pub(super) const VARIANTS: [Variant; 5] = [
+const VARIANTS: [Variant; 5] = [
     Variant::new("Fotokite Pro", |_| {}, |_| {}),
     Variant::new("Fotokite Sigma, assumed times", |w| SIGMA.apply_to_world(w), |p| SIGMA.apply_to_profile(p)),
     Variant::new(

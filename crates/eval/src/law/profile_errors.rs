@@ -4,14 +4,14 @@
 use core::time::Duration;
 
 use anyhow::Result;
-use barrelman_control::optimal::ModeTuning;
 use barrelman_sim::Scenario;
 use barrelman_sim::camera_axis::AxisPlant;
 use barrelman_vocab::{Angle, VehicleProfile};
 
+use super::options::Options;
 use super::variants::{self, Variant};
 
-pub(super) const VARIANTS: [Variant; 25] = [
+const VARIANTS: [Variant; 25] = [
     Variant::new("as the profile says", |_| {}, |_| {}),
     Variant::new("focal length believed 30 % short", |_| {}, |p| scale_focal_length(p, 0.7)),
     Variant::new("focal length believed 30 % long", |_| {}, |p| scale_focal_length(p, 1.3)),
@@ -78,9 +78,9 @@ const ASSUMED_LATENCY_S: Option<f64> = Some(0.2);
 ///
 /// # Errors
 /// If a scenario cannot be used.
-pub(super) fn print(first_seed: u64, seeds: u64, tuning: ModeTuning) -> Result<bool> {
+pub(super) fn print(options: &Options) -> Result<bool> {
     let title = "a vehicle that is not as its profile says";
-    variants::print_table(title, &VARIANTS, (first_seed, seeds), tuning)
+    variants::print_table(title, &VARIANTS, options)
 }
 
 fn scale_focal_length(profile: &mut VehicleProfile, share: f64) {

@@ -2,8 +2,8 @@
 //! the optimal law in each.
 
 use anyhow::Result;
-use barrelman_control::optimal::ModeTuning;
 use barrelman_experiments::campaign::plan::CampaignPlan;
+use barrelman_experiments::law_choice::ModeName;
 use barrelman_sim::Scenario;
 use barrelman_trial::campaign::compare::{CampaignComparison, PairedMetric};
 use barrelman_trial::campaign::statistics::Bootstrap;
@@ -11,6 +11,7 @@ use barrelman_vocab::VehicleProfile;
 
 use super::conditions::Condition;
 use super::law_under_test::LawUnderTest;
+use super::options::Options;
 use crate::output::print_line;
 
 /// The columns: the printed name, and the metric of a comparison.
@@ -26,12 +27,12 @@ const COLUMNS: [(&str, &str); 8] = [
 ];
 
 /// The largest ratio to the schema's mean that every column may have.
-pub(super) const MAX_RATIO: f64 = 1.0;
+const MAX_RATIO: f64 = 1.0;
 /// The same where the video drops out.
 const MAX_RATIO_WITH_DROP_OUTS: f64 = 1.1;
 
 /// The conditions that the variants change.
-pub(super) const CONDITIONS_OF_VARIANTS: [Condition; 2] =
+const CONDITIONS_OF_VARIANTS: [Condition; 2] =
     [Condition { scenario: "lab1", setting: "indoor" }, Condition { scenario: "lab2", setting: "indoor" }];
 
 /// A change of the trials.
@@ -57,7 +58,7 @@ impl Variant {
     }
 
     /// The trials of a plan with this variant's changes.
-    pub(super) fn changed(&self, plan: &CampaignPlan) -> CampaignPlan {
+    fn changed(&self, plan: &CampaignPlan) -> CampaignPlan {
         plan.clone()
             .with_changed_scenario(self.change_world)
             .with_changed_profile(self.change_profile)
@@ -65,16 +66,11 @@ impl Variant {
     }
 
     /// The optimal law of this variant.
-    pub(super) fn law(&self, tuning: ModeTuning) -> LawUnderTest {
-        self.assumed_latency_s.map_or(LawUnderTest::Optimal(tuning), |latency_s| {
-            LawUnderTest::OptimalWithAssumedLatency(tuning, latency_s)
+    fn law(&self, mode: ModeName) -> LawUnderTest {
+        self.assumed_latency_s.map_or(LawUnderTest::Optimal(mode), |latency_s| {
+            LawUnderTest::OptimalWithAssumedLatency(mode, latency_s)
         })
     }
-}
-
-/// Whether a metric has a column.
-pub(super) fn is_judged(metric: &str) -> bool {
-    COLUMNS.iter().any(|(_, judged)| *judged == metric)
 }
 
 /// Prints a table of variants. Returns whether the upper ends of all ratios are within the limit in every row, and no more
@@ -82,21 +78,15 @@ pub(super) fn is_judged(metric: &str) -> bool {
 ///
 /// # Errors
 /// If a scenario cannot be used.
-pub(super) fn print_table(
-    title: &str,
-    variants: &[Variant],
-    (first_seed, seeds): (u64, u64),
-    tuning: ModeTuning,
-) -> Result<bool> {
+pub(super) fn print_table(title: &str, variants: &[Variant], options: &Options) -> Result<bool> {
     let mut is_met = true;
-    let seeds = first_seed..first_seed + seeds;
+    let seeds = options.seeds();
     for condition in CONDITIONS_OF_VARIANTS {
-        let plan = condition.nominal_plan()?.with_recorded_motion(seeds.clone())?;
+        let plan = condition.nominal_plan()?;
         let scenario = condition.scenario;
         print_line(&format!(
-            "\n{scenario}, {title}: {} trials, seeds from {first_seed} on; the optimal law's ratios to the schema's \
-             means",
-            seeds.end - first_seed
+            "\n{scenario}, {title}: {} trials, seeds from {} on; the optimal law's ratios to the schema's means",
+            options.seeds, options.first_seed
         ));
         let names: Vec<String> = COLUMNS.iter().map(|(name, _)| format!("{name:>7}")).collect();
         print_line(&format!(
@@ -107,7 +97,7 @@ pub(super) fn print_table(
         for variant in variants {
             let plan = variant.changed(&plan);
             let baseline = LawUnderTest::MotorSchema.simulate(&plan, seeds.clone())?;
-            let optimal = variant.law(tuning).simulate(&plan, seeds.clone())?;
+            let optimal = variant.law(options.mode).simulate(&plan, seeds.clone())?;
             let comparison = CampaignComparison::new(&baseline, &optimal, &Bootstrap::DEFAULT);
             let drops_out = plan.scenario().camera.video.impaired_share > 0.0;
             let limit = if drops_out { MAX_RATIO_WITH_DROP_OUTS } else { MAX_RATIO };
