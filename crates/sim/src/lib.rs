@@ -24,7 +24,6 @@ pub mod camera_mount;
 pub mod kite;
 pub mod path;
 pub mod pursuit;
-pub mod recorded_motion;
 pub mod sway;
 pub mod zoom;
 

@@ -4,8 +4,6 @@
 //! [`World::write_snapshot`] describe the state at the present tick. Rendering, latency and control are not part of
 //! the world.
 
-use std::sync::Arc;
-
 use barrelman_vocab::{Angle, CameraCommand, ImagePoint, Timestamp};
 
 use crate::boat::{HelmCommand, JetBoat};
@@ -17,11 +15,10 @@ use crate::kite::{Kite, SETTLING_TICKS};
 use crate::path::InvalidPath;
 use crate::pose::{BodyPose, CameraPose, WorldPoint};
 use crate::pursuit::{Pursuit, wrap_angle};
-use crate::recorded_motion::{MotionAtTick, RecordedMotion};
 use crate::scenario::{CameraSetup, Platform, Scenario, TargetScript};
 use crate::scenery::Scenery;
 use crate::sea::Sea;
-use crate::snapshot::{Boat, Ground, Light, SceneObject, SensorState, Snapshot, Target};
+use crate::snapshot::{Boat, Ground, Light, SceneObject, Snapshot, Target};
 use crate::sway::SwayingPlatform;
 use crate::tick::TICKS_PER_SECOND;
 use crate::wind::TurbulentWind;
@@ -63,8 +60,6 @@ pub struct World {
     electronics: Electronics,
     /// Steers the boat instead of the helmsman.
     helm_override: Option<HelmCommand>,
-    /// The motion of platform and target, where it is not computed anew.
-    recorded: Option<Arc<RecordedMotion>>,
     tick: u64,
     last_tick: u64,
 }
@@ -127,7 +122,6 @@ impl World {
             light: scenario.light,
             camera,
             helm_override: None,
-            recorded: None,
             tick: 0,
             last_tick: (scenario.max_s * f64::from(TICKS_PER_SECOND)) as u64,
         })
@@ -166,33 +160,10 @@ impl World {
         }
     }
 
-    /// The motion of platform and target from now to the end of the trial. `None` where the camera or an operator changes
-    /// it: a kite, a boat that can be steered.
-    pub fn record_motion(mut self) -> Option<RecordedMotion> {
-        let is_independent = matches!(self.platform, MovingPlatform::Swaying(_)) && !self.is_steerable();
-        is_independent.then(|| {
-            let mut ticks = vec![self.motion()];
-            while !self.is_over() {
-                self.advance();
-                ticks.push(self.motion());
-            }
-            RecordedMotion::new(ticks)
-        })
-    }
-
-    /// The same world, whose platform and target move as recorded: by [`Self::record_motion`] of the same scenario and
-    /// seed.
-    #[must_use]
-    pub fn with_motion(self, motion: Arc<RecordedMotion>) -> Self {
-        Self { recorded: Some(motion), ..self }
-    }
-
     /// Advances by one tick.
     pub fn advance(&mut self) {
-        if self.recorded.is_none() {
-            self.advance_motion();
-            self.electronics.advance(self.tick);
-        }
+        self.advance_motion();
+        self.electronics.advance(self.tick);
         self.mount.advance();
         self.tick += 1;
     }
@@ -245,9 +216,6 @@ impl World {
 
     /// Whether the trial is over. A boat whose helm is overridden does not arrive.
     pub fn is_over(&self) -> bool {
-        if let Some(recorded) = &self.recorded {
-            return recorded.is_over_at(self.tick);
-        }
         let arrived = match &self.target {
             MovingTarget::Pursuit { pursuit, .. } => pursuit.is_over(),
             MovingTarget::Boat { helmsman, .. } => self.helm_override.is_none() && helmsman.has_arrived(),
@@ -283,33 +251,15 @@ impl World {
 
     /// The target's present pose.
     pub fn target_pose(&self) -> BodyPose {
-        self.recorded_now().map_or_else(|| self.target.pose(), |motion| motion.target)
+        self.target.pose()
     }
 
     /// Offset of the platform now: attitude (yaw, pitch, roll) and position.
     fn platform_offset(&self) -> ((Angle, Angle, Angle), WorldPoint) {
-        match (self.recorded_now(), &self.platform) {
-            (Some(motion), _) => (motion.attitude, motion.displacement),
-            (None, MovingPlatform::Swaying(swaying)) => (swaying.attitude_offset(), swaying.displacement()),
-            (None, MovingPlatform::Kite(kite)) => {
-                (kite.attitude_offset(self.mount.pan.angle()), kite.displacement())
-            }
+        match &self.platform {
+            MovingPlatform::Swaying(swaying) => (swaying.attitude_offset(), swaying.displacement()),
+            MovingPlatform::Kite(kite) => (kite.attitude_offset(self.mount.pan.angle()), kite.displacement()),
         }
-    }
-
-    fn sensor_state(&self) -> SensorState {
-        self.recorded_now().map_or_else(|| self.electronics.state(), |motion| motion.sensor)
-    }
-
-    /// The recorded motion now, if there is one.
-    fn recorded_now(&self) -> Option<&MotionAtTick> {
-        self.recorded.as_ref().and_then(|recorded| recorded.at(self.tick))
-    }
-
-    /// What is recorded of this tick.
-    fn motion(&self) -> MotionAtTick {
-        let (attitude, displacement) = self.platform_offset();
-        MotionAtTick { attitude, displacement, target: self.target_pose(), sensor: self.sensor_state() }
     }
 
     /// Writes the present objects beside the target into `out`, reusing its memory: people, buoys, other craft.
@@ -351,7 +301,7 @@ impl World {
         snapshot.light = self.light;
         snapshot.ground = if self.sea.is_some() { Ground::Water } else { Ground::Floor };
         snapshot.target = self.target.to_snapshot(self.target_pose());
-        snapshot.sensor = self.sensor_state();
+        snapshot.sensor = self.electronics.state();
         self.write_objects(&mut snapshot.objects);
     }
 
@@ -365,7 +315,7 @@ impl World {
             ground: Ground::Floor,
             target: self.target.to_snapshot(self.target_pose()),
             objects: Vec::new(),
-            sensor: self.sensor_state(),
+            sensor: self.electronics.state(),
         };
         self.write_snapshot(&mut snapshot);
         snapshot

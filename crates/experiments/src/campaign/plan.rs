@@ -1,13 +1,9 @@
 //! The plan of a campaign: scenario, law, tracker, vehicle. Runs one trial of it for a seed.
 
-use std::collections::BTreeMap;
-use std::sync::Arc;
-
 use anyhow::{Context, Result, bail};
 use barrelman_control::{CameraLaw, Law};
 use barrelman_pilot::vessel::GuidanceLaw;
 use barrelman_pilot::{Pilot, PilotSettings};
-use barrelman_sim::recorded_motion::RecordedMotion;
 use barrelman_sim::render::Serial;
 use barrelman_sim::scenario::TargetScript;
 use barrelman_sim::snapshot::ObjectKind;
@@ -110,8 +106,6 @@ pub struct CampaignPlan {
     recordings: Option<TrialRecording>,
     /// Counts the simulated time of all trials.
     simulated: SimulatedTime,
-    /// The motion of platform and target by seed, where it is recorded.
-    motions: BTreeMap<u64, Arc<RecordedMotion>>,
 }
 
 impl CampaignPlan {
@@ -179,7 +173,6 @@ impl CampaignPlan {
             report_errors: ReportErrors::NONE,
             recordings: None,
             simulated: SimulatedTime::default(),
-            motions: BTreeMap::new(),
         })
     }
 
@@ -325,22 +318,6 @@ impl CampaignPlan {
         })
     }
 
-    /// The same plan, with the motion of platform and target recorded for these seeds, where the camera does not change
-    /// it: trials of these seeds take a third of the time, and their logs stay the same. Memory: 18 KB for each second
-    /// of a trial.
-    ///
-    /// # Errors
-    /// As [`Self::simulate`].
-    pub fn with_recorded_motion(mut self, seeds: impl IntoIterator<Item = u64>) -> Result<Self> {
-        for seed in seeds {
-            let (_, world) = self.world(seed)?;
-            if let Some(motion) = world.record_motion() {
-                self.motions.insert(seed, Arc::new(motion));
-            }
-        }
-        Ok(self)
-    }
-
     /// The scenario and the world of one trial, at its start.
     pub(super) fn world(&self, seed: u64) -> Result<(Scenario, World)> {
         let scenario = match self.plant {
@@ -349,10 +326,6 @@ impl CampaignPlan {
         };
         let Ok(world) = World::new(&scenario, seed) else {
             bail!("the way-points of {} make no path in trial {seed}", scenario.name);
-        };
-        let world = match self.motions.get(&seed) {
-            Some(motion) => world.with_motion(Arc::clone(motion)),
-            None => world,
         };
         Ok((scenario, world))
     }

@@ -1,7 +1,5 @@
 //! The world of a trial as a whole.
 
-use std::sync::Arc;
-
 use barrelman_sim::pursuit::{Pursuit, PursuitScript, REFERENCE_RANGE_M};
 use barrelman_sim::random::OrnsteinUhlenbeck;
 use barrelman_sim::scenario::{BeyondBorder, Platform, TargetScript};
@@ -317,26 +315,4 @@ fn a_localisation_is_off_by_as_much_and_for_as_long_as_the_scenario_says() {
     );
     let (std_dev, after_1_s) = errors(0.0);
     assert!((std_dev - 0.6).abs() < 0.02 && after_1_s.abs() < 0.03, "{std_dev} {after_1_s}");
-}
-
-#[test]
-fn a_world_with_recorded_motion_is_the_same_to_the_last_tick_whatever_the_camera_does() {
-    let mut scenario = plain();
-    let model = OrnsteinUhlenbeck { std_dev: 0.05, time_constant_s: 1.0 };
-    scenario.platform = Platform::Swaying(Sway { yaw: model, pitch: model, roll: model, position: model });
-    let new = || World::new(&scenario, 7).expect("a path");
-    let motion = new().record_motion().expect("neither a kite nor a boat to steer");
-    let (mut computed, mut recorded) = (new(), new().with_motion(Arc::new(motion)));
-    let rate = AngularRate::from_radians_per_second(0.15);
-    for world in [&mut computed, &mut recorded] {
-        world.command(CameraCommand { pan: rate, tilt: AngularRate::ZERO });
-    }
-    while !computed.is_over() {
-        assert_eq!(computed.truth(), recorded.truth());
-        assert!(!recorded.is_over());
-        computed.advance();
-        recorded.advance();
-    }
-    assert_eq!(computed.truth(), recorded.truth());
-    assert!(recorded.is_over() && computed.tick() > 600);
 }
