@@ -32,9 +32,12 @@ pub(crate) fn check(root: &Path) -> Result<Vec<String>> {
 
 fn source_folders(root: &Path) -> Result<Vec<PathBuf>> {
     let mut folders = vec![root.join("xtask/src")];
-    for entry in std::fs::read_dir(root.join("crates")).context("crates")? {
-        folders.push(entry?.path().join("src"));
+    for parent in ["crates", "research"] {
+        for entry in std::fs::read_dir(root.join(parent)).context(parent)? {
+            folders.push(entry?.path().join("src"));
+        }
     }
+    folders.retain(|folder| folder.is_dir());
     folders.sort();
     Ok(folders)
 }

@@ -13,13 +13,24 @@ struct Allowed {
     others: Option<BTreeSet<String>>,
 }
 
+/// A package of the workspace, with the names of its dependencies.
+struct Package {
+    name: String,
+    dependencies: BTreeSet<String>,
+    dev_dependencies: BTreeSet<String>,
+}
+
+/// The folder of what measures the product and is no part of it.
+const RESEARCH: &str = "research/";
+
 /// The findings: each dependency that the table does not allow (dev-dependencies excepted), each allowed dependency that
-/// is not used, and each crate that is missing in the table or in the workspace.
+/// is not used, each crate that is missing in the table or in the workspace, and each dependency of the product on
+/// research, dev-dependencies included.
 pub(crate) fn check(root: &Path) -> Result<Vec<String>> {
     let allowed = table(root)?;
     let packages = packages(root)?;
     let mut findings = Vec::new();
-    for (folder, dependencies) in &packages {
+    for (folder, Package { dependencies, .. }) in &packages {
         let Some(allowed) = allowed.get(folder) else {
             findings.push(format!("ARCHITECTURE.md: its table of crates does not name {folder}"));
             continue;
@@ -45,7 +56,24 @@ pub(crate) fn check(root: &Path) -> Result<Vec<String>> {
     for folder in allowed.keys().filter(|folder| !packages.contains_key(*folder)) {
         findings.push(format!("ARCHITECTURE.md: its table of crates names {folder}, which is not there"));
     }
+    findings.extend(uses_of_research(&packages));
     Ok(findings)
+}
+
+/// The findings: each crate outside of [`RESEARCH`] that depends on one inside.
+fn uses_of_research(packages: &BTreeMap<String, Package>) -> Vec<String> {
+    let (research, product): (Vec<_>, Vec<_>) =
+        packages.iter().partition(|(folder, _)| folder.starts_with(RESEARCH));
+    let uses = |package: &Package, name: &String| {
+        package.dependencies.contains(name) || package.dev_dependencies.contains(name)
+    };
+    product
+        .iter()
+        .flat_map(|(folder, package)| {
+            let used = research.iter().map(|(_, used)| &used.name).filter(|name| uses(package, name));
+            used.map(move |name| format!("{folder}: may not use {name}, which is in {RESEARCH}"))
+        })
+        .collect()
 }
 
 /// The name of a workspace package in the table, which is the name of its folder; `None` for other packages.
@@ -91,19 +119,23 @@ pub(crate) fn cargo_metadata(root: &Path, options: &[&str]) -> Result<Value> {
     Ok(serde_json::from_slice(&output.stdout)?)
 }
 
-/// Each package of the workspace by its folder, with the names of its dependencies (dev-dependencies excepted).
-fn packages(root: &Path) -> Result<BTreeMap<String, BTreeSet<String>>> {
+/// Each package of the workspace by its folder.
+fn packages(root: &Path) -> Result<BTreeMap<String, Package>> {
     let metadata = cargo_metadata(root, &["--no-deps"])?;
     let mut packages = BTreeMap::new();
     for package in metadata["packages"].as_array().context("packages")? {
         let manifest = Path::new(package["manifest_path"].as_str().context("manifest_path")?);
         let folder = manifest.parent().context("a manifest lies in a folder")?.strip_prefix(root)?;
-        let dependencies = package["dependencies"].as_array().context("dependencies")?;
-        let named = dependencies
-            .iter()
-            .filter(|dependency| dependency["kind"] != "dev")
-            .filter_map(|dependency| dependency["name"].as_str().map(str::to_owned));
-        packages.insert(folder.to_string_lossy().into_owned(), named.collect());
+        let all = package["dependencies"].as_array().context("dependencies")?;
+        let named = |is_dev: bool| {
+            all.iter()
+                .filter(|dependency| (dependency["kind"] == "dev") == is_dev)
+                .filter_map(|dependency| dependency["name"].as_str().map(str::to_owned))
+                .collect()
+        };
+        let name = package["name"].as_str().context("name")?.to_owned();
+        let package = Package { name, dependencies: named(false), dev_dependencies: named(true) };
+        packages.insert(folder.to_string_lossy().into_owned(), package);
     }
     Ok(packages)
 }

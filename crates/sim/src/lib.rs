@@ -41,7 +41,6 @@ pub mod noise;
 pub mod random;
 
 pub mod practice;
-pub mod water_scene;
 
 pub use camera_axis::{AxisPlant, CameraAxis};
 pub use camera_mount::{CameraMount, MountPlant};
@@ -51,5 +50,4 @@ pub use scenario::Scenario;
 pub use sea::{Sea, SeaState, Wind};
 pub use sensor::LocalisationSensor;
 pub use snapshot::Snapshot;
-pub use water_scene::{SceneKind, SceneScript, SceneTruth, TargetPaint, WaterScene};
 pub use world::{Truth, World};

@@ -9,5 +9,4 @@ mod render;
 mod sea;
 mod trial_world;
 mod video_link;
-mod water_scene;
 mod world;

@@ -7,7 +7,7 @@
 //!
 //! The channels are relative to the target and its surroundings, so that the network does not know what kind of object
 //! it looks at. Its weights were fitted to labelled recordings and simulated scenes
-//! (`scripts/training/train_refinement.py`).
+//! (`research/training/train_refinement.py`).
 
 mod convolution;
 mod memory;

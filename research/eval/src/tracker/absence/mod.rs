@@ -12,9 +12,9 @@ mod target_path;
 mod window_path;
 
 use anyhow::Result;
-use barrelman_sim::water_scene::{SceneKind, SceneScript, SceneTruth};
 use barrelman_vision::Tracker;
 use barrelman_vocab::Track;
+use barrelman_water_scene::{SceneKind, SceneScript, SceneTruth};
 use serde_json::{Value, json};
 
 use super::clips::list_clips;

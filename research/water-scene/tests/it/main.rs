@@ -1,8 +1,8 @@
 //! The test scenes and their truth.
 
-use barrelman_sim::{SceneKind, SceneScript, SceneTruth, TargetPaint, WaterScene};
 use barrelman_vocab::video::ColourEncoding;
 use barrelman_vocab::{Picture, PictureSize, PixelBox};
+use barrelman_water_scene::{SceneKind, SceneScript, SceneTruth, TargetPaint, WaterScene};
 
 const HD: PictureSize = PictureSize::new(1280, 720);
 const KINDS: [SceneKind; 3] =

@@ -7,8 +7,8 @@
 //! figures over all scenes, for a tracker with a motion prior.
 
 use anyhow::Result;
-use barrelman_sim::water_scene::{SceneKind, SceneScript, SceneTruth};
 use barrelman_vocab::{Angle, Track};
+use barrelman_water_scene::{SceneKind, SceneScript, SceneTruth};
 use serde_json::{Value, json};
 
 use super::options::Options;

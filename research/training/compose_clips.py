@@ -1,6 +1,6 @@
 """Composes labelled clips: targets cut out of some recordings move through the pictures of others.
 
-    python3 scripts/training/compose_clips.py CLIPS [CLIPS ...] --output COMPOSED [--count 180] [--seed 1] [--wakes 0]
+    python3 research/training/compose_clips.py CLIPS [CLIPS ...] --output COMPOSED [--count 180] [--seed 1] [--wakes 0]
         [--sizes 12 90] [--photographs DIR --objects DIR]
 
 CLIPS are folders of labelled clips: a folder each with video.mp4 and gt.csv. COMPOSED gets a folder of the same form for

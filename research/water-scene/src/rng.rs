@@ -1,6 +1,6 @@
 //! A sequential random generator for what is decided once per clip.
 
-use crate::noise;
+use barrelman_sim::noise;
 
 /// A stream of random numbers: the hash of [`noise::hash`] (the finaliser of SplitMix64) over a counter. Streams of
 /// the same seed are independent.

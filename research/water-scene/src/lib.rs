@@ -8,6 +8,7 @@
 //!
 //! Not handled: perspective within a picture, roll, rolling shutter, reflections, spray over the hull, rain,
 //! compression.
+#![forbid(unsafe_code)]
 
 mod script;
 
@@ -31,6 +32,7 @@ mod waves;
 
 pub use self::script::{SceneKind, SceneScript, TargetPaint};
 
+use barrelman_sim::noise;
 use barrelman_vocab::{Angle, Picture, PictureSize, PixelBox, PixelPoint};
 
 use self::canvas::{Canvas, Sensor};
@@ -44,7 +46,6 @@ use self::shore::Shore;
 use self::trajectory::Trajectory;
 use self::wake::Wake;
 use self::water::Water;
-use crate::noise;
 
 /// Upper bound of the hull's length as a share of the picture's shorter side, so that the boat has room to move.
 const MAX_HULL_SHARE: f64 = 0.3;

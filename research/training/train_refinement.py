@@ -1,7 +1,7 @@
 """Fits the weights of the tracker's refinement network to the samples of `barrelman-eval training-samples`.
 
     barrelman-eval training-samples --clips DIR --output SAMPLES
-    python3 scripts/training/train_refinement.py SAMPLES [SAMPLES ...] --output WEIGHTS [--folds 4]
+    python3 research/training/train_refinement.py SAMPLES [SAMPLES ...] --output WEIGHTS [--folds 4]
 
 WEIGHTS is a folder. `all.weights` is fitted to all clips, and goes to crates/vision/src/refinement/network.weights.
 With --folds N the recordings are divided into N parts, and for each part a network is fitted to the others: the

@@ -3,10 +3,10 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use barrelman_sim::water_scene::{SceneScript, SceneTruth, TargetPaint, WaterScene};
 use barrelman_vision::Tracker;
 use barrelman_vocab::video::{Capture, CaptureQuality, ColourEncoding};
 use barrelman_vocab::{MotionPrior, Picture, PictureSize, Timestamp, Track, VideoFrame};
+use barrelman_water_scene::{SceneScript, SceneTruth, TargetPaint, WaterScene};
 
 use crate::rng::Rng;
 

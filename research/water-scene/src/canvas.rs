@@ -1,11 +1,11 @@
 //! The canvas of a scene: three planes of numbers with a margin, so that blur needs no border cases, and the effects
 //! of optics and sensor on them.
 
+use barrelman_sim::noise;
 use barrelman_vocab::video::{ColourEncoding, ColourMatrix, SampleRange};
 use barrelman_vocab::{Picture, PictureSize, PixelBox};
 
 use super::colour::Yuv;
-use crate::noise;
 
 /// Margin in luma px: room for half of the longest motion blur and for the widest lens blur.
 pub(super) const MARGIN: usize = 16;

@@ -4,9 +4,9 @@
 use std::sync::Arc;
 
 use anyhow::Result;
-use barrelman_sim::water_scene::{SceneKind, SceneScript, WaterScene};
 use barrelman_vocab::video::{Capture, CaptureQuality, ColourEncoding};
 use barrelman_vocab::{Picture, PixelBox, Timestamp, VideoFrame};
+use barrelman_water_scene::{SceneKind, SceneScript, WaterScene};
 
 use crate::tracker::clips::Clip;
 use crate::tracker::scoring::Label;
