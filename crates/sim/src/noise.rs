@@ -1,22 +1,11 @@
-//! Random numbers from an integer hash: a function of seed, stream and index only, the same on every machine and in
-//! any order.
-//!
-//! The hash is the finaliser of SplitMix64 (Steele, Lea and Flood, 2014) over the sum of the seed and odd multiples
-//! of stream and index.
+//! Random numbers by seed, stream and index only ([`barrelman_vocab::rng::hash`]), the same on every machine and in any
+//! order.
 
-/// A well-mixed 64-bit number for a seed, a stream and an index.
-pub fn hash(seed: u64, stream: u64, index: u64) -> u64 {
-    let mut z = seed
-        .wrapping_add(stream.wrapping_mul(0x9E37_79B9_7F4A_7C15))
-        .wrapping_add(index.wrapping_mul(0xD1B5_4A32_D192_ED03));
-    z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-    z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-    z ^ (z >> 31)
-}
+use barrelman_vocab::rng::{hash, to_unit};
 
 /// Uniform sample in [0, 1).
 pub fn unit(seed: u64, stream: u64, index: u64) -> f64 {
-    (hash(seed, stream, index) >> 11) as f64 / (1_u64 << 53) as f64
+    to_unit(hash(seed, stream, index))
 }
 
 /// Sample of the standard normal distribution.

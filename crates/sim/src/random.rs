@@ -64,7 +64,7 @@ pub enum Stream {
     SensorHeading = 26,
 }
 
-/// A counter-based generator: one stream of a seed. The hash is the finaliser of SplitMix64 ([`crate::noise::hash`]).
+/// A counter-based generator: one stream of a seed ([`barrelman_vocab::rng::hash`]).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct CounterRng {
     seed: u64,

@@ -16,6 +16,7 @@
 //! renderer adds them), breaking, shallow water, and what a current does to the waves: it carries boats and people only.
 
 use barrelman_vocab::Angle;
+use barrelman_vocab::rng;
 
 use crate::noise;
 use crate::tick::TICKS_PER_SECOND;
@@ -157,7 +158,7 @@ impl Sea {
                 });
                 if let Some((lattice, relative)) = found {
                     let variance = jonswap(relative) * width / WAVES_PER_STEP as f64;
-                    waves.push(wave(lattice, side_m, variance, noise::hash(seed, PHASE, index)));
+                    waves.push(wave(lattice, side_m, variance, rng::hash(seed, PHASE, index)));
                 }
             }
         }

@@ -25,7 +25,7 @@ mod link_latency;
 
 mod output;
 mod parallel;
-mod rng;
+mod rng_of_name;
 mod statistics;
 mod svg;
 mod vehicle;

@@ -2,7 +2,9 @@
 //!
 //! Speed and turn rate follow their orders through first-order lags. A boat that hardly moves hardly turns.
 
-use super::rng::Rng;
+use barrelman_vocab::rng::SplitMix64;
+
+use super::choices::Choices;
 use super::view::PlanePoint;
 
 /// Time constant of the turn rate, s: a small boat answers its rudder within half a second.
@@ -31,7 +33,7 @@ pub(super) enum Order {
 /// The boat and its helmsman.
 #[derive(Debug, Clone)]
 pub(super) struct BoatMotion {
-    rng: Rng,
+    rng: SplitMix64,
     hull: f64,
     max_speed: f64,
     /// Radius around the start that roaming keeps to, in the plane's unit; `None`: no limit.
@@ -49,10 +51,10 @@ pub(super) struct BoatMotion {
 
 impl BoatMotion {
     /// A boat of this length at the plane's origin. `max_speed` is in the plane's unit per second.
-    pub(super) fn new(mut rng: Rng, hull: f64, max_speed: f64, home_radius: Option<f64>) -> Self {
+    pub(super) fn new(mut rng: SplitMix64, hull: f64, max_speed: f64, home_radius: Option<f64>) -> Self {
         let max_speed = (max_speed / hull).clamp(MIN_SPEED * 1.5, MAX_SPEED);
-        let heading = rng.uniform(-core::f64::consts::PI, core::f64::consts::PI);
-        let speed = rng.uniform(MIN_SPEED, max_speed);
+        let heading = rng.between(-core::f64::consts::PI, core::f64::consts::PI);
+        let speed = rng.between(MIN_SPEED, max_speed);
         let at = PlanePoint::default();
         Self {
             rng,
@@ -108,15 +110,15 @@ impl BoatMotion {
         if self.rng.chance(0.15) {
             self.ordered_speed = 0.0;
             self.ordered_turn = 0.0;
-            self.next_order_s = now_s + self.rng.uniform(2.0, 4.0);
+            self.next_order_s = now_s + self.rng.between(2.0, 4.0);
             return;
         }
-        self.ordered_speed = self.rng.uniform(MIN_SPEED, self.max_speed);
+        self.ordered_speed = self.rng.between(MIN_SPEED, self.max_speed);
         let hard = self.rng.chance(0.3);
-        let share = if hard { self.rng.uniform(0.6, 1.0) } else { self.rng.uniform(0.0, 0.4) };
+        let share = if hard { self.rng.between(0.6, 1.0) } else { self.rng.between(0.0, 0.4) };
         self.ordered_turn = MAX_TURN_RATE * share * self.rng.sign();
         self.next_order_s =
-            now_s + if hard { self.rng.uniform(0.8, 2.5) } else { self.rng.uniform(1.0, 3.5) };
+            now_s + if hard { self.rng.between(0.8, 2.5) } else { self.rng.between(1.0, 3.5) };
     }
 
     fn steer_to(&mut self, direction: f64) {

@@ -1,6 +1,7 @@
 //! Sway and zoom of the camera of a clip.
 
-use super::rng::Rng;
+use barrelman_vocab::rng::SplitMix64;
+
 use super::script::SceneKind;
 
 /// Hull length over picture height from which on the zoom only shrinks the boat, and up to which it only enlarges it.
@@ -16,10 +17,10 @@ pub(super) struct Sway {
 
 impl Sway {
     /// Amplitudes up to `reach` (horizontal, vertical), px; the speed of each sinusoid up to `max_speed`, px/s.
-    pub(super) fn new(rng: &mut Rng, reach: (f64, f64), max_speed: f64) -> Self {
+    pub(super) fn new(rng: &mut SplitMix64, reach: (f64, f64), max_speed: f64) -> Self {
         let mut part = |reach: f64| {
-            let rate = core::f64::consts::TAU * rng.uniform(0.1, 0.5);
-            [reach.min(max_speed / rate), rate, rng.uniform(0.0, core::f64::consts::TAU)]
+            let rate = core::f64::consts::TAU * rng.between(0.1, 0.5);
+            [reach.min(max_speed / rate), rate, rng.between(0.0, core::f64::consts::TAU)]
         };
         Self { parts: [part(0.7 * reach.0), part(0.3 * reach.0), part(0.7 * reach.1), part(0.3 * reach.1)] }
     }
@@ -39,17 +40,17 @@ pub(super) struct Zoom {
 }
 
 impl Zoom {
-    pub(super) fn new(rng: &mut Rng, kind: SceneKind, hull_over_height: f64) -> Self {
-        let factor = if kind == SceneKind::Manoeuvre { rng.uniform(1.5, 2.0) } else { rng.uniform(1.0, 1.2) };
+    pub(super) fn new(rng: &mut SplitMix64, kind: SceneKind, hull_over_height: f64) -> Self {
+        let factor = if kind == SceneKind::Manoeuvre { rng.between(1.5, 2.0) } else { rng.between(1.0, 1.2) };
         // A hull that fills much of the picture may only shrink; one of few pixels may only grow.
         let phase = if hull_over_height > MIN_SHRINKING_SHARE {
             core::f64::consts::FRAC_PI_2
         } else if hull_over_height < MAX_GROWING_SHARE {
             -core::f64::consts::FRAC_PI_2
         } else {
-            rng.uniform(0.0, core::f64::consts::TAU)
+            rng.between(0.0, core::f64::consts::TAU)
         };
-        let rate = core::f64::consts::TAU / rng.uniform(14.0, 36.0);
+        let rate = core::f64::consts::TAU / rng.between(14.0, 36.0);
         Self { reach: 0.5 * libm::log(factor), rate, phase }
     }
 

@@ -1,7 +1,7 @@
 //! The canvas of a scene: three planes of numbers with a margin, so that blur needs no border cases, and the effects
 //! of optics and sensor on them.
 
-use barrelman_sim::noise;
+use barrelman_vocab::rng;
 use barrelman_vocab::video::{ColourEncoding, ColourMatrix, SampleRange};
 use barrelman_vocab::{Picture, PictureSize, PixelBox};
 
@@ -66,7 +66,7 @@ impl Canvas {
         let chroma = Field::new(width / 2, height / 2);
         let normal = |at: usize| {
             // The sum of four uniform numbers is close enough to a normal distribution.
-            let bits = noise::hash(seed, 0, at as u64);
+            let bits = rng::hash(seed, 0, at as u64);
             let sum: u64 = (0..4).map(|part| (bits >> (16 * part)) & 0xFFFF).sum();
             ((sum as f64 / 65_535.0 - 2.0) * libm::sqrt(3.0)) as f32
         };
@@ -151,7 +151,7 @@ impl Canvas {
             let gain = if plane == 0 { sensor.light } else { sensor.light * sensor.saturation };
             for (row, line) in samples.chunks_exact_mut(size.width as usize).enumerate() {
                 let from = &field.samples[(row + margin) * field.width + margin..];
-                let noise_start = noise::hash(seed, plane as u64, row as u64) as usize % NOISE_LENGTH;
+                let noise_start = rng::hash(seed, plane as u64, row as u64) as usize % NOISE_LENGTH;
                 for ((sample, rendered), grain) in line.iter_mut().zip(from).zip(&self.noise[noise_start..]) {
                     let value = zero + (rendered - zero) * gain + std_dev * grain;
                     *sample = (value.clamp(low, high) + 0.5) as u8;

@@ -1,8 +1,8 @@
 //! Paints in red, green and blue, and their samples (BT.709, limited range).
 
+use barrelman_vocab::rng::SplitMix64;
 use barrelman_vocab::video::ColourMatrix;
 
-use super::rng::Rng;
 use super::script::TargetPaint;
 
 /// Y, U and V as samples, not yet rounded.
@@ -25,14 +25,14 @@ pub(super) fn lit(colour: Yuv, gain: f32) -> Yuv {
 }
 
 /// Red, green and blue of the hull, slightly different each time.
-pub(super) fn hull(paint: TargetPaint, rng: &mut Rng) -> [f64; 3] {
+pub(super) fn hull(paint: TargetPaint, rng: &mut SplitMix64) -> [f64; 3] {
     let (rgb, spread) = match paint {
         TargetPaint::Red => ([190.0, 38.0, 40.0], 14.0),
         TargetPaint::Orange => ([226.0, 104.0, 32.0], 14.0),
         TargetPaint::White => ([222.0, 224.0, 222.0], 6.0),
         TargetPaint::Grey => ([128.0, 132.0, 136.0], 6.0),
     };
-    rgb.map(|sample| sample + rng.uniform(-spread, spread))
+    rgb.map(|sample| sample + rng.between(-spread, spread))
 }
 
 /// Paints that differ from the hull's colour: hues at least 50 degrees from red and orange; beside hulls without a

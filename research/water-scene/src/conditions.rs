@@ -1,9 +1,10 @@
 //! Conditions of a clip: light, water and camera, sampled once from the seed.
 
 use barrelman_vocab::PictureSize;
+use barrelman_vocab::rng::SplitMix64;
 
+use super::choices::Choices;
 use super::colour::{self, Yuv};
-use super::rng::Rng;
 use super::script::{FRAMES_PER_SECOND, SceneScript};
 
 /// Water as red, green, blue: blue-green, grey, brown, dark, green, bright blue.
@@ -49,31 +50,31 @@ pub(super) struct Conditions {
 
 impl Conditions {
     pub(super) fn new(script: &SceneScript, hull: f64, seed: u64, stream: u64) -> Self {
-        let mut rng = Rng::new(seed, stream);
-        let depression = rng.uniform(40.0, 80.0).to_radians();
-        let brightness = rng.uniform(0.85, 1.2);
-        let water = rng.choose(&WATERS).map(|sample| sample * brightness + rng.uniform(-8.0, 8.0));
+        let mut rng = SplitMix64::of_stream(seed, stream);
+        let depression = rng.between(40.0, 80.0).to_radians();
+        let brightness = rng.between(0.85, 1.2);
+        let water = rng.choose(&WATERS).map(|sample| sample * brightness + rng.between(-8.0, 8.0));
         let water = colour::yuv(water);
         // Dark water shows less of its waves; a low sun shows more of them.
-        let contrast = rng.uniform(0.06, 0.14) * f64::from(water[0] - 16.0) + rng.uniform(1.0, 3.0);
+        let contrast = rng.between(0.06, 0.14) * f64::from(water[0] - 16.0) + rng.between(1.0, 3.0);
         let relative = f64::from(script.size.width) / f64::from(REFERENCE.width);
         Self {
             foreshortening: libm::sin(depression),
-            exposure_s: rng.uniform(0.05, 0.4) / f64::from(FRAMES_PER_SECOND),
-            blur_px: rng.uniform(0.6, 1.5),
-            noise: [rng.uniform(0.8, 3.2) as f32, rng.uniform(0.6, 2.0) as f32],
+            exposure_s: rng.between(0.05, 0.4) / f64::from(FRAMES_PER_SECOND),
+            blur_px: rng.between(0.6, 1.5),
+            noise: [rng.between(0.8, 3.2) as f32, rng.between(0.6, 2.0) as f32],
             water,
-            saturation: rng.uniform(0.6, 1.0) as f32,
+            saturation: rng.between(0.6, 1.0) as f32,
             contrast: contrast as f32,
-            glint_threshold: rng.uniform(3.0, 5.2) as f32,
-            crest_threshold: rng.uniform(2.6, 4.2) as f32,
-            fleck_threshold: rng.uniform(2.8, 4.0) as f32,
-            wind: rng.uniform(-core::f64::consts::PI, core::f64::consts::PI),
+            glint_threshold: rng.between(3.0, 5.2) as f32,
+            crest_threshold: rng.between(2.6, 4.2) as f32,
+            fleck_threshold: rng.between(2.8, 4.0) as f32,
+            wind: rng.between(-core::f64::consts::PI, core::f64::consts::PI),
             // A nearer camera sees a longer hull and longer waves; short waves exist at any distance.
-            wave_scale: libm::sqrt(hull / (60.0 * relative)) * relative * rng.uniform(0.8, 1.3),
-            gradient: rng.uniform(0.0, 0.18) as f32,
-            light: [rng.uniform(0.02, 0.1), rng.uniform(0.1, 0.5), rng.uniform(0.0, 6.0)],
-            sun: rng.uniform(-core::f64::consts::PI, core::f64::consts::PI),
+            wave_scale: libm::sqrt(hull / (60.0 * relative)) * relative * rng.between(0.8, 1.3),
+            gradient: rng.between(0.0, 0.18) as f32,
+            light: [rng.between(0.02, 0.1), rng.between(0.1, 0.5), rng.between(0.0, 6.0)],
+            sun: rng.between(-core::f64::consts::PI, core::f64::consts::PI),
         }
     }
 

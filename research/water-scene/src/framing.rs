@@ -3,7 +3,9 @@
 //! Positions are offsets from the picture's centre, u to the right and v downwards, px. The phases are drawn in
 //! `trajectory.rs`. A position *seeks* a goal like a critically damped spring, or *rides* along with the boat.
 
-use super::rng::Rng;
+use barrelman_vocab::rng::SplitMix64;
+
+use super::choices::Choices;
 use super::script::SceneKind;
 
 /// First stay in view, s.
@@ -94,7 +96,7 @@ enum Phase {
 
 #[derive(Debug, Clone)]
 pub(super) struct Framing {
-    rng: Rng,
+    rng: SplitMix64,
     limits: Limits,
     kind: SceneKind,
     end_s: f64,
@@ -105,12 +107,12 @@ pub(super) struct Framing {
 }
 
 impl Framing {
-    pub(super) fn new(mut rng: Rng, limits: Limits, kind: SceneKind, end_s: f64) -> Self {
-        let pan_px_s = rng.uniform(PAN_PX_S.0, PAN_PX_S.1) * limits.relative;
+    pub(super) fn new(mut rng: SplitMix64, limits: Limits, kind: SceneKind, end_s: f64) -> Self {
+        let pan_px_s = rng.between(PAN_PX_S.0, PAN_PX_S.1) * limits.relative;
         let at = sampled_inside(&mut rng, limits);
         let phase = Phase::Inside { goal: at, next_goal_s: 0.0, exit: None };
         let mut framing = Self { rng, limits, kind, end_s, pan_px_s, phase, at, velocity: (0.0, 0.0) };
-        let stay_s = framing.rng.uniform(FIRST_STAY_S.0, FIRST_STAY_S.1);
+        let stay_s = framing.rng.between(FIRST_STAY_S.0, FIRST_STAY_S.1);
         let exit = framing.plan_exit(stay_s.min(end_s - ROUND_S));
         framing.phase = Phase::Inside { goal: at, next_goal_s: 1.0, exit };
         framing
@@ -171,7 +173,7 @@ impl Framing {
                 }
                 let (u, v) = self.limits.inner;
                 if self.at.0.abs() <= u && self.at.1.abs() <= v {
-                    let stay_s = self.rng.uniform(STAY_S.0, STAY_S.1);
+                    let stay_s = self.rng.between(STAY_S.0, STAY_S.1);
                     let exit = self.plan_exit(now_s + stay_s);
                     self.phase = Phase::Inside { goal, next_goal_s: now_s + 1.0, exit };
                 }
@@ -195,7 +197,7 @@ impl Framing {
         let (mut goal, mut next_goal_s) = (goal, next_goal_s);
         if now_s >= next_goal_s {
             goal = sampled_inside(&mut self.rng, self.limits);
-            next_goal_s = now_s + self.rng.uniform(2.0, 4.0);
+            next_goal_s = now_s + self.rng.between(2.0, 4.0);
         }
         // A boat that will drive out approaches the border first.
         if let Some(exit) = drive.filter(|exit| now_s >= exit.begin_s - 2.5) {
@@ -230,7 +232,7 @@ impl Framing {
         }
         let outwards = self.rng.choose(&[(1.0, 0.0), (0.0, -1.0), (-1.0, 0.0), (0.0, 1.0)]);
         let (u, v) = self.limits.outer;
-        let along = self.rng.uniform(-0.6, 0.6);
+        let along = self.rng.between(-0.6, 0.6);
         let goal = (
             if outwards.0 == 0.0 { along * u } else { outwards.0 * u },
             if outwards.1 == 0.0 { along * v } else { outwards.1 * v },
@@ -239,20 +241,20 @@ impl Framing {
     }
 
     fn mode(&mut self) -> CrossingMode {
-        let omega = self.rng.uniform(1.8, 2.6);
+        let omega = self.rng.between(1.8, 2.6);
         if self.rng.chance(0.5) { CrossingMode::Pan { omega } } else { CrossingMode::Drive }
     }
 
     fn start_absence(&mut self, now_s: f64) {
         let max_wait_s = (self.end_s - RETURN_S - now_s).clamp(WAIT_S.0, WAIT_S.1);
-        let wait_s = self.rng.uniform(WAIT_S.0, max_wait_s);
+        let wait_s = self.rng.between(WAIT_S.0, max_wait_s);
         let from = self.circumference_position();
         // Distractors stay in view only if the camera does not go far.
         let max_distance = match self.kind {
             SceneKind::ExitAndReturnWithDistractor => 400.0,
             _ => 260.0 * wait_s,
         };
-        let to = from + self.rng.uniform(-1.0, 1.0) * max_distance * self.limits.relative;
+        let to = from + self.rng.between(-1.0, 1.0) * max_distance * self.limits.relative;
         let mode = self.mode();
         self.phase = Phase::Away { since_s: now_s, until_s: now_s + wait_s, from, to, mode };
     }
@@ -335,6 +337,6 @@ impl Framing {
     }
 }
 
-fn sampled_inside(rng: &mut Rng, limits: Limits) -> (f64, f64) {
-    (rng.uniform(-0.8, 0.8) * limits.inner.0, rng.uniform(-0.8, 0.8) * limits.inner.1)
+fn sampled_inside(rng: &mut SplitMix64, limits: Limits) -> (f64, f64) {
+    (rng.between(-0.8, 0.8) * limits.inner.0, rng.between(-0.8, 0.8) * limits.inner.1)
 }

@@ -15,13 +15,13 @@ mod script;
 mod boat_motion;
 mod camera_motion;
 mod canvas;
+mod choices;
 mod colour;
 mod conditions;
 mod framing;
 mod object;
 mod outline;
 mod placement;
-mod rng;
 mod scenery;
 mod shore;
 mod trajectory;
@@ -32,7 +32,7 @@ mod waves;
 
 pub use self::script::{SceneKind, SceneScript, TargetPaint};
 
-use barrelman_sim::noise;
+use barrelman_vocab::rng::{self, SplitMix64};
 use barrelman_vocab::{Angle, Picture, PictureSize, PixelBox, PixelPoint};
 
 use self::canvas::{Canvas, Sensor};
@@ -40,7 +40,6 @@ use self::conditions::{Conditions, REFERENCE};
 use self::object::{Body, ObjectExposure, PaintScheme, PlanePose, SceneObject};
 use self::outline::{Outline, Shape};
 use self::placement::{MAX_DISTRACTORS, PlacementContext};
-use self::rng::Rng;
 use self::script::FRAMES_PER_SECOND;
 use self::shore::Shore;
 use self::trajectory::Trajectory;
@@ -123,11 +122,11 @@ impl WaterScene {
         let frames = ((script.seconds * f64::from(FRAMES_PER_SECOND)).round() as u64).max(1);
         let conditions = Conditions::new(&script, hull, seed, stream::CONDITIONS);
 
-        let mut rng = Rng::new(seed, stream::BOAT);
-        let fullness = rng.uniform(1.6, 2.8);
-        let outline = Outline::new(Shape::Hull { fullness }, hull, hull * rng.uniform(0.3, 0.46));
+        let mut rng = SplitMix64::of_stream(seed, stream::BOAT);
+        let fullness = rng.between(1.6, 2.8);
+        let outline = Outline::new(Shape::Hull { fullness }, hull, hull * rng.between(0.3, 0.46));
         let paint = colour::yuv(colour::hull(script.target, &mut rng));
-        let cockpit = [rng.uniform(34.0, 80.0), rng.uniform(36.0, 80.0), rng.uniform(40.0, 84.0)];
+        let cockpit = [rng.between(34.0, 80.0), rng.between(36.0, 80.0), rng.between(40.0, 84.0)];
         let stripe = match script.target {
             TargetPaint::White => [60.0, 90.0, 160.0],
             _ => [222.0, 222.0, 214.0],
@@ -138,11 +137,16 @@ impl WaterScene {
             stripe: colour::yuv(stripe),
             engine: colour::yuv([28.0, 28.0, 32.0]),
         };
-        let wake_strength = rng.uniform(0.3, 1.3);
+        let wake_strength = rng.between(0.3, 1.3);
 
         let count = frames as usize;
-        let trajectory =
-            Trajectory::new(&script, count, &outline, &conditions, Rng::new(seed, stream::TRAJECTORY));
+        let trajectory = Trajectory::new(
+            &script,
+            count,
+            &outline,
+            &conditions,
+            SplitMix64::of_stream(seed, stream::TRAJECTORY),
+        );
         let context = PlacementContext {
             trajectory: &trajectory,
             frames: count,
@@ -150,16 +154,25 @@ impl WaterScene {
             paint: script.target,
             relative,
         };
-        let shore = Shore::new(&context, Rng::new(seed, stream::SHORE));
+        let shore = Shore::new(&context, SplitMix64::of_stream(seed, stream::SHORE));
         let distractors = if script.kind == SceneKind::ExitAndReturnWithDistractor {
-            scenery::distractors(&context, shore.as_ref(), paint, Rng::new(seed, stream::DISTRACTORS))
+            scenery::distractors(
+                &context,
+                shore.as_ref(),
+                paint,
+                SplitMix64::of_stream(seed, stream::DISTRACTORS),
+            )
         } else {
             Vec::new()
         };
-        let clutter =
-            scenery::clutter(&context, shore.as_ref(), &distractors, Rng::new(seed, stream::CLUTTER));
+        let clutter = scenery::clutter(
+            &context,
+            shore.as_ref(),
+            &distractors,
+            SplitMix64::of_stream(seed, stream::CLUTTER),
+        );
 
-        let canvas = Canvas::new(script.size, noise::hash(seed, stream::SENSOR, 0));
+        let canvas = Canvas::new(script.size, rng::hash(seed, stream::SENSOR, 0));
         let water = Water::new(&conditions, relative, canvas.y.width, seed, stream::WATER);
         let wake = Wake::new(&canvas.u);
         let boat = Body { outline, paint_scheme };
@@ -301,7 +314,7 @@ impl WaterScene {
             self.boat.render(&mut self.canvas, plane_pose, ObjectExposure { view, motion, sun });
         }
         self.canvas.blur(self.conditions.blur_px);
-        let noise_seed = noise::hash(self.seed, stream::SENSOR, frame as u64 + 1);
+        let noise_seed = rng::hash(self.seed, stream::SENSOR, frame as u64 + 1);
         let Conditions { saturation, noise, .. } = self.conditions;
         let sensor = Sensor { light: self.conditions.light(time_s), saturation, noise };
         self.canvas.expose(sensor, noise_seed, out);

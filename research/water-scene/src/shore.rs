@@ -1,9 +1,11 @@
 //! Land on one side of the boat's way, with a ragged edge and a line of surf.
 
+use barrelman_vocab::rng::SplitMix64;
+
 use super::canvas::{Canvas, MARGIN};
+use super::choices::Choices;
 use super::colour::{self, Yuv};
 use super::placement::PlacementContext;
-use super::rng::Rng;
 use super::view::{PlanePoint, View};
 use super::water::Water;
 use super::waves::{Layer, SIDE};
@@ -39,14 +41,14 @@ pub(super) struct Shore {
 
 impl Shore {
     /// A shore, in some of the clips.
-    pub(super) fn new(context: &PlacementContext<'_>, mut rng: Rng) -> Option<Self> {
+    pub(super) fn new(context: &PlacementContext<'_>, mut rng: SplitMix64) -> Option<Self> {
         if rng.chance(0.6) {
             return None;
         }
         let hull = 2.0 * context.outline.half_length;
         let mut best: Option<(f64, (f64, f64), f64)> = None;
         for _ in 0..TRIES {
-            let direction = rng.uniform(0.0, core::f64::consts::TAU);
+            let direction = rng.between(0.0, core::f64::consts::TAU);
             let inland = (libm::cos(direction), libm::sin(direction));
             let ahead = |at: PlanePoint| at.x * inland.0 + at.y * inland.1;
             let poses = || (0..context.frames as i64).map(|frame| context.trajectory.pose(frame));
@@ -69,12 +71,12 @@ impl Shore {
             }
         }
         let (_, inland, line) = best?;
-        let brightness = rng.uniform(0.85, 1.15);
+        let brightness = rng.between(0.85, 1.15);
         let land = colour::yuv(rng.choose(&LANDS).map(|sample| sample * brightness));
         let mut layer = |scale: f64| Layer {
             scale: scale * context.relative,
             drift: (0.0, 0.0),
-            offset: (rng.uniform(0.0, SIDE as f64), rng.uniform(0.0, SIDE as f64)),
+            offset: (rng.between(0.0, SIDE as f64), rng.between(0.0, SIDE as f64)),
         };
         Some(Self { inland, line, land, edge: layer(0.55), grain: layer(0.6), patch: layer(0.9) })
     }

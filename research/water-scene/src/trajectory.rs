@@ -15,6 +15,7 @@
 //! The boat leaves and returns because the camera pans or because the boat drives. Where the boat drives, its place in
 //! the picture moves with its own velocity.
 
+use barrelman_vocab::rng::SplitMix64;
 use barrelman_vocab::{PictureSize, PixelPoint};
 
 use super::boat_motion::{BoatMotion, Order};
@@ -22,7 +23,6 @@ use super::camera_motion::{Sway, Zoom};
 use super::conditions::{Conditions, REFERENCE};
 use super::framing::{BoatGoal, Framing, Limits};
 use super::outline::Outline;
-use super::rng::Rng;
 use super::script::{FRAMES_PER_SECOND, SceneKind, SceneScript};
 use super::view::{PlanePoint, View};
 
@@ -80,7 +80,7 @@ impl Trajectory {
         frames: usize,
         outline: &Outline,
         conditions: &Conditions,
-        rng: Rng,
+        rng: SplitMix64,
     ) -> Self {
         let mut simulation = Simulation::new(script, frames, outline, conditions, rng);
         let mut absences = AbsenceRecorder::new(script.size);
@@ -156,7 +156,7 @@ impl Simulation {
         frames: usize,
         outline: &Outline,
         conditions: &Conditions,
-        mut rng: Rng,
+        mut rng: SplitMix64,
     ) -> Self {
         let size = script.size;
         let (width, height) = (f64::from(size.width), f64::from(size.height));
@@ -167,7 +167,7 @@ impl Simulation {
         // The room between the hull and 5 % from the border is shared by plan, sway and lag. Pictures of a few pixels
         // have no such room; something must be left to share.
         let room = ((0.45 * width - reach).max(0.02 * width), (0.45 * height - reach).max(0.02 * height));
-        let wanted_reach = rng.uniform(8.0, 100.0) * relative;
+        let wanted_reach = rng.between(8.0, 100.0) * relative;
         let sway_reach = (wanted_reach.min(0.25 * room.0), wanted_reach.min(0.25 * room.1));
         let sway = Sway::new(&mut rng, sway_reach, MAX_SWAY_PX_S * relative);
         let lag_reach = (0.2 * room.0, 0.2 * room.1);
@@ -180,7 +180,7 @@ impl Simulation {
             relative,
         };
         let home_radius = (script.kind != SceneKind::Manoeuvre).then_some(0.3 * height);
-        let motion_rng = Rng::new(rng.unit().to_bits(), 0);
+        let motion_rng = SplitMix64::of_stream(rng.uniform().to_bits(), 0);
         let motion = BoatMotion::new(motion_rng, hull, MAX_BOAT_PX_S * relative, home_radius);
         let end_s = frames as f64 / f64::from(FRAMES_PER_SECOND);
         Self {

@@ -13,9 +13,10 @@
 //!
 //! Not handled: waves that change their shape, reflections of objects, refraction.
 
+use barrelman_vocab::rng::SplitMix64;
+
 use super::canvas::{Canvas, MARGIN};
 use super::conditions::Conditions;
-use super::rng::Rng;
 use super::view::View;
 use super::wake::Wake;
 use super::waves::{Layer, LayerView, SIDE, Spectrum, Tile};
@@ -59,10 +60,10 @@ struct Rows {
 
 impl Water {
     pub(super) fn new(conditions: &Conditions, relative: f64, width: usize, seed: u64, stream: u64) -> Self {
-        let mut rng = Rng::new(seed, stream);
+        let mut rng = SplitMix64::of_stream(seed, stream);
         let tile = |waves, cycles, spread, stream| {
             let spectrum = Spectrum { waves, cycles, direction: conditions.wind, spread };
-            Tile::new(spectrum, Rng::new(seed, stream))
+            Tile::new(spectrum, SplitMix64::of_stream(seed, stream))
         };
         let mut layer = |scale: f64, speed: f64, aside: f64| {
             let direction = conditions.wind + aside;
@@ -70,7 +71,7 @@ impl Water {
             Layer {
                 scale: scale * conditions.wave_scale,
                 drift: (speed * libm::cos(direction), speed * libm::sin(direction)),
-                offset: (rng.uniform(0.0, SIDE as f64), rng.uniform(0.0, SIDE as f64)),
+                offset: (rng.between(0.0, SIDE as f64), rng.between(0.0, SIDE as f64)),
             }
         };
         let layers = Layers {

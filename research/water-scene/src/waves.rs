@@ -4,7 +4,8 @@
 //! amplitudes that fall with the wave number: h(x) = sum a_k cos(2 pi k.x / N + phase_k), scaled to mean 0 and
 //! variance 1.
 
-use super::rng::Rng;
+use barrelman_vocab::rng::SplitMix64;
+
 use super::view::View;
 
 /// Texels per side: a power of two, so that positions wrap.
@@ -31,7 +32,7 @@ pub(super) struct Tile {
 }
 
 impl Tile {
-    pub(super) fn new(spectrum: Spectrum, mut rng: Rng) -> Self {
+    pub(super) fn new(spectrum: Spectrum, mut rng: SplitMix64) -> Self {
         let mut samples = vec![0.0_f32; SIDE * SIDE];
         let turn = core::f64::consts::TAU / SIDE as f64;
         let table: Vec<(f32, f32)> = (0..SIDE)
@@ -39,15 +40,15 @@ impl Tile {
             .collect();
         let (low, high) = spectrum.cycles;
         for _ in 0..spectrum.waves {
-            let cycles = low * libm::pow(high / low, rng.unit());
-            let direction = spectrum.direction + spectrum.spread * rng.normal();
+            let cycles = low * libm::pow(high / low, rng.uniform());
+            let direction = spectrum.direction + spectrum.spread * rng.approximately_normal();
             let kx = (cycles * libm::cos(direction)).round() as i64;
             let ky = (cycles * libm::sin(direction)).round() as i64;
             if kx == 0 && ky == 0 {
                 continue;
             }
             let height = libm::pow(cycles, -0.6) as f32;
-            let phase = (rng.unit() * SIDE as f64) as i64;
+            let phase = (rng.uniform() * SIDE as f64) as i64;
             for (row, line) in samples.chunks_exact_mut(SIDE).enumerate() {
                 let (c, s) = table[(ky * row as i64 + phase).rem_euclid(SIDE as i64) as usize];
                 let (c, s) = (c * height, s * height);

@@ -1,9 +1,10 @@
 //! From rows of light to samples: blur across rows, then the sensor, two rows at a time because they share their chroma.
 
+use barrelman_vocab::rng;
+
 use super::light_rows::{BAND_ROWS, LightRows};
 use super::sensor::{self, Development, MAX_TAPS, NoiseTable};
 use super::view::FrameView;
-use crate::noise;
 use crate::pose::CameraAxes;
 
 /// A picture that moves by less than this during the exposure gets no motion blur, pixels.
@@ -77,7 +78,7 @@ pub(super) fn develop_two_rows(
         noise: if view.settings.effects.noise { 1.0 } else { 0.0 },
     };
     let noise_row = |stream: u64, row: usize| {
-        let random = noise::hash(view.settings.seed ^ view.snapshot.tick, stream, row as u64);
+        let random = rng::hash(view.settings.seed ^ view.snapshot.tick, stream, row as u64);
         noise_table.row(random, width)
     };
     let (upper_row, lower_row) = (development(row), development(row + 1));

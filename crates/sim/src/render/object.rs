@@ -4,6 +4,7 @@ pub(super) mod paint;
 mod shapes;
 
 use barrelman_vocab::Angle;
+use barrelman_vocab::rng;
 
 use super::mesh::{Mesh, Part};
 use crate::noise;
@@ -193,7 +194,7 @@ fn shore_objects(object: &SceneObject, list: &mut Vec<Instance>) {
         let heading = Angle::from_radians(object.pose.heading.radians() + 0.5 * (random(3) - 0.5));
         let pose = BodyPose { position, heading, pitch: Angle::ZERO, roll: Angle::ZERO };
         let shape = if is_hut { Shape::Hut } else { Shape::Crate };
-        let seed = if is_hut { noise::hash(object.seed, 4, index) } else { 2 * (index % 2) };
+        let seed = if is_hut { rng::hash(object.seed, 4, index) } else { 2 * (index % 2) };
         list.push(Instance::new(shape, pose, seed));
     }
 }

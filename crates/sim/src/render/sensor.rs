@@ -30,7 +30,7 @@ pub(super) struct NoiseTable(Vec<f32>);
 impl NoiseTable {
     pub(super) fn new(seed: u64) -> Self {
         let gauss = |at: usize| {
-            let u = (noise::hash(seed, 0x6A, at as u64) >> 11) as f64 / (1_u64 << 53) as f64;
+            let u = noise::unit(seed, 0x6A, at as u64);
             let radius = libm::sqrt(-2.0 * libm::log(u.max(1e-12)));
             (radius * libm::cos(core::f64::consts::TAU * noise::unit(seed, 0x6B, at as u64))) as f32
         };

@@ -11,11 +11,11 @@
 //! earlier, from which whitecaps come. Nothing carries over from frame to frame: any tick can be rendered.
 
 use barrelman_simd::{Simd, multiversion};
+use barrelman_vocab::rng;
 
 use super::fourier::{Fourier, Map};
 use super::phase::sin_cos;
 use super::quad_map::{QuadMap, Texel};
-use crate::noise;
 use crate::sea::{Sea, Wave, deep_water};
 
 /// Upper bound of a tile's levels.
@@ -183,7 +183,7 @@ fn ripples(sea: &Sea, side_m: f64, n: usize, index: u64, range: (f64, f64), vari
             all.vector.1.push(y as f32);
             let waves = libm::hypot(a, b);
             let k = unit * waves;
-            let random = noise::hash(sea.seed(), 0x1A7 + index, (i * n + j) as u64);
+            let random = rng::hash(sea.seed(), 0x1A7 + index, (i * n + j) as u64);
             let inside = waves >= range.0 && waves <= finest;
             let amplitude = if inside {
                 let cos = libm::cos(libm::atan2(y, x) - wind);

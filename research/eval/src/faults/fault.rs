@@ -1,6 +1,6 @@
 //! The faults of the campaign, and which of them a run has.
 
-use crate::rng::Rng;
+use barrelman_vocab::rng::SplitMix64;
 
 /// What goes wrong. Times are those of the world, milliseconds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -213,19 +213,19 @@ pub(super) fn last_end_ms(faults: &[Fault]) -> u64 {
 }
 
 /// The faults of the run with this number, of these kinds: each kind alone first, then every pair, over and over, with times from the seed.
-pub(super) fn draw(number: u64, kinds: &[FaultKind], rng: &mut Rng) -> Vec<Fault> {
+pub(super) fn draw(number: u64, kinds: &[FaultKind], rng: &mut SplitMix64) -> Vec<Fault> {
     let count = kinds.len();
     let pairs = count * (count + 1) / 2;
     // Each kind is paired with itself, too: twice the same fault.
     let mut index = number as usize % (count + pairs);
     let mut fault = |kind: FaultKind| {
-        let is_from_start = kind.is_of_beginning() && rng.uniform(0.0, 1.0) < 0.5;
-        let from_ms = if is_from_start { 0 } else { rng.uniform(4_500.0, 7_000.0) as u64 };
+        let is_from_start = kind.is_of_beginning() && rng.uniform() < 0.5;
+        let from_ms = if is_from_start { 0 } else { rng.between(4_500.0, 7_000.0) as u64 };
         let lasts_ms = match kind {
             FaultKind::ProgramStopped => 5_000,
             // Long enough to see that the operator is told.
-            FaultKind::CommandsLost => rng.uniform(2_500.0, 4_000.0) as u64,
-            _ => rng.uniform(50.0, 4_000.0) as u64,
+            FaultKind::CommandsLost => rng.between(2_500.0, 4_000.0) as u64,
+            _ => rng.between(50.0, 4_000.0) as u64,
         };
         Fault { kind, from_ms, until_ms: from_ms + lasts_ms }
     };

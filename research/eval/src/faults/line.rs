@@ -2,8 +2,9 @@
 
 use std::collections::VecDeque;
 
+use barrelman_vocab::rng::SplitMix64;
+
 use super::fault::{self, Fault, FaultKind};
-use crate::rng::Rng;
 
 /// Time of a packet on the line, ms.
 const LATENCY_MS: u64 = 3;
@@ -24,12 +25,12 @@ pub(super) struct Line {
     up: Way,
     down: Way,
     faults: Vec<Fault>,
-    rng: Rng,
+    rng: SplitMix64,
     was_cut: bool,
 }
 
 impl Line {
-    pub(super) fn new(faults: &[Fault], rng: Rng) -> Self {
+    pub(super) fn new(faults: &[Fault], rng: SplitMix64) -> Self {
         let faults = faults.iter().copied().filter(|fault| fault.kind.is_of_line()).collect();
         Self { up: Way::default(), down: Way::default(), faults, rng, was_cut: false }
     }
@@ -57,7 +58,7 @@ impl Line {
         if is_cut && !self.was_cut {
             self.up.0.truncate(1);
             if let Some((_, packet)) = self.up.0.front_mut() {
-                let kept = self.rng.uniform(0.0, packet.len() as f64) as usize;
+                let kept = self.rng.between(0.0, packet.len() as f64) as usize;
                 packet.truncate(kept);
             }
             self.down.0.clear();
@@ -97,13 +98,13 @@ impl Line {
         if packet.is_empty() || self.is_active(FaultKind::LineSilent, at_ms) {
             return Vec::new();
         }
-        if self.is_active(FaultKind::LineLosesPackets, at_ms) && self.rng.uniform(0.0, 1.0) < LOST_SHARE {
+        if self.is_active(FaultKind::LineLosesPackets, at_ms) && self.rng.uniform() < LOST_SHARE {
             return Vec::new();
         }
         if self.is_active(FaultKind::LineDamagesBytes, at_ms) {
             for byte in &mut packet {
-                if self.rng.uniform(0.0, 1.0) < DAMAGED_SHARE {
-                    *byte = self.rng.uniform(0.0, 256.0) as u8;
+                if self.rng.uniform() < DAMAGED_SHARE {
+                    *byte = self.rng.between(0.0, 256.0) as u8;
                 }
             }
         }

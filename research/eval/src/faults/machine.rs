@@ -4,6 +4,7 @@
 use barrelman_host::absence::TurnWatch;
 use barrelman_link::LinkReport;
 use barrelman_link::guard::gate::GuardedCommand;
+use barrelman_vocab::rng::SplitMix64;
 use barrelman_vocab::{Timestamp, VehicleRates};
 use barrelman_wire::LinkHistory;
 
@@ -15,7 +16,6 @@ use super::link_end::LinkEnd;
 use super::link_host::LinkHost;
 use super::link_plan::LinkPlan;
 use super::mutant::Mutant;
-use crate::rng::Rng;
 
 /// From the death of a guard to the start of the next, ms.
 const GUARD_STARTS_MS: u64 = 40;
@@ -73,7 +73,7 @@ pub(super) struct Machine<C: GuardedCommand = VehicleRates> {
 
 impl<C: GuardedCommand> Machine<C> {
     /// A machine whose program and link have just started.
-    pub(super) fn start(plan: LinkPlan<C>, faults: Vec<Fault>, rng: Rng) -> Self {
+    pub(super) fn start(plan: LinkPlan<C>, faults: Vec<Fault>, rng: SplitMix64) -> Self {
         Self {
             line: Line::new(&faults, rng),
             link: Some(LinkHost::start(&plan, LinkHistory::default(), Timestamp::ZERO)),

@@ -14,7 +14,7 @@ use super::program::Program;
 use super::run_result::RunResult;
 use super::station::Station;
 use super::video_path::VideoPath;
-use crate::rng::Rng;
+use crate::rng_of_name::rng_of_name;
 use crate::vehicle::Vehicle;
 
 /// How long a run lasts, ms.
@@ -71,16 +71,16 @@ pub(super) fn run(
     mutant: Mutant,
     trace: &mut dyn FnMut(&str),
 ) -> Result<RunResult> {
-    let mut rng = Rng::from_name("faults", seed ^ number.wrapping_mul(0x9e37_79b9_7f4a_7c15));
+    let mut rng = rng_of_name("faults", seed ^ number.wrapping_mul(0x9e37_79b9_7f4a_7c15));
     let faults = fault::draw(number, &vehicle.faults(), &mut rng);
-    let is_worst = rng.uniform(0.0, 1.0) < 0.5;
-    let licence = match rng.uniform(0.0, 1.0) {
+    let is_worst = rng.uniform() < 0.5;
+    let licence = match rng.uniform() {
         ..0.55 => Licence::Follow,
         ..0.7 => Licence::Nudge,
         ..0.85 => Licence::Search,
         _ => Licence::Calibrate,
     };
-    let law = if rng.uniform(0.0, 1.0) < 0.5 {
+    let law = if rng.uniform() < 0.5 {
         LawSettings::MotorSchema
     } else {
         LawSettings::Optimal(OptimalSettings::new(OptimalMode::MinimumEnergy))
@@ -88,14 +88,14 @@ pub(super) fn run(
     let mut world = World {
         mutant,
         licence,
-        phase: rng.uniform(0.0, core::f64::consts::TAU),
-        engages_again: rng.uniform(0.0, 1.0) < 0.5,
+        phase: rng.between(0.0, core::f64::consts::TAU),
+        engages_again: rng.uniform() < 0.5,
         station: vehicle.station(&faults, is_worst, mutant),
         program: Program::new(vehicle.profile(), law)?,
         elsewhere_since_ms: None,
         unasked_since_ms: None,
         resting_since_ms: None,
-        machine: Machine::start(vehicle.link_plan(mutant)?, faults, Rng::from_name("line", number ^ seed)),
+        machine: Machine::start(vehicle.link_plan(mutant)?, faults, rng_of_name("line", number ^ seed)),
         video: VideoPath::new(mutant),
         oracle: Oracle::new(vehicle.rest_limit_ms()),
     };

@@ -25,7 +25,7 @@ use super::clips::{Clip, list_clips};
 use super::hand_drawn_box::drawn_by_hand;
 use super::scoring::Label;
 use crate::output::print_line;
-use crate::rng::Rng;
+use crate::rng_of_name::rng_of_name;
 use crate::workspace::path_or_default;
 
 /// Ages of the frame on which the box is drawn, seconds.
@@ -172,7 +172,7 @@ pub(crate) fn run(options: &SelectionOptions) -> Result<bool> {
                     Some(seed) => {
                         let number =
                             seed.wrapping_mul(1 << 32) + ((start as u64) << 8) + (10.0 * age_s) as u64;
-                        drawn_by_hand(exact, clip.size(), &mut Rng::from_name(&clip.name, number))
+                        drawn_by_hand(exact, clip.size(), &mut rng_of_name(&clip.name, number))
                     }
                 };
                 let selected = select(&clip, &truth, (start, drawn), age_s)?;

@@ -2,13 +2,14 @@
 //! tracking: a benchmark, 2013) with slightly moved and scaled selections.
 
 use barrelman_vocab::PixelBox;
+use barrelman_vocab::rng::SplitMix64;
 
 use super::clips::Clip;
 use super::scoring::Score;
 use super::text_table::{Table, cell};
 use super::tracker_run::run_tracker;
 use super::tracker_under_test::TrackerFactory;
-use crate::rng::Rng;
+use crate::rng_of_name::rng_of_name;
 use crate::statistics::mean;
 
 /// Selections of each clip.
@@ -22,18 +23,18 @@ const MAX_SCALING: f64 = 0.05;
 pub(crate) fn score_perturbed_selections(factory: TrackerFactory<'_>, clip: &Clip) -> Vec<Score> {
     let mut scores = Vec::new();
     for number in 0..SELECTIONS {
-        let selection = perturbed(clip.selection, &mut Rng::from_name(&clip.name, number));
+        let selection = perturbed(clip.selection, &mut rng_of_name(&clip.name, number));
         scores.push(run_tracker(factory(&clip.name).as_mut(), clip, selection).score(clip));
     }
     scores
 }
 
-fn perturbed(selection: PixelBox, rng: &mut Rng) -> PixelBox {
+fn perturbed(selection: PixelBox, rng: &mut SplitMix64) -> PixelBox {
     let mut centre = selection.centre();
-    centre.u += selection.w * rng.uniform(-MAX_SHIFT, MAX_SHIFT);
-    centre.v += selection.h * rng.uniform(-MAX_SHIFT, MAX_SHIFT);
-    let w = selection.w * rng.uniform(1.0 - MAX_SCALING, 1.0 + MAX_SCALING);
-    let h = selection.h * rng.uniform(1.0 - MAX_SCALING, 1.0 + MAX_SCALING);
+    centre.u += selection.w * rng.between(-MAX_SHIFT, MAX_SHIFT);
+    centre.v += selection.h * rng.between(-MAX_SHIFT, MAX_SHIFT);
+    let w = selection.w * rng.between(1.0 - MAX_SCALING, 1.0 + MAX_SCALING);
+    let h = selection.h * rng.between(1.0 - MAX_SCALING, 1.0 + MAX_SCALING);
     PixelBox { u: centre.u - w / 2.0, v: centre.v - h / 2.0, w, h }
 }
 
@@ -73,7 +74,7 @@ mod tests {
     fn a_perturbed_selection_stays_close() {
         let selection = PixelBox { u: 100.0, v: 50.0, w: 40.0, h: 20.0 };
         let perturbed: Vec<PixelBox> =
-            (0..100).map(|number| perturbed(selection, &mut Rng::from_name("clip", number))).collect();
+            (0..100).map(|number| perturbed(selection, &mut rng_of_name("clip", number))).collect();
         for other in &perturbed {
             assert!((other.centre().u - selection.centre().u).abs() <= 2.0, "{other}");
             assert!((other.centre().v - selection.centre().v).abs() <= 1.0, "{other}");

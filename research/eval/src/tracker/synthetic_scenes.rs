@@ -8,7 +8,7 @@ use barrelman_vocab::video::{Capture, CaptureQuality, ColourEncoding};
 use barrelman_vocab::{MotionPrior, Picture, PictureSize, Timestamp, Track, VideoFrame};
 use barrelman_water_scene::{SceneScript, SceneTruth, TargetPaint, WaterScene};
 
-use crate::rng::Rng;
+use crate::rng_of_name::rng_of_name;
 
 /// Size of the pictures: that of the vehicles' cameras.
 pub(crate) const SIZE: PictureSize = PictureSize::new(1280, 720);
@@ -64,7 +64,7 @@ pub(crate) fn run_all_on_scene(
     let mut selected = vec![false; trackers.len()];
     // The picture is reused unless a tracker keeps it.
     let mut picture = Arc::new(Picture::black(script.size, ColourEncoding::assumed_for(script.size)));
-    let mut rng = Rng::from_name("motion prior", seed);
+    let mut rng = rng_of_name("motion prior", seed);
     let frame_interval = Duration::from_secs_f64(1.0 / f64::from(scene.frames_per_second()));
     for index in 0..scene.frames() {
         let truth = scene.render(index, Arc::make_mut(&mut picture));

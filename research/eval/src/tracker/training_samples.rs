@@ -8,13 +8,14 @@
 //! A sample is a record of fixed length, little-endian: four integers of 32 bits (frame of the selection, frame, state,
 //! kind), 17 numbers of 32 bits (confidence; centre u, v, width and height of the window; width and height of the box;
 //! left, top, width and height of the label, 0 where there is none; the same of the reported box; width and height of
-//! the picture), the measurements, and the cells in signed bytes of 1/60. `scripts/training/train_refinement.py` reads
+//! the picture), the measurements, and the cells in signed bytes of 1/60. `research/training/train_refinement.py` reads
 //! them.
 
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
 use barrelman_vision::{FusedConfig, FusedTracker, RefinementWeights, RefinementWindow, Tracker};
+use barrelman_vocab::rng::SplitMix64;
 use barrelman_vocab::{PixelBox, Track};
 use clap::Args;
 
@@ -24,7 +25,7 @@ use super::scoring::Label;
 use super::tracker_run::confidence;
 use crate::output::print_line;
 use crate::parallel;
-use crate::rng::Rng;
+use crate::rng_of_name::rng_of_name;
 
 /// Cells are multiplied by this and rounded to a byte.
 const CELL_SCALE: f32 = 60.0;
@@ -112,7 +113,7 @@ type Build<'a> = &'a (dyn Fn() -> Result<FusedTracker, barrelman_vision::FusedCo
 /// Writes the samples of one clip; their number.
 fn write_clip(options: &TrainingOptions, folder: &ClipFolder, build: Build<'_>) -> Result<usize> {
     let clip = folder.load()?;
-    let mut rng = Rng::from_name(&clip.name, options.seed);
+    let mut rng = rng_of_name(&clip.name, options.seed);
     let mut samples = Samples::default();
     let is_large = |label: &Option<Label>| matches!(label, Some(Label::Visible(bounds)) if bounds.w >= MIN_LABEL_PX && bounds.h >= MIN_LABEL_PX);
     let labelled: Vec<usize> =
@@ -121,7 +122,7 @@ fn write_clip(options: &TrainingOptions, folder: &ClipFolder, build: Build<'_>) 
     let is_sparse = 2 * clip.labels.iter().flatten().count() < clip.frames.len();
     let frames = if is_sparse { clip.frames.len() } else { options.frames };
     for number in 0..options.selections {
-        let place = (number as f64 + rng.uniform(0.0, 1.0)) / options.selections as f64;
+        let place = (number as f64 + rng.uniform()) / options.selections as f64;
         let Some(&start) = labelled.get((place * 0.95 * labelled.len() as f64) as usize) else { continue };
         let Some(Label::Visible(label)) = clip.labels[start] else { continue };
         let (kind, selection) = if number % EXACT_INTERVAL == 0 {
@@ -147,13 +148,13 @@ fn write(folder: &Path, name: &str, bytes: &[u8]) -> Result<()> {
 }
 
 /// A box that is drawn loosely around a label.
-fn loose(label: PixelBox, rng: &mut Rng) -> PixelBox {
-    let size = rng.uniform(LOOSE_SIZES.0, LOOSE_SIZES.1);
-    let proportions = rng.uniform(LOOSE_PROPORTIONS.0, LOOSE_PROPORTIONS.1);
+fn loose(label: PixelBox, rng: &mut SplitMix64) -> PixelBox {
+    let size = rng.between(LOOSE_SIZES.0, LOOSE_SIZES.1);
+    let proportions = rng.between(LOOSE_PROPORTIONS.0, LOOSE_PROPORTIONS.1);
     let (w, h) = (label.w * size * proportions, label.h * size / proportions);
     let centre = label.centre();
-    let u = centre.u + label.w * rng.uniform(-LOOSE_DISTANCE, LOOSE_DISTANCE);
-    let v = centre.v + label.h * rng.uniform(-LOOSE_DISTANCE, LOOSE_DISTANCE);
+    let u = centre.u + label.w * rng.between(-LOOSE_DISTANCE, LOOSE_DISTANCE);
+    let v = centre.v + label.h * rng.between(-LOOSE_DISTANCE, LOOSE_DISTANCE);
     PixelBox { u: u - w / 2.0, v: v - h / 2.0, w, h }
 }
 
@@ -173,7 +174,7 @@ impl Samples {
         selection: PixelBox,
         frames: core::ops::RangeInclusive<usize>,
         kind: Kind,
-        rng: &mut Rng,
+        rng: &mut SplitMix64,
     ) {
         let start = *frames.start();
         let Ok(report) = tracker.select(&clip.frames[start], selection) else { return };
@@ -260,7 +261,7 @@ mod tests {
         let clip = test_clip();
         let tracker = FusedTracker::new(FusedConfig::default()).unwrap();
         let mut samples = Samples::default();
-        let mut rng = Rng::from_name("clip", 1);
+        let mut rng = rng_of_name("clip", 1);
         samples.add_run(&clip, tracker, clip.selection, clip.start..=clip.start + 10, Kind::Exact, &mut rng);
         let cells = WINDOW_CHANNELS * WINDOW_SIDE_CELLS * WINDOW_SIDE_CELLS;
         let length = 4 * 4 + 4 * 17 + 4 * MEASUREMENTS + cells;
@@ -271,7 +272,7 @@ mod tests {
     #[test]
     fn loose_boxes_stay_around_the_label() {
         let label = PixelBox { u: 100.0, v: 50.0, w: 40.0, h: 20.0 };
-        let mut rng = Rng::from_name("label", 3);
+        let mut rng = rng_of_name("label", 3);
         for _ in 0..100 {
             let box_ = loose(label, &mut rng);
             assert!((box_.centre().u - label.centre().u).abs() <= 8.0, "{box_}");

@@ -1,9 +1,10 @@
 //! The paint of objects: a function of part, position in the body's frame of reference, and seed. Detail is as fine
 //! as the picture can show.
 
+use barrelman_vocab::rng;
+
 use super::super::light::Colour;
 use super::super::mesh::Part;
-use crate::noise;
 
 /// Paint at a point.
 #[derive(Debug, Clone, Copy)]
@@ -48,7 +49,7 @@ fn lettered(u: f32, v: f32) -> bool {
 fn mottle(position: [f32; 3], size: f32) -> f32 {
     let lump = |x: f32, y: f32, z: f32| {
         let key = |v: f32| (v as i32 as u32) as u64 & 0xFFFF;
-        (noise::hash(7, key(x) << 32 | key(y) << 16 | key(z), 3) >> 40) as f32 / 16_777_216.0
+        (rng::hash(7, key(x) << 32 | key(y) << 16 | key(z), 3) >> 40) as f32 / 16_777_216.0
     };
     let p = position.map(|v| v / size + 1_000.0);
     let base = p.map(|v| v as i32 as f32);

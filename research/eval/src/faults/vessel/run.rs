@@ -17,7 +17,7 @@ use super::oracle::{VesselLicence, VesselOracle};
 use super::program::VesselProgram;
 use super::script::{Desk, Script};
 use super::vessel_kind::Vessel;
-use crate::rng::Rng;
+use crate::rng_of_name::rng_of_name;
 
 /// Interval between two reports of height and tilt, ms.
 const HEIGHT_INTERVAL_MS: u64 = 200;
@@ -51,26 +51,26 @@ pub(crate) fn run(
     mutant: Mutant,
     trace: &mut dyn FnMut(&str),
 ) -> Result<RunResult> {
-    let mut rng = Rng::from_name("faults of boats", seed ^ number.wrapping_mul(0x9e37_79b9_7f4a_7c15));
+    let mut rng = rng_of_name("faults of boats", seed ^ number.wrapping_mul(0x9e37_79b9_7f4a_7c15));
     let faults = fault::draw(number, &vessel.faults(), &mut rng);
-    let licence = match rng.uniform(0.0, 1.0) {
+    let licence = match rng.uniform() {
         ..0.5 => Some(VesselLicence::Guided),
         ..0.85 => Some(VesselLicence::ByHand),
         _ => None,
     };
     // In the picture no way is kept.
-    let is_over_water = rng.uniform(0.0, 1.0) < 0.5 || vessel == Vessel::LabUdpKeepingWay;
+    let is_over_water = rng.uniform() < 0.5 || vessel == Vessel::LabUdpKeepingWay;
     let guidance = if is_over_water { GuidanceLaw::LineOfSight } else { GuidanceLaw::Laboratory };
     // Go asks a boat for its mode; a helm does not.
-    let is_ready = licence == Some(VesselLicence::ByHand) || rng.uniform(0.0, 1.0) < 0.5;
+    let is_ready = licence == Some(VesselLicence::ByHand) || rng.uniform() < 0.5;
     let mut world = World {
         vessel,
         boat: vessel.boat(&faults, is_ready, mutant),
         program: VesselProgram::new(vessel.profile()?, guidance, mutant),
-        script: Script { licence, engages_again: rng.uniform(0.0, 1.0) < 0.5, mutant, is_helm_held: false },
+        script: Script { licence, engages_again: rng.uniform() < 0.5, mutant, is_helm_held: false },
         oracle: VesselOracle::new(vessel.own_limit_ms(&faults), vessel.profile()?.fail_safe),
-        phase: rng.uniform(0.0, core::f64::consts::TAU),
-        machine: Machine::start(vessel.link_plan(mutant)?, faults, Rng::from_name("line", number ^ seed)),
+        phase: rng.between(0.0, core::f64::consts::TAU),
+        machine: Machine::start(vessel.link_plan(mutant)?, faults, rng_of_name("line", number ^ seed)),
         pan_rad: 0.0,
         video: VideoPath::new(mutant),
         disturbed_until_ms: 0,

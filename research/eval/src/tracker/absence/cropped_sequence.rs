@@ -7,6 +7,7 @@
 use std::sync::Arc;
 
 use anyhow::{Context, Result};
+use barrelman_vocab::rng::SplitMix64;
 use barrelman_vocab::video::{Capture, CaptureQuality};
 use barrelman_vocab::{Picture, PictureSize, PixelBox, Timestamp, VideoFrame};
 
@@ -14,7 +15,7 @@ use super::absence_metrics::FrameTruth;
 use super::distractor::{Distractor, Outline, Paint};
 use super::target_path::TargetPath;
 use super::window_path::{MIN_DISTANCE_PX, WindowPath};
-use crate::rng::Rng;
+use crate::rng_of_name::rng_of_name;
 use crate::tracker::clips::Clip;
 use crate::tracker::cropped_picture::crop;
 
@@ -64,10 +65,10 @@ impl<'a> CroppedSequence<'a> {
         has_distractors: bool,
     ) -> Result<Self> {
         let target = TargetPath::from_clip(clip, source.max_frames);
-        let mut rng = Rng::from_name(source.clip, number);
+        let mut rng = rng_of_name(source.clip, number);
         for window in WINDOWS {
             for _ in 0..MAX_STARTS {
-                let first = rng.uniform(0.0, 2.0 * target.frames() as f64) as usize;
+                let first = rng.between(0.0, 2.0 * target.frames() as f64) as usize;
                 let path = WindowPath::plan(target.starting_at(first), clip.size(), window, &mut rng);
                 let Some(path) = path else { continue };
                 let mut sequence = Self { clip, path, distractors: Vec::new() };
@@ -118,7 +119,7 @@ impl<'a> CroppedSequence<'a> {
     }
 
     /// Adds a distractor where the window rests in each excursion; false where there is no room.
-    fn add_distractors(&mut self, rng: &mut Rng) -> bool {
+    fn add_distractors(&mut self, rng: &mut SplitMix64) -> bool {
         let paint = Paint::sample(self.source_picture(0.0), self.path.target.at(0.0));
         let targets: Vec<PixelBox> =
             (0..self.frames()).map(|frame| self.path.target.at(self.time_s(frame))).collect();
@@ -128,11 +129,11 @@ impl<'a> CroppedSequence<'a> {
         for excursion in &self.path.excursions {
             let corner = excursion.resting_corner;
             let free_place = (0..MAX_PLACES).find_map(|_| {
-                let w = mean_w * rng.uniform(DISTRACTOR_SIZE.0, DISTRACTOR_SIZE.1);
-                let h = mean_h * rng.uniform(DISTRACTOR_SIZE.0, DISTRACTOR_SIZE.1);
+                let w = mean_w * rng.between(DISTRACTOR_SIZE.0, DISTRACTOR_SIZE.1);
+                let h = mean_h * rng.between(DISTRACTOR_SIZE.0, DISTRACTOR_SIZE.1);
                 let bounds = PixelBox {
-                    u: corner.u + rng.uniform(0.0, (f64::from(window.width) - w).max(1.0)),
-                    v: corner.v + rng.uniform(0.0, (f64::from(window.height) - h).max(1.0)),
+                    u: corner.u + rng.between(0.0, (f64::from(window.width) - w).max(1.0)),
+                    v: corner.v + rng.between(0.0, (f64::from(window.height) - h).max(1.0)),
                     w,
                     h,
                 };
@@ -145,8 +146,8 @@ impl<'a> CroppedSequence<'a> {
                 targets.iter().all(|target| target.intersection(surroundings).is_empty()).then_some(bounds)
             });
             let Some(bounds) = free_place else { return false };
-            let outline = if rng.uniform(0.0, 1.0) < 0.5 { Outline::Ellipse } else { Outline::Rectangle };
-            let seed = rng.uniform(0.0, 1e9) as u32;
+            let outline = if rng.uniform() < 0.5 { Outline::Ellipse } else { Outline::Rectangle };
+            let seed = rng.between(0.0, 1e9) as u32;
             self.distractors.push(Distractor { bounds, outline, paint, seed });
         }
         true

@@ -1,10 +1,10 @@
 //! The path of the window that is cropped from a clip: it follows the target, slides aside until the target is out of
 //! the window, rests there, and slides back.
 
+use barrelman_vocab::rng::SplitMix64;
 use barrelman_vocab::{PictureSize, PixelBox, PixelPoint};
 
 use super::target_path::TargetPath;
-use crate::rng::Rng;
 
 /// How many times the target leaves.
 pub(super) const EXCURSIONS: usize = 2;
@@ -73,12 +73,12 @@ impl WindowPath {
         target: TargetPath,
         picture: PictureSize,
         window: PictureSize,
-        rng: &mut Rng,
+        rng: &mut SplitMix64,
     ) -> Option<Self> {
-        let phase = rng.uniform(0.0, std::f64::consts::TAU);
+        let phase = rng.between(0.0, std::f64::consts::TAU);
         let mut path = Self { target, picture, window, excursions: Vec::new(), phase };
         for _ in 0..EXCURSIONS {
-            let excursion = path.nearest_excursion(rng.uniform(AWAY_S.0, AWAY_S.1))?;
+            let excursion = path.nearest_excursion(rng.between(AWAY_S.0, AWAY_S.1))?;
             path.excursions.push(excursion);
         }
         // The operator selects a target that is wholly in the picture.

@@ -3,9 +3,10 @@
 use std::time::Duration;
 
 use barrelman_vocab::PixelBox;
+use barrelman_vocab::rng::SplitMix64;
 
 use super::target_extent::TargetExtent;
-use crate::rng::Rng;
+use crate::rng_of_name::rng_of_name;
 use crate::tracker::clips::Clip;
 
 /// How long after a selection its track is judged, seconds.
@@ -41,12 +42,12 @@ pub(crate) fn draw_selections(clip: &Clip, count: usize, seed: u64) -> Vec<Backg
     let extent = TargetExtent::from_clip(clip);
     let candidates: Vec<Candidate> =
         (0..clip.frames.len()).filter_map(|frame| Candidate::new(clip, &extent, frame)).collect();
-    let mut rng = Rng::from_name(&format!("background of {}", clip.name), seed);
+    let mut rng = rng_of_name(&format!("background of {}", clip.name), seed);
     let mut selections = Vec::with_capacity(count);
     for part in 0..count {
         let part = &candidates[part * candidates.len() / count..(part + 1) * candidates.len() / count];
-        let place = |candidates: &[Candidate], rng: &mut Rng| {
-            let candidate = *candidates.get(rng.uniform(0.0, candidates.len() as f64) as usize)?;
+        let place = |candidates: &[Candidate], rng: &mut SplitMix64| {
+            let candidate = *candidates.get(rng.between(0.0, candidates.len() as f64) as usize)?;
             candidate.place(clip, &extent, rng)
         };
         let selection = (0..MAX_PLACES)
@@ -79,13 +80,13 @@ impl Candidate {
     }
 
     /// A box anywhere in the picture; `None` where the target meets its surroundings.
-    fn place(self, clip: &Clip, extent: &TargetExtent, rng: &mut Rng) -> Option<BackgroundSelection> {
+    fn place(self, clip: &Clip, extent: &TargetExtent, rng: &mut SplitMix64) -> Option<BackgroundSelection> {
         let picture = clip.frames[self.frame].picture.size();
         let (width, height) = (f64::from(picture.width), f64::from(picture.height));
-        let factor = rng.uniform(SIZE.0, SIZE.1);
+        let factor = rng.between(SIZE.0, SIZE.1);
         let target = extent.size_near(self.frame);
         let (w, h) = ((target.0 * factor).max(MIN_WIDTH_PX), (target.1 * factor).max(MIN_HEIGHT_PX));
-        let (u, v) = (rng.uniform(0.0, 1.0) * (width - w), rng.uniform(0.0, 1.0) * (height - h));
+        let (u, v) = (rng.uniform() * (width - w), rng.uniform() * (height - h));
         if w > width || h > height {
             return None;
         }
