@@ -30,7 +30,6 @@ pub mod emulator;
 
 mod interruption;
 pub mod logging;
-mod png_file;
 pub mod progress;
 
 #[cfg(test)]

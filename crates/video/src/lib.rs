@@ -21,7 +21,7 @@ mod source;
 
 pub mod error;
 
-pub use codec::{annexb, decoder, encoder, jpeg, pool};
+pub use codec::{annexb, decoder, encoder, jpeg, png_file, pool};
 pub use error::{DecodeError, VideoError};
 pub use mp4::writer;
 pub use source::file::FileFrames;

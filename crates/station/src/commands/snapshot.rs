@@ -6,11 +6,10 @@ use std::process::ExitCode;
 use anyhow::{Context, Result};
 use barrelman_host::output::OutputFile;
 use barrelman_overlay::grid;
-use barrelman_video::VideoUrl;
+use barrelman_video::{VideoUrl, png_file};
 
 use super::stored_frame::stored_frame;
 use crate::cli::SnapshotArgs;
-use crate::png_file;
 
 /// Runs the command.
 ///

@@ -9,6 +9,7 @@
 
 pub mod simulation;
 
+pub mod hand_drawn_box;
 mod rescue;
 mod simulated_operator;
 

@@ -3,16 +3,11 @@
 use barrelman_sim::random::{CounterRng, Stream};
 use barrelman_vocab::{PictureSize, PixelBox};
 
+use super::hand_drawn_box::{MIN_BOX_PX, drawn_by_hand};
 use crate::target_in_picture::TargetInPicture;
 
 /// Least visible share of a target that an operator selects.
 const MIN_VISIBLE_SHARE: f64 = 0.8;
-/// Largest offset of a box drawn by hand, in sizes of the target.
-const MAX_OFFSET: f64 = 0.15;
-/// Smallest and largest size of a box drawn by hand, in sizes of the target.
-const SIZES: (f64, f64) = (0.85, 1.5);
-/// Smallest box that is drawn by hand: width and height, pixels.
-const MIN_BOX_PX: (f64, f64) = (8.0, 6.0);
 
 /// How the target is selected.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -38,7 +33,7 @@ impl SimulatedOperator {
             Self::Exact => Some(bounds),
             Self::ExactAgain => Some(at_least_drawable(bounds)),
             Self::Person(rng) if target.visible_share >= MIN_VISIBLE_SHARE => {
-                Some(drawn_by_hand(bounds, picture, rng))
+                Some(drawn_by_hand(bounds, picture, |index, range| rng.between(index, range)))
             }
             Self::Person(_) => None,
         }
@@ -49,18 +44,6 @@ impl SimulatedOperator {
 fn at_least_drawable(bounds: PixelBox) -> PixelBox {
     let (w, h) = (bounds.w.max(MIN_BOX_PX.0), bounds.h.max(MIN_BOX_PX.1));
     PixelBox { u: bounds.u - 0.5 * (w - bounds.w), v: bounds.v - 0.5 * (h - bounds.h), w, h }
-}
-
-/// A box about `bounds` as a hand draws it, within the picture.
-fn drawn_by_hand(bounds: PixelBox, picture: PictureSize, rng: CounterRng) -> PixelBox {
-    let PixelBox { u, v, w, h } = bounds;
-    let offset = |index, size: f64| size * rng.between(index, (-MAX_OFFSET, MAX_OFFSET));
-    let (centre_u, centre_v) = (u + 0.5 * w + offset(0, w), v + 0.5 * h + offset(1, h));
-    let (w, h) =
-        ((w * rng.between(2, SIZES)).max(MIN_BOX_PX.0), (h * rng.between(3, SIZES)).max(MIN_BOX_PX.1));
-    let drawn = PixelBox { u: centre_u - 0.5 * w, v: centre_v - 0.5 * h, w, h };
-    let (width, height) = (f64::from(picture.width), f64::from(picture.height));
-    drawn.intersection(PixelBox { u: 0.0, v: 0.0, w: width, h: height })
 }
 
 #[cfg(test)]

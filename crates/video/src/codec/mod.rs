@@ -10,3 +10,4 @@ mod still;
 pub mod encoder;
 mod encoder_log;
 pub mod jpeg;
+pub mod png_file;

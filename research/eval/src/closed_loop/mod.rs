@@ -25,6 +25,7 @@ use clap::Args;
 use self::far_end::Line;
 use crate::output::print_line;
 use crate::parallel;
+use crate::statistics::mean;
 
 /// Time outside of each vehicle, with the limits of the Fotokite Pro, divided by that of the Fotokite Pro.
 const REQUIRED_RATIO: core::ops::RangeInclusive<f64> = 0.8..=1.25;
@@ -94,7 +95,7 @@ fn shares_outside(options: &Options, law: LawChoice, limits: Limits) -> Result<V
             let shares: Vec<f64> = parallel::map(&seeds, |seed| trial(name, law, limits, options, *seed))
                 .into_iter()
                 .collect::<Result<_>>()?;
-            Ok((name, shares.iter().sum::<f64>() / shares.len().max(1) as f64))
+            Ok((name, mean(&shares)))
         })
         .collect()
 }

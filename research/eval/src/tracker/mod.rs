@@ -30,7 +30,6 @@ mod orientation;
 
 mod leave_one_out;
 
-mod hand_drawn_box;
 pub(crate) mod past_selection;
 pub(crate) mod training_samples;
 

@@ -15,6 +15,7 @@ use std::time::{Duration, Instant};
 use anyhow::Result;
 use barrelman_experiments::law_choice::LawChoice;
 use barrelman_pilot::{Input, Notice, Pilot, PilotSettings};
+use barrelman_trial::campaign::hand_drawn_box::drawn_by_hand;
 use barrelman_vision::{FusedConfig, FusedTracker};
 use barrelman_vocab::{CameraRequest, DrawnSelection, OperatorRequest, PixelBox, Timestamp, VehicleProfile};
 use clap::Args;
@@ -22,7 +23,6 @@ use serde_json::json;
 
 use super::clip_sets::hidden_frames;
 use super::clips::{Clip, list_clips};
-use super::hand_drawn_box::drawn_by_hand;
 use super::scoring::Label;
 use crate::output::print_line;
 use crate::rng_of_name::rng_of_name;
@@ -172,7 +172,8 @@ pub(crate) fn run(options: &SelectionOptions) -> Result<bool> {
                     Some(seed) => {
                         let number =
                             seed.wrapping_mul(1 << 32) + ((start as u64) << 8) + (10.0 * age_s) as u64;
-                        drawn_by_hand(exact, clip.size(), &mut rng_of_name(&clip.name, number))
+                        let mut rng = rng_of_name(&clip.name, number);
+                        drawn_by_hand(exact, clip.size(), |_, (low, high)| rng.between(low, high))
                     }
                 };
                 let selected = select(&clip, &truth, (start, drawn), age_s)?;

@@ -6,7 +6,6 @@
 
 mod catalogue;
 mod options;
-mod png_file;
 mod scene;
 mod sequence;
 mod setting;
@@ -14,10 +13,13 @@ mod setting;
 pub(crate) use options::Options;
 pub(crate) use sequence::render_sequence;
 
+use std::fs::File;
+use std::io::BufWriter;
 use std::time::Instant;
 
 use anyhow::{Context, Result};
 use barrelman_sim::render::Serial;
+use barrelman_video::png_file;
 use barrelman_vocab::{Picture, PictureSize};
 
 use crate::output::print_line;
@@ -51,7 +53,8 @@ fn render_view(view: &View, options: &Options) -> Result<()> {
     let truth = renderer.render(&last, &mut picture, &Serial);
     let elapsed = started.elapsed();
     let path = options.output.join(format!("{}.png", view.name));
-    png_file::write(&path, &picture).with_context(|| path.display().to_string())?;
+    let write = || png_file::write(BufWriter::new(File::create(&path)?), &picture);
+    write().with_context(|| path.display().to_string())?;
     print_line(&format!(
         "{:22} {:5.1} ms, target {:5} pixels, {:3.0} % visible, heading {}, range {:.1} m",
         view.name,

@@ -1,8 +1,7 @@
 //! Pictures as PNG files.
 
-use std::io::Write;
+use std::io::{self, Write};
 
-use anyhow::Result;
 use barrelman_vocab::Picture;
 use barrelman_vocab::video::SampleRange;
 
@@ -10,7 +9,7 @@ use barrelman_vocab::video::SampleRange;
 ///
 /// # Errors
 /// If the output cannot be written.
-pub(crate) fn write(output: impl Write, picture: &Picture) -> Result<()> {
+pub fn write(output: impl Write, picture: &Picture) -> io::Result<()> {
     let size = picture.size();
     let mut encoder = png::Encoder::new(output, size.width, size.height);
     encoder.set_color(png::ColorType::Rgb);
