@@ -382,6 +382,10 @@ class Recording:
     def frames(self):
         return self["/input/frame"]
 
+    def requests(self):
+        """The requests, each with the time of its step in nanoseconds."""
+        return [(message.now_ns, json.loads(message.request)) for message in self["/input/request"]]
+
 
 def practice_clip(args, folder):
     """The practice clip and its truth, newly drawn, or from the folder of `--clip DIR`."""

@@ -32,8 +32,8 @@ NUDGE_INTERVAL = 0.05
 # Between two rounds of a short flood, seconds: a debug build answers a tenth of the connections.
 SHORT_PAUSE = 0.02
 MEMORY_MB = 32
-# `StopCause` of a recording.
-OPERATOR = 1
+# A stop of the operator, as recorded.
+STOPPED = {"kind": "stop", "cause": "operator"}
 STOP = json.dumps({"request": {"kind": "stop"}}).encode()
 
 
@@ -373,8 +373,7 @@ def main():
         program.terminate()
         program.wait(timeout=10)
     recording = Recording(record)
-    # The fields of other requests are at their defaults.
-    recorded = sum(message.stop_cause == OPERATOR and recording.at(message.now_ns) >= began for message in recording["/input/request"])
+    recorded = sum(request == STOPPED and recording.at(now_ns) >= began for now_ns, request in recording.requests())
     table.require("none of a watcher's stops is recorded while one is in force", recorded == 0, f"{recorded} of {stops}")
     table.show("the recording's growth during a watcher's stops", f"{growth / 1e3:.0f} kB/s", f"{stops} stops")
     table.require("the recording is for its owner alone", record.stat().st_mode & 0o777 == 0o600, oct(record.stat().st_mode & 0o777))

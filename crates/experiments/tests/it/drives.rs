@@ -178,7 +178,7 @@ fn a_tick_beyond_the_longest_drive_is_refused_by_its_line() {
     for (tick, is_read) in [("0", true), ("432000", true), ("432001", false), ("18446744073709551615", false)]
     {
         for line in [
-            format!(r#"{{"tick":{tick},"input":"engage"}}"#),
+            format!(r#"{{"tick":{tick},"request":{{"kind":"engage"}}}}"#),
             format!(r#"{{"tick":{tick},"hash":"0123456789abcdef"}}"#),
         ] {
             match parse(&line) {

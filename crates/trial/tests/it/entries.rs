@@ -176,12 +176,10 @@ pub(crate) fn telemetry(report: Report) -> Entry {
 /// An entry of every kind that has floats, with `value` for each.
 pub(crate) fn entries_with(value: f64) -> Vec<Entry> {
     let q = Quaternion { w: value, x: value, y: value, z: value };
-    let bounds = PixelBox { u: value, v: value, w: value, h: value };
-    vec![
+    let mut entries = vec![
         input(RecordedInput::Localisation(Track::Tracking(localisation(value)))),
         input(RecordedInput::Localisation(Track::Coasting(localisation(value)))),
         input(RecordedInput::Localisation(Track::Lost { since: ns(4), confidence: value })),
-        input(RecordedInput::Request(OperatorRequest::Camera(CameraRequest::SelectNext(bounds)))),
         telemetry(Report::VehicleAttitude(q)),
         telemetry(Report::GimbalAttitude(q)),
         telemetry(Report::CameraTilt(Angle::from_radians(value))),
@@ -193,20 +191,6 @@ pub(crate) fn entries_with(value: f64) -> Vec<Entry> {
         telemetry(Report::Text(VehicleText::of(4, b"PreArm: check the compass"))),
         telemetry(Report::GimbalDevice(2)),
         input(RecordedInput::VesselTelemetry(Telemetry { at: ns(999), report: Report::CameraHeight(value) })),
-        input(RecordedInput::Request(OperatorRequest::Vessel(VesselRequest::Steer(VesselCommand {
-            throttle: value,
-            rudder: value,
-        })))),
-        input(RecordedInput::Request(OperatorRequest::Vessel(VesselRequest::MoveMark(MovedMark {
-            id: 3,
-            at: PixelPoint { u: value, v: value },
-            captured_ns: ns(8),
-        })))),
-        input(RecordedInput::Request(OperatorRequest::Vessel(VesselRequest::Mark(DrawnMark {
-            mark: MarkKind::Person,
-            at: PixelPoint { u: value, v: value },
-            captured_ns: ns(7),
-        })))),
         telemetry(Report::FieldOfView(Angle::from_radians(value))),
         telemetry(Report::FlightState { state: FlightState::Other(u32::MAX), is_battery_low: true }),
         telemetry(Report::Acceptance(Acceptance::ALL[13])),
@@ -237,6 +221,33 @@ pub(crate) fn entries_with(value: f64) -> Vec<Entry> {
             is_battery_low: true,
         }),
         Entry::Outcome(outcome(value)),
+    ];
+    // JSON carries finite numbers alone.
+    if value.is_finite() {
+        entries.extend(requests_with(value));
+    }
+    entries
+}
+
+/// Requests with `value` for every number.
+fn requests_with(value: f64) -> Vec<Entry> {
+    let bounds = PixelBox { u: value, v: value, w: value, h: value };
+    vec![
+        input(RecordedInput::Request(OperatorRequest::Camera(CameraRequest::SelectNext(bounds)))),
+        input(RecordedInput::Request(OperatorRequest::Vessel(VesselRequest::Steer(VesselCommand {
+            throttle: value,
+            rudder: value,
+        })))),
+        input(RecordedInput::Request(OperatorRequest::Vessel(VesselRequest::MoveMark(MovedMark {
+            id: 3,
+            at: PixelPoint { u: value, v: value },
+            captured_ns: ns(8),
+        })))),
+        input(RecordedInput::Request(OperatorRequest::Vessel(VesselRequest::Mark(DrawnMark {
+            mark: MarkKind::Person,
+            at: PixelPoint { u: value, v: value },
+            captured_ns: ns(7),
+        })))),
     ]
 }
 

@@ -91,11 +91,13 @@ fn a_message_that_cannot_be_understood_is_named_by_its_topic() {
     check("/input/frame", &[], "capture_quality is missing");
     check("/input/localisation", &[], "track is missing");
     check("/input/telemetry", &[], "report is missing");
-    check("/input/request", &[], "kind is missing");
+    check("/input/request", &[], "request is unreadable");
     check("/outcome", &[], "track is missing");
-    // Select without a box, stop without a cause.
-    check("/input/request", &[0x18, 1], "selection is missing");
-    check("/input/request", &[0x18, 4], "stop_cause is missing");
+    // A request without its fields, and one that does not exist.
+    let request = |json: &str| [&[0x1a, json.len() as u8], json.as_bytes()].concat();
+    check("/input/request", &request(r#"{"kind":"nudge","pan":1}"#), "missing field `tilt`");
+    check("/input/request", &request(r#"{"kind":"take-off"}"#), "there is no request of the kind `take-off`");
+    check("/input/request", &request(r#"{"kind":"pause"}"#), "the request is not for the pilot");
 }
 
 #[test]
@@ -117,8 +119,7 @@ fn a_number_that_means_nothing_is_an_error_and_no_other_value() {
     check("/outcome", &[0x32, 2, 0x08, 9], "state is missing");
     check("/input/localisation", &[0x1a, 2, 0x08, 9], "state is missing");
     check("/input/localisation", &[0x1a, 2, 0x08, 1], "localisation is missing");
-    // Kind, link and flight state.
-    check("/input/request", &[0x18, 99], "kind is missing");
+    // Link and flight state.
     check("/input/telemetry", &[0x20, 0], "link is missing");
     check("/input/telemetry", &[0x20, 9], "link is missing");
     check("/input/telemetry", &[0x4a, 2, 0x08, 9], "state is missing");

@@ -10,10 +10,14 @@ use barrelman_trial::records::{
 };
 use barrelman_vocab::unit::UnitCodec;
 use barrelman_vocab::video::{Capture, CaptureQuality};
-use barrelman_vocab::{EncodedUnit, Picture, PictureSize, Timestamp, Track, VideoFrame};
+use barrelman_vocab::{
+    EncodedUnit, Picture, PictureSize, Timestamp, Track, VesselCommand, VesselRequest, VideoFrame,
+};
 use proptest::prelude::*;
 
-use crate::entries::{COLOURS, SENSOR, check, entries_with, every_kind, outcome, read, start, unit, written};
+use crate::entries::{
+    COLOURS, SENSOR, check, entries_with, every_kind, input, outcome, read, start, unit, written,
+};
 
 #[test]
 fn a_recording_of_nothing_holds_its_start() {
@@ -45,6 +49,14 @@ fn floats_at_their_limits_are_kept_to_the_bit() {
     ] {
         check(&entries_with(value));
     }
+}
+
+#[test]
+fn a_request_with_a_number_that_json_cannot_carry_is_named_when_it_is_read() {
+    let steer = VesselRequest::Steer(VesselCommand { throttle: f64::NAN, rudder: 0.0 });
+    let (_, error) = read(&written(&[input(RecordedInput::Request(steer.into()))]));
+    let Some(ReadError::Message { reason, .. }) = error else { panic!("{error:?}") };
+    assert!(reason.contains("request is unreadable: invalid type: null"), "{reason}");
 }
 
 #[test]

@@ -70,7 +70,7 @@ fn variants_are_told_by_name() {
     let stop = OperatorRequest::Stop(StopCause::VideoEnded);
     check(
         input(RecordedInput::Request(stop)),
-        &[("kind", "REQUEST_KIND_STOP"), ("stop_cause", "STOP_CAUSE_VIDEO_ENDED"), ("selection.u", "")],
+        &[("request", r#""{""kind"":""stop"",""cause"":""video-ended""}""#)],
     );
 }
 
