@@ -46,6 +46,7 @@ mod distractors;
 mod exchanged_target;
 mod excluded_places;
 mod following;
+mod identity;
 mod known_scene;
 mod learning;
 mod paint_selection;

@@ -4,6 +4,7 @@ use barrelman_vocab::{MotionPrior, Picture, Track, VideoFrame};
 
 use super::config::FusedConfig;
 use super::evidence::{REJECTED_FACTOR, rejected_confidence};
+use super::loss::Identity;
 use super::observation::Observation;
 use super::phase::{Phase, Visibility};
 use super::target::Target;
@@ -79,12 +80,13 @@ impl Trust {
 }
 
 impl Target {
-    /// Keeps a picture in which the target is sure. What was found after a loss is given up where an earlier picture shows it
-    /// apart from the target.
+    /// Keeps a picture in which the target is sure, and its identity, too. What was found after a loss is given up where an
+    /// earlier picture shows it apart from the target.
     fn compare_with_scene(&mut self, before: Phase, frame: &VideoFrame) {
         let bounds = self.report(frame).bounds;
         match before {
             Phase::Lost { since } | Phase::Confirming { since, .. } => {
+                self.identify_found();
                 if self.scene.showed(&frame.picture, bounds, self.confidence) {
                     self.scene.exclude(self.geometry.centre);
                     self.phase = Phase::Lost { since };
@@ -92,7 +94,7 @@ impl Target {
                 }
             }
             Phase::Tracking | Phase::Coasting { .. } => {
-                if self.confidence >= MIN_SURE_CONFIDENCE {
+                if self.confidence >= MIN_SURE_CONFIDENCE && self.identity == Identity::Sure {
                     self.scene.keep(&frame.picture, bounds, self.confidence);
                 }
             }
@@ -114,6 +116,7 @@ impl Workspace {
         if target.rescale_to_picture(picture.size()) {
             self.background.clear_reference();
         }
+        self.check_identity(config, target);
         let seconds = target.predict(config, now, prior);
         target.surroundings.predict(target.geometry.size_px(), seconds as f32);
         let visibility = match target.phase {
@@ -148,10 +151,13 @@ impl Workspace {
             }
         }
         match target.phase {
-            Phase::Tracking => Track::Tracking(target.report(frame)),
+            Phase::Tracking => {
+                target.confidence *= target.identity.share();
+                Track::Tracking(target.report(frame))
+            }
             Phase::Coasting { .. } => {
                 target.move_to_prediction();
-                target.confidence = target.probability.of_prediction(now);
+                target.confidence = target.probability.of_prediction(now) * target.identity.share();
                 Track::Coasting(target.report(frame))
             }
             Phase::Lost { since } | Phase::Confirming { since, .. } => {
@@ -177,6 +183,7 @@ impl Workspace {
             observation = self.resolve_axis_direction(config, target, picture, observation);
         }
         let observation = self.refine_best_peak(config, target, picture, observation);
+        let highest = observation;
         let observation = self.reconsider(config, target, picture, observation);
         let probability = self.refined.probability;
         let distance_factor = target.distance_factor(&observation);
@@ -200,6 +207,11 @@ impl Workspace {
             };
         }
         target.confidence = target.probability.add(probability, frame.capture.at);
+        let is_from_border =
+            target.geometry.touches_border() && !target.geometry.touches_border_at(observation.centre);
+        if distance_factor > 1.0 || observation != highest || is_from_border {
+            target.identity = target.identity.after_jump();
+        }
         self.refine(config, target, &observation, frame, seconds);
         target.follow_reported_box(self.refined.edges, seconds);
         if self.correct_exchanged_target(config, target, picture, seconds as f32) {

@@ -98,6 +98,11 @@ impl KnownScene {
         }
     }
 
+    /// The newest picture that was kept, and the target's box in it.
+    pub(super) fn newest(&self) -> Option<(&Arc<Picture>, PixelBox)> {
+        self.views[0].as_ref().map(|view| (&view.picture, view.target))
+    }
+
     /// Whether what is in this box now, with this confidence, was in an earlier picture, apart from the target.
     pub(super) fn showed(&self, picture: &Picture, bounds: PixelBox, confidence: f64) -> bool {
         let found = FoundObject::new(picture, bounds);

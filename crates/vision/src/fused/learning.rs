@@ -10,7 +10,7 @@ use super::extent::Extent;
 use super::filter_views::FilterViews;
 use super::geometry::TargetGeometry;
 use super::known_scene::KnownScene;
-use super::loss::LossState;
+use super::loss::{Identity, LossState};
 use super::observation::Observation;
 use super::phase::Phase;
 use super::prediction::TargetMotion;
@@ -293,6 +293,7 @@ fn new_target(frame: &VideoFrame, used: PixelBox) -> Target {
         scene: KnownScene::default(),
         blob: None,
         paint: None,
+        identity: Identity::Sure,
         loss: LossState::new(now, centre, geometry.extent),
         memory: WindowMemory::default(),
         reported_edges: None,

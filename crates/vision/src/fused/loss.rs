@@ -5,6 +5,10 @@ use barrelman_vocab::Timestamp;
 use super::excluded_places::ExcludedPlaces;
 use super::extent::Extent;
 
+/// Factor on the confidence of a box that may be another thing's: of two that look alike, each is as
+/// probable.
+const DOUBTFUL_SHARE: f64 = 0.5;
+
 /// State of the search for a lost target.
 #[derive(Debug, Clone)]
 pub(super) struct LossState {
@@ -22,6 +26,29 @@ pub(super) struct LossState {
     pub(super) excluded: ExcludedPlaces,
 }
 
+/// Whether what is followed, or will be found, is the target.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Identity {
+    /// It is.
+    Sure,
+    /// The track was interrupted. Whether there were like things beside the target is not known yet.
+    Unchecked,
+    /// It may be another thing.
+    Doubtful,
+}
+
+impl Identity {
+    /// Factor on the confidence of the box that is followed.
+    pub(super) const fn share(self) -> f64 {
+        if matches!(self, Self::Sure) { 1.0 } else { DOUBTFUL_SHARE }
+    }
+
+    /// The identity of a track that jumps within the picture.
+    pub(super) const fn after_jump(self) -> Self {
+        if matches!(self, Self::Sure) { Self::Unchecked } else { self }
+    }
+}
+
 /// Where and when the target was lost.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct LossPoint {
@@ -30,6 +57,8 @@ pub(super) struct LossPoint {
     pub(super) centre: (f32, f32),
     /// Whether the prediction lay in the picture: the target was hidden rather than out of view.
     pub(super) is_in_picture: bool,
+    /// Whether a gap in the video came since the target was seen.
+    pub(super) is_in_gap: bool,
 }
 
 /// Mean score of the observations of a candidate: how well it is recognised as the target.
@@ -46,7 +75,7 @@ impl LossState {
     /// The state of a target that was just selected.
     pub(super) fn new(now: Timestamp, centre: (f32, f32), extent: Extent) -> Self {
         Self {
-            lost_at: LossPoint { at: now, centre, is_in_picture: false },
+            lost_at: LossPoint { at: now, centre, is_in_picture: false, is_in_gap: false },
             recognition: RecognitionScore::default(),
             reliable_size: (1.0, extent),
             frames_searched: 0,

@@ -24,7 +24,7 @@ const SCAN_STRIDES: [u32; 4] = [7, 11, 13, 17];
 const MIN_RELATIVE_HEIGHT: f32 = 0.3;
 const MIN_RELATIVE_CONTRAST: f32 = 0.2;
 /// While a candidate is confirmed, its mean score may be lower by this than when it was found.
-const CONFIRMING_SLACK: f32 = 0.07;
+pub(super) const CONFIRMING_SLACK: f32 = 0.07;
 /// Radius of the circle around a candidate in which its silhouette is measured, in half lengths of the target.
 const SILHOUETTE_RADIUS: f32 = 1.3;
 /// Sizes tried for a target without a reference silhouette, relative to its own.
@@ -59,7 +59,7 @@ impl Workspace {
     }
 
     /// Candidates found by colour, sorted by the similarity of their layout to the target's, and their number.
-    fn rank_candidates(
+    pub(super) fn rank_candidates(
         &mut self,
         target: &Target,
         picture: &Picture,
@@ -118,7 +118,7 @@ impl Workspace {
     /// How well an observation matches the target: relative height of the response, relative similarity of the colours
     /// and relative similarity of their layout, in sum about 3 for the target. `None` if the evidence is too weak for a
     /// comparison.
-    fn recognition_score(
+    pub(super) fn recognition_score(
         &mut self,
         config: &FusedConfig,
         target: &Target,

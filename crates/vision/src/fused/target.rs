@@ -12,7 +12,7 @@ use super::contradiction::Contradiction;
 use super::filter_views::FilterViews;
 use super::geometry::TargetGeometry;
 use super::known_scene::KnownScene;
-use super::loss::{LossPoint, LossState};
+use super::loss::{Identity, LossPoint, LossState};
 use super::observation::Observation;
 use super::phase::Phase;
 use super::prediction::TargetMotion;
@@ -26,7 +26,7 @@ use crate::refinement::WindowMemory;
 
 /// Minimum recognition score at the place of the loss, and elsewhere.
 const MIN_SCORE_AT_LOSS: f32 = 1.8;
-const MIN_SCORE_ELSEWHERE: f32 = 2.37;
+pub(super) const MIN_SCORE_ELSEWHERE: f32 = 2.37;
 /// Radius of the place of the loss, in sizes of the target, and how long it is preferred, seconds.
 const LOSS_RADIUS_SIZES: f32 = 1.5;
 const LOSS_PREFERRED_S: f64 = 3.0;
@@ -62,6 +62,8 @@ pub(super) struct Target {
     /// The blob of the paint, if it is followed.
     pub(super) blob: Option<SeenBlob>,
     pub(super) loss: LossState,
+    /// Whether what is followed, or will be found, is the target.
+    pub(super) identity: Identity,
     /// Earlier windows of the refinement network.
     pub(super) memory: WindowMemory,
     /// Edges of the box that is reported, from the centre of the target's own box: left, top, right, bottom, pixels. `None`
@@ -161,19 +163,24 @@ impl Target {
     /// Minimum recognition score of an observation of a lost target. A target that was recently lost inside the picture
     /// is probably still there and half hidden; an object elsewhere must match in every respect.
     pub(super) fn min_recognition_score(&self, observation: &Observation) -> f32 {
+        if self.is_at_loss(observation.centre) { MIN_SCORE_AT_LOSS } else { MIN_SCORE_ELSEWHERE }
+    }
+
+    /// Whether a place, pixels, is that of a recent loss within the picture.
+    pub(super) fn is_at_loss(&self, place: (f32, f32)) -> bool {
         let lost_at = &self.loss.lost_at;
-        let away =
-            libm::hypotf(observation.centre.0 - lost_at.centre.0, observation.centre.1 - lost_at.centre.1);
+        let away = libm::hypotf(place.0 - lost_at.centre.0, place.1 - lost_at.centre.1);
         let is_recent = self.motion.last_capture.since(lost_at.at).as_secs_f64() <= LOSS_PREFERRED_S;
-        let is_near = away <= LOSS_RADIUS_SIZES * self.geometry.size_px();
-        if lost_at.is_in_picture && is_recent && is_near { MIN_SCORE_AT_LOSS } else { MIN_SCORE_ELSEWHERE }
+        lost_at.is_in_picture && is_recent && away <= LOSS_RADIUS_SIZES * self.geometry.size_px()
     }
 
     /// Records where the target was lost, and restores its last reliable size.
     pub(super) fn mark_lost(&mut self, is_in_picture: bool) {
         let centre = self.motion.position_f32();
+        self.identity = Identity::Unchecked;
         self.loss.frames_searched = 0;
-        self.loss.lost_at = LossPoint { at: self.motion.last_capture, centre, is_in_picture };
+        self.loss.lost_at =
+            LossPoint { at: self.motion.last_capture, centre, is_in_picture, is_in_gap: false };
         self.restore_reliable_size();
     }
 
@@ -184,7 +191,7 @@ impl Target {
             if !matches!(self.phase, Phase::Lost { .. }) {
                 self.mark_lost(false);
             }
-            self.loss.lost_at.is_in_picture = false;
+            (self.loss.lost_at.is_in_picture, self.loss.lost_at.is_in_gap) = (false, true);
             self.phase = self.phase.after_gap(now);
         }
     }

@@ -105,6 +105,18 @@ impl Workspace {
         (second.height > MIN_SECOND_HEIGHT * first.peak.height).then(|| self.observation_at(target, second))
     }
 
+    /// The observation at the highest response of the last search window, that of `highest`, at another place that is allowed:
+    /// by its shift right and down, cells.
+    pub(super) fn observe_other(
+        &self,
+        target: &Target,
+        highest: &Observation,
+        is_allowed: impl Fn(f32, f32) -> bool,
+    ) -> Option<Observation> {
+        let other = highest.peak.find_other(&self.response, is_allowed)?;
+        Some(self.observation_at(target, other))
+    }
+
     /// The response of a filter that does not adapt in the last search window.
     pub(super) fn respond(&mut self, filter: &FixedFilter) -> &Map {
         filter.correlate(&self.features.spectra, &mut self.response_spectrum);
