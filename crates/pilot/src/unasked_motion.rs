@@ -97,7 +97,7 @@ impl RunOut {
     }
 
     fn on_command(&mut self, rate: f64, now: Timestamp) {
-        // A faster motion of before may last longer.
+        // An earlier, faster motion may last longer.
         if rate * (1.0 + SLACK) >= self.rate_at(now) {
             self.last = Some((rate, now));
         }

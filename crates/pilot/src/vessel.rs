@@ -171,7 +171,7 @@ impl VesselPilot {
         &self.profile
     }
 
-    /// Another boat was selected: the boat of before is guided no more.
+    /// Another boat was selected: the guidance of the previous one ends.
     pub(crate) fn begin_target(&mut self) {
         self.guide.reset_boat();
         if self.gate.is_guiding() {

@@ -104,7 +104,7 @@ fn an_exported_log_goes_by_the_names_of_its_columns() {
     };
     check("time_s,x,y,pan_rate,tilt_rate\n10,1,2,-0.3,-0.1\n10.5,1,2,0,0\n");
     check("time_s,x,y,pan_rate,tilt_rate,pitch_rate,yaw_rate\n10,1,2,-0.3,-0.1,9,9\n10.5,1,2,0,0,9,9\n");
-    // Files of earlier programs, and of `law`: the Fotokite Pro's own signs.
+    // Files of `law`: the Fotokite Pro's own signs.
     check("time_s,x,y,pitch_rate,yaw_rate\n10,1,2,0.1,0.3\n10.5,1,2,0,0\n");
     check("yaw_rate,pitch_rate,note,y,x,time_s\n0.3,0.1,hm,2,1,10\n0,0,,2,1,10.5\n");
     check("row,time_s,x,y,p,pitch_rate,yaw_rate\r\n0,10,1,2,7,0.1,0.3\r\n1,10.5,1,2,7,0,0\r\n");
