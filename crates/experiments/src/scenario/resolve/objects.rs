@@ -34,14 +34,6 @@ pub(super) fn objects(
 
 /// The marks of a path. On a floor, a painted mark at each way-point. On water, small buoys beside the path, so that the
 /// boat does not run over them; a buoy closer than [`MIN_MARK_DISTANCE_M`] to an earlier buoy is left out.
-#[allow(
-    clippy::disallowed_methods,
-    reason = "libm::hypot may differ in the last bit, which would move the marks of the existing scenarios"
-)]
-#[expect(
-    clippy::disallowed_methods,
-    reason = "the marks of stored drives were placed with the system's hypot, whose last bit can differ from libm's"
-)]
 fn marks(way_points: &[(f64, f64)], on_water: bool) -> Vec<ObjectScript> {
     let mark = |kind, at| ObjectScript {
         kind,
@@ -60,10 +52,11 @@ fn marks(way_points: &[(f64, f64)], on_water: bool) -> Vec<ObjectScript> {
         let (before, after) =
             (way_points[index.saturating_sub(1)], way_points[(index + 1).min(way_points.len() - 1)]);
         let (dx, dy) = (after.0 - before.0, after.1 - before.1);
-        let length = dx.hypot(dy).max(f64::MIN_POSITIVE);
+        let length = libm::hypot(dx, dy).max(f64::MIN_POSITIVE);
         let beside = (at.0 - MARK_OFFSET_M * dy / length, at.1 + MARK_OFFSET_M * dx / length);
-        let is_near =
-            |mark: &ObjectScript| (mark.at.0 - beside.0).hypot(mark.at.1 - beside.1) < MIN_MARK_DISTANCE_M;
+        let is_near = |mark: &ObjectScript| {
+            libm::hypot(mark.at.0 - beside.0, mark.at.1 - beside.1) < MIN_MARK_DISTANCE_M
+        };
         if !marks.iter().any(is_near) {
             marks.push(mark(ObjectKind::MarkBuoy, beside));
         }
