@@ -249,8 +249,9 @@ impl Permission {
                     (self.engaged, self.stopped) = (false, false)
                 }
                 OperatorRequest::Stop(_) => (self.engaged, self.stopped) = (false, true),
-                OperatorRequest::Camera(CameraRequest::Select(_))
-                | OperatorRequest::Camera(CameraRequest::Deselect) => self.fresh = None,
+                OperatorRequest::Camera(CameraRequest::Select(_) | CameraRequest::Deselect) => {
+                    self.fresh = None;
+                }
                 _ => {}
             }
             let is_nudge = matches!(request, OperatorRequest::Camera(CameraRequest::Nudge(_)));

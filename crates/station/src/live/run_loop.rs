@@ -218,8 +218,7 @@ impl RunLoop<'_> {
         let asks_for_boat = matches!(
             (request, &outcome.notice),
             (
-                OperatorRequest::Vessel(VesselRequest::Guide)
-                    | OperatorRequest::Vessel(VesselRequest::GoHome),
+                OperatorRequest::Vessel(VesselRequest::Guide | VesselRequest::GoHome),
                 Some(Notice::RequestRefused(
                     Refusal::NoVesselMotion(HoldCause::NoControl) | Refusal::NotAccepted(_)
                 ))

@@ -25,13 +25,23 @@ impl Answers {
                 self.supersede_selection("another selection was made");
                 self.selection = Some(answer);
             }
-            OperatorRequest::Camera(CameraRequest::SelectNext(_))
-            | OperatorRequest::Camera(CameraRequest::Reject)
-            | OperatorRequest::Camera(CameraRequest::Deselect) => {
+            OperatorRequest::Camera(
+                CameraRequest::SelectNext(_) | CameraRequest::Reject | CameraRequest::Deselect,
+            ) => {
                 self.supersede_selection("the target was changed");
                 answer.give(Answer::ACCEPTED);
             }
-            _ => answer.give(Answer::Accepted(going(outcome))),
+            OperatorRequest::Camera(
+                CameraRequest::Nudge(_)
+                | CameraRequest::Search
+                | CameraRequest::Calibrate
+                | CameraRequest::NetYaw { .. }
+                | CameraRequest::Law { .. }
+                | CameraRequest::Engage
+                | CameraRequest::Disengage,
+            )
+            | OperatorRequest::Vessel(_)
+            | OperatorRequest::Stop(_) => answer.give(Answer::Accepted(going(outcome))),
         }
     }
 

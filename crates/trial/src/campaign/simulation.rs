@@ -358,11 +358,7 @@ impl<'a> Simulation<'a> {
     }
 
     fn step_pilot(&mut self, input: Input<'_>, observer: &mut dyn StepObserver) {
-        if let Input::Request(
-            OperatorRequest::Camera(CameraRequest::SelectNext(_))
-            | OperatorRequest::Camera(CameraRequest::Select(_)),
-        ) = input
-        {
+        if matches!(input, Input::Request(OperatorRequest::Camera(request)) if request.is_selection()) {
             self.log.selections = self.log.selections.map(|selections| selections + 1);
         }
         let now = self.world.now();

@@ -2,7 +2,7 @@
 
 use std::collections::VecDeque;
 
-use barrelman_vocab::{CameraRequest, OperatorRequest, PictureSize, Timestamp, VehicleRates};
+use barrelman_vocab::{OperatorRequest, PictureSize, Timestamp, VehicleRates};
 
 use super::laboratory;
 use super::trial_log::{LogRow, RowTruth, TrialLog};
@@ -96,13 +96,7 @@ impl LogBuilder {
 
     /// Adds the next input.
     pub fn add_input(&mut self, input: &RecordedInput) {
-        let is_selection = matches!(
-            input,
-            RecordedInput::Request(
-                OperatorRequest::Camera(CameraRequest::SelectNext(_))
-                    | OperatorRequest::Camera(CameraRequest::Select(_))
-            )
-        );
+        let is_selection = matches!(input, RecordedInput::Request(OperatorRequest::Camera(request)) if request.is_selection());
         self.selections += usize::from(is_selection);
     }
 

@@ -45,6 +45,13 @@ pub enum CameraRequest {
     Disengage,
 }
 
+impl CameraRequest {
+    /// Whether the request selects a target.
+    pub const fn is_selection(&self) -> bool {
+        matches!(self, Self::Select(_) | Self::SelectNext(_))
+    }
+}
+
 /// A selection, and the video frame on which it was drawn.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
