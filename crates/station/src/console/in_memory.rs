@@ -21,7 +21,7 @@ use super::requests::{Reply, Requester, answer, begin_request};
 use super::seats::ClientId;
 use super::shared::Console;
 use super::{ConsoleParts, OnConsoleLost, PictureSlot, SessionFacts, SessionTime, VideoRelay, routes};
-use crate::operator::{Answer, Gateway, Request as SessionRequest};
+use crate::operator::{Answer, Gateway, SessionRequest};
 use crate::snapshot::{LinkStatus, Publisher, RecordingState};
 use crate::test_scenes::{at, idle};
 

@@ -13,7 +13,7 @@ use super::access::Role;
 use super::api::AnswerKind;
 use super::seats::{ClientId, Seats};
 use super::shared::Console;
-use crate::operator::{self, Answer};
+use crate::operator::{Answer, SessionRequest};
 use crate::snapshot::Level;
 
 /// How long a stop may take until the pilot has taken it. Beyond that the loop hangs, and the page raises an alarm.
@@ -65,7 +65,7 @@ pub(super) fn begin_request(console: &Console, from: Requester, request: Request
             let result = change_seats(console, from, request);
             return Pending::Answered(result.map_or_else(refused, |()| ACCEPTED));
         }
-        Request::World(request) => operator::Request::World(request),
+        Request::World(request) => SessionRequest::World(request),
         Request::Operator(request) => {
             if let Err(reason) = check_values(&request) {
                 return Pending::Answered(refused(reason));
@@ -73,7 +73,7 @@ pub(super) fn begin_request(console: &Console, from: Requester, request: Request
             if commands_vessel(&request) {
                 console.gateway.set_boat_left(false);
             }
-            operator::Request::Pilot(request)
+            SessionRequest::Pilot(request)
         }
     };
     Pending::Submitted(console.gateway.submit(request))

@@ -14,7 +14,7 @@ use super::observers::DriveObservers;
 use super::pacing::Pacing;
 use crate::console::SessionTime;
 use crate::live::event::{Event, QuitCause};
-use crate::operator::{Answer, Gateway, Request, Submitted};
+use crate::operator::{Answer, Gateway, SessionRequest, Submitted};
 use crate::snapshot::DriveState;
 
 /// Interval at which requests are read while the drive is paused.
@@ -134,14 +134,14 @@ impl LiveDrive<'_> {
             self.take_stop()?;
             let Some(Submitted { request, answer }) = self.gateway.next_request() else { return Ok(()) };
             match request {
-                Request::World(request) => {
+                SessionRequest::World(request) => {
                     self.is_paused = match request {
                         WorldRequest::Pause => true,
                         WorldRequest::Resume => false,
                     };
                     answer.give(Answer::ACCEPTED);
                 }
-                Request::Pilot(request) => {
+                SessionRequest::Pilot(request) => {
                     // A helm that is renewed is stored each time: the pilot makes a step for it.
                     self.request(request)?;
                     if let (Some(console), Some(outcome)) =

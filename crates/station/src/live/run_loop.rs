@@ -28,7 +28,7 @@ use super::threads::FaultInjector;
 use crate::config::lens::misfit;
 use crate::link::boat_link::BoatLink;
 use crate::link::{LinkReport, VehicleLink};
-use crate::operator::{Answer, Answers, Gateway, Request, Submitted};
+use crate::operator::{Answer, Answers, Gateway, SessionRequest, Submitted};
 use crate::snapshot::{Alarm, Publisher, RecordingState, VideoSourceState, link_state_text};
 
 /// The alarms that are also logged: a run without a page must tell them, too.
@@ -199,12 +199,12 @@ impl RunLoop<'_> {
             self.take_stop(state);
             let Some(Submitted { request, answer }) = self.gateway.next_request() else { break };
             match request {
-                Request::Pilot(request) => {
+                SessionRequest::Pilot(request) => {
                     let outcome = self.step(state, Input::Request(request));
                     self.take_control_back(request, &outcome);
                     state.answers.on_request_step(&request, answer, &outcome);
                 }
-                Request::World(_) => {
+                SessionRequest::World(_) => {
                     answer.give(Answer::Refused("there is no simulated boat to steer here".to_owned()));
                 }
             }

@@ -19,7 +19,7 @@ const CAPACITY: usize = 64;
 
 /// What an operator can request of a session.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Request {
+pub enum SessionRequest {
     /// A request to the pilot.
     Pilot(OperatorRequest),
     /// A request about the simulated world.
@@ -30,7 +30,7 @@ pub enum Request {
 #[derive(Debug)]
 pub struct Submitted {
     /// The request.
-    pub request: Request,
+    pub request: SessionRequest,
     /// Where the answer goes.
     pub answer: AnswerSlot,
 }
@@ -101,7 +101,7 @@ impl Gateway {
 
     /// Submits a request. The receiver gets the answer; without one, the session has ended. A stop of the operator goes
     /// to the latch and is answered at once: it is taken before any request.
-    pub fn submit(&self, request: Request) -> oneshot::Receiver<Answer> {
+    pub fn submit(&self, request: SessionRequest) -> oneshot::Receiver<Answer> {
         let (answer, receiver) = AnswerSlot::new();
         self.submit_with(request, answer);
         receiver
@@ -109,11 +109,11 @@ impl Gateway {
 
     /// Submits a request of the terminal or of the program itself; a refusal is logged.
     pub fn submit_logged(&self, request: OperatorRequest) {
-        self.submit_with(Request::Pilot(request), AnswerSlot::logged());
+        self.submit_with(SessionRequest::Pilot(request), AnswerSlot::logged());
     }
 
-    fn submit_with(&self, request: Request, answer: AnswerSlot) {
-        if let Request::Pilot(OperatorRequest::Stop(StopCause::Operator)) = request {
+    fn submit_with(&self, request: SessionRequest, answer: AnswerSlot) {
+        if let SessionRequest::Pilot(OperatorRequest::Stop(StopCause::Operator)) = request {
             self.stop();
             return answer.give(Answer::ACCEPTED);
         }
@@ -159,7 +159,7 @@ mod tests {
 
     use super::*;
 
-    const ENGAGE: Request = Request::Pilot(OperatorRequest::Camera(CameraRequest::Engage));
+    const ENGAGE: SessionRequest = SessionRequest::Pilot(OperatorRequest::Camera(CameraRequest::Engage));
 
     #[test]
     fn a_full_queue_refuses_requests_but_never_a_stop() {
@@ -179,7 +179,8 @@ mod tests {
         let (events, queue) = sync_channel(8);
         let gateway = Gateway::new(events);
         gateway.submit(ENGAGE);
-        let mut second = gateway.submit(Request::Pilot(OperatorRequest::Camera(CameraRequest::Disengage)));
+        let mut second =
+            gateway.submit(SessionRequest::Pilot(OperatorRequest::Camera(CameraRequest::Disengage)));
         assert_eq!(gateway.next_request().map(|submitted| submitted.request), Some(ENGAGE));
         gateway.refuse_waiting();
         assert!(matches!(second.try_recv(), Ok(Answer::Superseded(_))));
@@ -187,7 +188,7 @@ mod tests {
         assert!(matches!(queue.try_recv(), Ok(Event::Operator)));
     }
 
-    const STOP: Request = Request::Pilot(OperatorRequest::Stop(StopCause::Operator));
+    const STOP: SessionRequest = SessionRequest::Pilot(OperatorRequest::Stop(StopCause::Operator));
 
     #[test]
     fn a_stop_is_never_queued_and_is_accepted_at_once() {
@@ -259,7 +260,7 @@ mod tests {
         for cause in [StopCause::Ending, StopCause::VideoEnded, StopCause::Fault] {
             gateway.submit_logged(OperatorRequest::Stop(cause));
             let request = gateway.next_request().map(|submitted| submitted.request);
-            assert_eq!(request, Some(Request::Pilot(OperatorRequest::Stop(cause))));
+            assert_eq!(request, Some(SessionRequest::Pilot(OperatorRequest::Stop(cause))));
         }
         assert_eq!(gateway.stop_latch().pending(), None);
         gateway.submit_logged(OperatorRequest::Stop(StopCause::Operator));

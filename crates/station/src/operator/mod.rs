@@ -16,5 +16,5 @@ mod stop_latch;
 
 pub use answer::{Answer, AnswerSlot};
 pub use answers::Answers;
-pub use gateway::{Gateway, Request, Submitted};
+pub use gateway::{Gateway, SessionRequest, Submitted};
 pub use stop_latch::StopLatch;

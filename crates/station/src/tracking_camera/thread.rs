@@ -22,7 +22,7 @@ use super::view::view;
 use crate::link::port::Port;
 use crate::live::event::Event;
 use crate::live::threads::spawn;
-use crate::operator::{Answer, Gateway, Request};
+use crate::operator::{Answer, Gateway, SessionRequest};
 use crate::snapshot::SharedSnapshot;
 
 /// Pause before a port is opened again.
@@ -151,8 +151,8 @@ impl Work {
     }
 
     /// The request to the pilot. A selection names the video frame that the ground station shows.
-    fn request(&self, request: TrackingRequest) -> Request {
-        Request::Pilot(match request {
+    fn request(&self, request: TrackingRequest) -> SessionRequest {
+        SessionRequest::Pilot(match request {
             TrackingRequest::Forget => OperatorRequest::Camera(CameraRequest::Deselect),
             TrackingRequest::Select(bounds) => {
                 let newest = self.parts.snapshots.borrow().video.frame;

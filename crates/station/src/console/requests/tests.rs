@@ -4,7 +4,7 @@ use super::super::in_memory::{InMemory, LIVE, block_on};
 use barrelman_vocab::{LawId, MarkKind, Timestamp, WorldRequest};
 
 use super::*;
-use crate::operator::{AnswerSlot, Request as Submitted};
+use crate::operator::AnswerSlot;
 
 const CONTROL: Role = Role::Control;
 const WATCH: Role = Role::Watch;
@@ -16,7 +16,7 @@ fn parsed(json: &str) -> Request {
 
 /// A request of a program in its JSON form reaches the session as this.
 #[track_caller]
-fn check(json: &str, expected: Submitted) {
+fn check(json: &str, expected: SessionRequest) {
     let mut session = InMemory::new(LIVE);
     assert_eq!(session.request(CONTROL, None, parsed(json)), ACCEPTED, "{json}");
     assert_eq!(session.taken, [expected], "{json}");
@@ -35,7 +35,7 @@ fn check_refused(json: &str, reason: &str) {
 
 #[test]
 fn each_request_reaches_the_session_in_its_own_words() {
-    let pilot = Submitted::Pilot;
+    let pilot = SessionRequest::Pilot;
     check(r#"{"kind":"engage"}"#, pilot(OperatorRequest::Camera(CameraRequest::Engage)));
     check(r#"{"kind":"disengage"}"#, pilot(OperatorRequest::Camera(CameraRequest::Disengage)));
     check(r#"{"kind":"reject"}"#, pilot(OperatorRequest::Camera(CameraRequest::Reject)));
@@ -83,8 +83,8 @@ fn each_request_reaches_the_session_in_its_own_words() {
         r#"{"kind":"stop-vessel"}"#,
         pilot(OperatorRequest::Vessel(VesselRequest::StopVessel { by: VesselStopper::Operator })),
     );
-    check(r#"{"kind":"pause"}"#, Submitted::World(WorldRequest::Pause));
-    check(r#"{"kind":"resume"}"#, Submitted::World(WorldRequest::Resume));
+    check(r#"{"kind":"pause"}"#, SessionRequest::World(WorldRequest::Pause));
+    check(r#"{"kind":"resume"}"#, SessionRequest::World(WorldRequest::Resume));
 }
 
 #[test]
@@ -97,7 +97,7 @@ fn the_boat_is_commanded_from_a_page_only() {
         assert!(reason.unwrap_or_default().contains("only a page on a socket"), "{request:?}");
         session.join("a", CONTROL);
         assert_eq!(session.request(CONTROL, Some(0), request).0, AnswerKind::Accepted);
-        assert_eq!(session.taken, [Submitted::Pilot(request)]);
+        assert_eq!(session.taken, [SessionRequest::Pilot(request)]);
     }
 }
 

@@ -10,7 +10,7 @@ use super::super::in_memory::{
 };
 use super::super::limits::REQUESTS;
 use super::*;
-use crate::operator::Request as SessionRequest;
+use crate::operator::SessionRequest;
 use crate::test_scenes::{at, idle};
 
 const CONTROL: &str = "authorization: Bearer control-0123456789";

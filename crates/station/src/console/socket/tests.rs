@@ -17,7 +17,7 @@ use super::super::in_memory::{CONTROL_TOKEN, InMemory, LIVE, WATCH_TOKEN, block_
 use super::super::routes;
 use super::super::seats::MAX_CLIENTS;
 use super::*;
-use crate::operator::Request;
+use crate::operator::SessionRequest;
 use crate::snapshot::Level;
 use crate::test_scenes::{at, idle};
 
@@ -219,7 +219,7 @@ fn each_request_gets_its_answer_by_its_number() {
         let expected = [(5, "accepted"), (6, "refused"), (7, "accepted")];
         assert_eq!(answers, expected.map(|(id, answer)| (id, answer.to_owned())));
     });
-    let pilot = Request::Pilot;
+    let pilot = SessionRequest::Pilot;
     assert_eq!(
         session.taken,
         [
