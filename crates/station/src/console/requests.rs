@@ -62,7 +62,8 @@ pub(super) fn begin_request(console: &Console, from: Requester, request: Request
     }
     let request = match request {
         Request::Seat(request) => {
-            let result = change_seats(console, from, request);
+            let page = from.client.ok_or("only a page on a socket can control");
+            let result = page.and_then(|page| change_seats(console, page, request));
             return Pending::Answered(result.map_or_else(refused, |()| ACCEPTED));
         }
         Request::World(request) => SessionRequest::World(request),
@@ -106,17 +107,17 @@ fn refusal(seats: &Seats, from: Requester, request: &Request) -> Option<String> 
     if from.role == Role::Watch {
         return Some("this token may only watch and stop".to_owned());
     }
-    let is_about_seats = matches!(request, Request::Seat(_));
+    if matches!(request, Request::Seat(_)) {
+        return None;
+    }
     let commands_vessel = matches!(request, Request::Operator(request) if commands_vessel(request));
     match from.client {
-        None if is_about_seats => Some("only a page on a socket can control".to_owned()),
         // A boat that no page watches over is stopped at once.
         None if seats.is_empty() && commands_vessel => {
             Some("only a page on a socket can command the boat".to_owned())
         }
         None if seats.is_empty() => None,
         None => Some("a page is in control".to_owned()),
-        Some(_) if is_about_seats => None,
         Some(id) if seats.controls(id) => None,
         Some(_) => Some("another page is in control: ask for the control, or take it".to_owned()),
     }
@@ -131,8 +132,7 @@ const fn commands_vessel(request: &OperatorRequest) -> bool {
 }
 
 /// Changes who controls.
-fn change_seats(console: &Console, from: Requester, request: SeatRequest) -> Result<(), &'static str> {
-    let Some(id) = from.client else { return Err("only a page on a socket can control") };
+fn change_seats(console: &Console, id: ClientId, request: SeatRequest) -> Result<(), &'static str> {
     let (result, text) = match request {
         SeatRequest::TakeControl => (console.with_seats(|seats| seats.take(id)), "took the control"),
         SeatRequest::AskControl => (console.with_seats(|seats| seats.ask(id)), "asks for the control"),
