@@ -104,23 +104,6 @@ fn read<T: DeserializeOwned + Serialize, E: Error>(value: Value) -> Result<T, E>
     }
 }
 
-impl JsonSchema for OperatorRequest {
-    fn schema_name() -> Cow<'static, str> {
-        "OperatorRequest".into()
-    }
-
-    fn json_schema(generator: &mut SchemaGenerator) -> Schema {
-        json_schema!({
-            "description": "A request to the pilot.",
-            "oneOf": [
-                generator.subschema_for::<StopRequest>(),
-                generator.subschema_for::<CameraRequest>(),
-                generator.subschema_for::<VesselRequest>(),
-            ],
-        })
-    }
-}
-
 impl JsonSchema for Request {
     fn schema_name() -> Cow<'static, str> {
         "Request".into()
