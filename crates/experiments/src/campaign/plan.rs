@@ -18,7 +18,7 @@ use barrelman_trial::records::SimulatedTrial;
 use barrelman_vocab::{AngularRate, VehicleProfile};
 use clap::ValueEnum;
 
-use super::drive_inputs::DriveInputs;
+use super::drive_requests::DriveRequests;
 use super::recording::{RecordedRun, TrialRecorder, TrialRecording};
 use super::simulated_time::SimulatedTime;
 use crate::drive;
@@ -98,7 +98,7 @@ pub struct CampaignPlan {
     plant: PlantName,
     simd: Simd,
     /// The inputs of a drive that steer the boat; `None` where the scenario's helmsman steers.
-    drive_inputs: Option<DriveInputs>,
+    drive_requests: Option<DriveRequests>,
     /// Whether the gimbal reports the camera's tilt.
     reports_tilt: bool,
     report_errors: ReportErrors,
@@ -168,7 +168,7 @@ impl CampaignPlan {
             tracker: tracker.unwrap_or(TrackerName::Camshift),
             plant: request.plant,
             simd: Simd::at_most(request.simd),
-            drive_inputs: None,
+            drive_requests: None,
             reports_tilt: false,
             report_errors: ReportErrors::NONE,
             recordings: None,
@@ -218,9 +218,9 @@ impl CampaignPlan {
 
     /// The plan with the boat steered by the inputs of a drive, for the duration of the drive.
     #[must_use]
-    pub fn with_drive(mut self, drive_inputs: DriveInputs) -> Self {
-        self.settings.drive = Some(drive_inputs.hash());
-        self.drive_inputs = Some(drive_inputs);
+    pub fn with_drive(mut self, drive_requests: DriveRequests) -> Self {
+        self.settings.drive = Some(drive_requests.hash());
+        self.drive_requests = Some(drive_requests);
         self.with_max_duration(drive::MAX_DRIVE_S)
     }
 
@@ -287,7 +287,7 @@ impl CampaignPlan {
             None => Pilot::new(settings, tracker),
         };
         // A person who drove may have selected on an earlier picture.
-        let pilot = match &self.drive_inputs {
+        let pilot = match &self.drive_requests {
             Some(drive) if drive.commands_boat => {
                 pilot.keeping_frames().with_vessel(drive::simulated_vessel(GuidanceLaw::LineOfSight))
             }
@@ -311,9 +311,9 @@ impl CampaignPlan {
                 .with_rescue(scenario.camera.optics, seed),
             None => simulation,
         };
-        Ok(match &self.drive_inputs {
+        Ok(match &self.drive_requests {
             // In a drive, a person selected, or the demo by the exact box.
-            Some(drive_inputs) => drive_inputs.run(simulation, camera, observer),
+            Some(drive_requests) => drive_requests.run(simulation, camera, observer),
             None => simulation.with_selection_by_hand(seed).run(camera, observer),
         })
     }

@@ -1,7 +1,7 @@
 //! Drives: the same inputs give the same drive, and a stored drive is read as it was written.
 
 use barrelman_experiments::campaign::PlantName;
-use barrelman_experiments::campaign::drive_inputs::DriveInputs;
+use barrelman_experiments::campaign::drive_requests::DriveRequests;
 use barrelman_experiments::campaign::plan::CampaignRequest;
 use barrelman_experiments::campaign::{CampaignPlan, Perception};
 use barrelman_experiments::drive::motor_schema_shadow::MotorSchemaShadow;
@@ -125,7 +125,7 @@ fn a_trial_of_a_stored_drive_is_that_drive_and_a_camera_law_is_tried_on_it() {
         plant: PlantName::Nominal,
         simd: SimdLevel::Avx512,
     };
-    let plan = CampaignPlan::new(&request).unwrap().with_drive(DriveInputs::from_drive(&stored));
+    let plan = CampaignPlan::new(&request).unwrap().with_drive(DriveRequests::from_drive(&stored));
     let mut again = DriveHasher::default();
     let log = plan.simulate(setup.url.seed, &mut again).unwrap();
     assert_eq!(again.hex(), hash);
@@ -134,7 +134,8 @@ fn a_trial_of_a_stored_drive_is_that_drive_and_a_camera_law_is_tried_on_it() {
     let law = LawChoice::OPTIMAL;
     let other =
         CampaignPlan::new(&CampaignRequest { law, perception: Perception::Truth, ..request }).unwrap();
-    let other = other.with_drive(DriveInputs::from_drive(&stored)).simulate(setup.url.seed, &mut ()).unwrap();
+    let other =
+        other.with_drive(DriveRequests::from_drive(&stored)).simulate(setup.url.seed, &mut ()).unwrap();
     let end = |log: &TrialLog| log.truth.as_ref().unwrap().last().unwrap().target_m;
     assert_eq!(end(&other), end(&log));
 }

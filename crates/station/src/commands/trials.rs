@@ -15,7 +15,7 @@ use crate::cli::{GuidedBy, PerceptionName, TrialsArgs, UsageError};
 use crate::config::Configuration;
 use crate::config::vessel::{GuidanceName, VesselConfig};
 use crate::interruption::flag_of_signals;
-use barrelman_experiments::campaign::drive_inputs::DriveInputs;
+use barrelman_experiments::campaign::drive_requests::DriveRequests;
 use barrelman_experiments::campaign::file::CampaignWriter;
 use barrelman_experiments::campaign::plan::CampaignRequest;
 use barrelman_experiments::campaign::recording::TrialRecording;
@@ -39,7 +39,7 @@ pub fn run(args: &TrialsArgs) -> Result<ExitCode> {
     let drive = args.drive.as_deref().map(StoredDrive::read).transpose()?;
     let mut plan = CampaignPlan::new(&request(args, drive.as_ref())?)?;
     if let Some(drive) = &drive {
-        plan = plan.with_drive(DriveInputs::from_drive(drive));
+        plan = plan.with_drive(DriveRequests::from_drive(drive));
     }
     if let Some(folder) = &args.record {
         let simulated = Configuration::simulated(plan.profile().clone(), plan.law(), plan.tracker())?;

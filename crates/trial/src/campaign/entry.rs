@@ -50,7 +50,7 @@ pub struct CampaignSettings {
     /// Water current, m/s; `None`: the scenario's.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub current_m_per_s: Option<f64>,
-    /// XXH3-64 of the inputs of the stored drive that steered the boat, in hexadecimal digits.
+    /// XXH3-64 of the requests of the stored drive that steered the boat, in hexadecimal digits.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub drive: Option<String>,
     /// Version of the program and hash of its executable.

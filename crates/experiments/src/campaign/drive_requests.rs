@@ -1,4 +1,4 @@
-//! Trials in which the boat is steered by the inputs of a stored drive.
+//! Trials in which the boat is steered by the requests of a stored drive.
 
 use barrelman_trial::campaign::{FrameSource, Simulation, StepObserver};
 use barrelman_trial::logs::TrialLog;
@@ -9,7 +9,7 @@ use crate::drive::StoredDrive;
 
 /// The requests of a drive, each with its tick, and the last tick.
 #[derive(Debug, Clone, PartialEq)]
-pub struct DriveInputs {
+pub struct DriveRequests {
     requests: Vec<(u64, OperatorRequest)>,
     last_tick: u64,
     hands_on: bool,
@@ -17,7 +17,7 @@ pub struct DriveInputs {
     pub(super) commands_boat: bool,
 }
 
-impl DriveInputs {
+impl DriveRequests {
     /// The inputs of a stored drive.
     pub fn from_drive(stored: &StoredDrive) -> Self {
         let setup = &stored.setup;
@@ -53,7 +53,7 @@ impl DriveInputs {
         }
     }
 
-    /// XXH3-64 of the inputs and the last tick, in hexadecimal digits.
+    /// XXH3-64 of the requests and the last tick, in hexadecimal digits.
     pub(super) fn hash(&self) -> String {
         let mut hash = Xxh3::new();
         hash.update(&self.last_tick.to_le_bytes());
