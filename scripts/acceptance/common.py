@@ -386,6 +386,10 @@ class Recording:
         """The requests, each with the time of its step in nanoseconds."""
         return [(message.now_ns, json.loads(message.request)) for message in self["/input/request"]]
 
+    def stopped_at(self):
+        """The time of the first stop on the machine's clock, seconds; None without one."""
+        return next((self.at(now_ns) for now_ns, request in self.requests() if request["kind"] == "stop"), None)
+
 
 def practice_clip(args, folder):
     """The practice clip and its truth, newly drawn, or from the folder of `--clip DIR`."""

@@ -143,7 +143,7 @@ def check_zeros(table, standstills, recording, rows):
 
 def check_end(table, recording, rows):
     heard = [row for row in rows if row.direction == "in"]
-    ended = next((recording.at(now_ns) for now_ns, request in recording.requests() if request["kind"] == "stop"), None)
+    ended = recording.stopped_at()
     table.require("the end is put to the pilot as a stop", ended is not None)
     last = [row for row in heard if row.is_motion and ended and row.at >= ended]
     table.require("zeros after the end of the video", bool(last) and all(row.is_zero for row in last), f"{(last[0].at - ended) * 1e3:.1f} ms after it, {len(last)} lines" if last else "none")

@@ -295,7 +295,7 @@ def try_end_of_video(args, clip, selection, folder, table):
         code = run.wait()
         faults = run.ended_well()
         recording = Recording(run.record)
-        at = next((recording.at(now_ns) for now_ns, request in recording.requests() if request["kind"] == "stop"), None)
+        at = recording.stopped_at()
         if at is None:
             faults.append("the end was not put to the pilot")
             at = recording.at(recording.outcomes[-1].now_ns)
