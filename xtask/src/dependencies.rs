@@ -24,8 +24,8 @@ struct Package {
 const RESEARCH: &str = "research/";
 
 /// The findings: each dependency that the table does not allow (dev-dependencies excepted), each allowed dependency that
-/// is not used, each crate that is missing in the table or in the workspace, and each dependency of the product on
-/// research, dev-dependencies included.
+/// is not used, each crate that is missing in the table or in the workspace, and each dependency of the
+/// product on research, dev-dependencies included.
 pub(crate) fn check(root: &Path) -> Result<Vec<String>> {
     let allowed = table(root)?;
     let packages = packages(root)?;

@@ -9,9 +9,10 @@ use xxhash_rust::xxh3::Xxh3;
 /// Bytes of the executable that are in memory at a time.
 const BLOCK_BYTES: usize = 1 << 16;
 
-/// The version of the program and the hash of its file, as `0.1.0+5c1f0a9be2d47f60`: XXH3-64 of the executable in
-/// hexadecimal digits. Two programs with the same identity have the same code. Where the executable cannot be
-/// read (for example because it was deleted while the program runs) the hash is `unknown`.
+/// The version of the program and the hash of its file, as `0.1.0+5c1f0a9be2d47f60`: XXH3-64 of the
+/// executable in hexadecimal digits. Two programs with the same identity have the same code. Where the
+/// executable cannot be read (for example because it was deleted while the program runs) the hash is
+/// `unknown`.
 ///
 /// Recordings, drives and campaigns state this identity.
 pub fn identity() -> &'static str {

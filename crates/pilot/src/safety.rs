@@ -280,8 +280,8 @@ impl Safety {
         ends.map(|ends| video_ends.map_or(ends, |video_ends| ends.min(video_ends)))
     }
 
-    /// Whether the newest video frame is fresh enough for a camera that moves without following. The current time
-    /// must not lie before it.
+    /// Whether the newest video frame is fresh enough for a camera that moves without following. The current
+    /// time must not lie before it.
     fn has_video(&self, now: Timestamp) -> bool {
         self.last_video_at.is_some_and(|at| at <= now && now.since(at) < NEEDS_VIDEO)
     }

@@ -1,5 +1,5 @@
-//! Random numbers by seed, stream and index only ([`barrelman_vocab::rng::hash`]), the same on every machine and in any
-//! order.
+//! Random numbers by seed, stream and index only ([`barrelman_vocab::rng::hash`]), the same on every machine
+//! and in any order.
 
 use barrelman_vocab::rng::{hash, to_unit};
 

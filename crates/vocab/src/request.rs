@@ -1,17 +1,19 @@
 //! Requests of the operator, or of a program on behalf of the operator.
 //!
 //! Each kind of request has an enum of its own, which the code that is about it matches without a wildcard:
-//! [`CameraRequest`], [`VesselRequest`], [`WorldRequest`] and [`SeatRequest`]; a stop concerns camera and vessel.
+//! [`CameraRequest`], [`VesselRequest`], [`WorldRequest`] and [`SeatRequest`]; a stop concerns camera and
+//! vessel.
 //!
-//! The serialised form of a request is the same in the console's API, in a stored drive and in a recording: a JSON
-//! object with the key `kind`, the name of the variant in kebab case, beside the fields of the variant:
+//! The serialised form of a request is the same in the console's API, in a stored drive and in a recording: a
+//! JSON object with the key `kind`, the name of the variant in kebab case, beside the fields of the variant:
 //!
 //! ```
-//! use barrelman_vocab::{OperatorRequest, VesselRequest};
+//! use barrelman_vocab::{OperatorRequest, VesselCommand, VesselRequest};
 //!
 //! let json = r#"{"kind":"steer","throttle":0.5,"rudder":-0.2}"#;
 //! let request: OperatorRequest = serde_json::from_str(json)?;
-//! assert!(matches!(request, OperatorRequest::Vessel(VesselRequest::Steer(command)) if command.throttle == 0.5));
+//! let expected = VesselRequest::Steer(VesselCommand { throttle: 0.5, rudder: -0.2 });
+//! assert_eq!(request, expected.into());
 //! assert_eq!(serde_json::to_string(&request)?, json);
 //! # Ok::<(), serde_json::Error>(())
 //! ```
@@ -34,8 +36,8 @@ use crate::stop_cause::StopCause;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum OperatorRequest {
     /// Rest the camera immediately, and stop the vessel. The camera stays at rest until the next
-    /// [`Engage`](CameraRequest::Engage). Serialised as `{"kind":"stop","cause":"operator"}`; `cause` is `operator` by
-    /// default.
+    /// [`Engage`](CameraRequest::Engage). Serialised as `{"kind":"stop","cause":"operator"}`; `cause` is
+    /// `operator` by default.
     Stop(StopCause),
     /// About the camera and the target that it follows.
     Camera(CameraRequest),

@@ -1,7 +1,7 @@
 //! Pseudo-random numbers for tests and simulations: SplitMix64 (Steele, Lea and Flood, 2014).
 //!
-//! Equal seeds give equal numbers on every machine. The numbers are not suitable for cryptography. [`SplitMix64`] is a
-//! sequence; [`hash`] gives any number of a stream on its own.
+//! Equal seeds give equal numbers on every machine. The numbers are not suitable for cryptography.
+//! [`SplitMix64`] is a sequence; [`hash`] gives any number of a stream on its own.
 
 /// The usual increment of the state: an odd multiple of the golden ratio's fractional part.
 const GOLDEN: u64 = 0x9e37_79b9_7f4a_7c15;
@@ -59,8 +59,8 @@ impl SplitMix64 {
     }
 }
 
-/// The number of a stream with this index, uniform over all 64-bit integers. Seed, stream and index alone decide about the
-/// number, so that numbers can be had in any order.
+/// The number of a stream with this index, uniform over all 64-bit integers. Seed, stream and index alone
+/// decide about the number, so that numbers can be had in any order.
 #[inline]
 pub const fn hash(seed: u64, stream: u64, index: u64) -> u64 {
     mix(start_of_stream(seed, stream).wrapping_add(index.wrapping_mul(STREAM_INCREMENT)))

@@ -1,8 +1,9 @@
-//! The evaluation program: measures the tracker, the simulator and the camera laws against their requirements, fits the
-//! motion of the simulated target, and renders sample views.
+//! The evaluation program: measures the tracker, the simulator and the camera laws against their
+//! requirements, fits the motion of the simulated target, and renders sample views.
 //!
 //! ```text
-//! cargo run --release -p barrelman-eval -- tracker|selection|training-samples|simulator|calibration|search|guidance|law|views|fit|closed-loop|faults|link-latency
+//! cargo run --release -p barrelman-eval --
+//! tracker|selection|training-samples|simulator|calibration|search|guidance|law|views|fit|closed-loop|faults|link-latency
 //! ```
 //! The exit status is 1 if a requirement is missed or a command fails.
 //!

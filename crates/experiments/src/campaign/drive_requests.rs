@@ -18,7 +18,7 @@ pub struct DriveRequests {
 }
 
 impl DriveRequests {
-    /// The inputs of a stored drive.
+    /// The requests of a stored drive.
     pub fn from_drive(stored: &StoredDrive) -> Self {
         let setup = &stored.setup;
         Self {

@@ -294,8 +294,8 @@ impl VesselGate {
         self.holder = Holder::Released;
     }
 
-    /// The operator engages the guidance of a boat that is seen. The guidance needs fresh video: without it, a boat
-    /// that was last seen long ago would set off when the video comes back.
+    /// The operator engages the guidance of a boat that is seen. The guidance needs fresh video: without it,
+    /// a boat that was last seen long ago would set off when the video comes back.
     ///
     /// # Errors
     /// The reason, if the boat cannot be commanded now.

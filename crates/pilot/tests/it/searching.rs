@@ -145,7 +145,8 @@ fn a_search_keeps_what_it_looks_for_in_a_narrow_picture() {
     scene.request(OperatorRequest::Camera(CameraRequest::Search));
     assert_eq!(scene.last().mode, Mode::Searching);
     let begun = scene.outcomes.len();
-    // Until the end of the first four legs, the camera is raised by a quarter of the picture's height at most.
+    // Until the end of the first four legs, the camera is raised by a quarter of the picture's height at
+    // most.
     scene.run(10_000, None);
     let tilts =
         scene.outcomes[begun..].iter().map(|outcome| 0.05 * outcome.command.tilt.radians_per_second());

@@ -102,8 +102,8 @@ impl Configuration {
         Ok(configuration)
     }
 
-    /// Like [`Self::resolve`], for the configuration of a recording: a simulated vehicle may turn faster than a real one.
-    /// A replay sends nothing.
+    /// Like [`Self::resolve`], for the configuration of a recording: a simulated vehicle may turn faster than
+    /// a real one. A replay sends nothing.
     ///
     /// # Errors
     /// If a value is out of range; the message names the key and the range.

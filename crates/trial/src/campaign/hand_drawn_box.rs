@@ -9,8 +9,8 @@ const SIZES: (f64, f64) = (0.85, 1.5);
 /// Smallest box that is drawn: width and height, pixels.
 pub(super) const MIN_BOX_PX: (f64, f64) = (8.0, 6.0);
 
-/// A box about `bounds` as a hand draws it, within the picture. `between` gives a uniform random number between two
-/// bounds for each index from 0 to 3, in this order.
+/// A box about `bounds` as a hand draws it, within the picture. `between` gives a uniform random number
+/// between two bounds for each index from 0 to 3, in this order.
 pub fn drawn_by_hand(
     bounds: PixelBox,
     picture: PictureSize,

@@ -16,8 +16,9 @@ const GAIN: f64 = 1.1;
 /// Lower bound of a probability, and of its complement, of which log-odds are taken.
 const MIN_PROBABILITY: f64 = 1.0e-3;
 
-/// Share of the last box's probability that a predicted box has, and the time constant with which it falls, seconds. On 39 labelled
-/// recordings 0.20, 0.20, 0.20 and 0.10 of the predicted boxes were right in the first four frames; these give 0.20, 0.19, 0.16 and 0.10.
+/// Share of the last box's probability that a predicted box has, and the time constant with which it falls,
+/// seconds. On 39 labelled recordings 0.20, 0.20, 0.20 and 0.10 of the predicted boxes were right in the
+/// first four frames; these give 0.20, 0.19, 0.16 and 0.10.
 const PREDICTED_SHARE: f64 = 0.6;
 const PREDICTION_S: f64 = 0.13;
 const MIN_PREDICTION: f64 = 0.05;

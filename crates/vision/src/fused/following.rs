@@ -80,8 +80,8 @@ impl Trust {
 }
 
 impl Target {
-    /// Keeps a picture in which the target is sure, and its identity, too. What was found after a loss is given up where an
-    /// earlier picture shows it apart from the target.
+    /// Keeps a picture in which the target is sure, and its identity, too. What was found after a loss is
+    /// given up where an earlier picture shows it apart from the target.
     fn compare_with_scene(&mut self, before: Phase, frame: &VideoFrame) {
         let bounds = self.report(frame).bounds;
         match before {

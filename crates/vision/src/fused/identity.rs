@@ -1,16 +1,16 @@
-//! Whether what is followed is the target, or another thing like it.
+//! Whether the followed object is the target, or a similar object.
 //!
-//! The refinement network judges whether a box fits a thing, not whose box it is. After an interruption of
-//! the track (a loss, or a jump) the thing may be another, and then the confidence is halved. Two comparisons
-//! tell:
+//! The refinement network judges whether a box fits an object, not which object. After an interruption of the
+//! track (a loss, or a jump) the followed object may be a similar one. The confidence is halved then. Two
+//! comparisons decide:
 //!
-//! - with the things beside the target: the newest picture in which the target was sure is searched as if the
-//!   target were lost in it. Where another thing would be recognised there, what is found afterwards may be
-//!   that thing.
-//! - with the target: what was found elsewhere than at the loss must be recognised clearly.
+//! - with the objects beside the target: the newest picture in which the target was sure is searched as if
+//!   the target were lost in it. Where a similar object would be recognised there, the candidate found after
+//!   the interruption may be that object.
+//! - with the target: a candidate elsewhere than at the loss must be recognised clearly.
 //!
 //! Work: at most [`MAX_RIVALS`] + 1 search windows and one search by colour, once for each interruption. Not
-//! handled: like things that come into view after the interruption.
+//! handled: similar objects that come into view after the interruption.
 
 use std::sync::Arc;
 
@@ -22,19 +22,20 @@ use super::workspace::Workspace;
 use crate::features::PatchPose;
 use crate::gradients::CELL;
 
-/// Recognition score from which on a thing beside the target is like it: a candidate with this score could be
-/// confirmed.
+/// Recognition score from which on an object beside the target is similar: a candidate with this score could
+/// be confirmed.
 const MIN_RIVAL_SCORE: f32 = MIN_SCORE_ELSEWHERE - CONFIRMING_SLACK;
-/// Recognition score from which on what was found is clearly the target, and the same after a gap, when the
-/// camera may have turned away meanwhile. Of what was found in six clips that were cut, 18 of 44 wrong and 14
-/// of 121 right things had less than the first, 38 and 54 less than the second.
+/// Recognition score from which on a candidate is clearly the target, and the same after a gap, when the
+/// camera may have turned away meanwhile. Of the candidates in six clips that were cut, 18 of 44 wrong and 14
+/// of 121 right ones had less than the first, 38 and 54 less than the second.
 const MIN_CLEAR_SCORE: f32 = 2.5;
 const MIN_CLEAR_SCORE_AFTER_GAP: f32 = 2.8;
 /// Places by colour beside the target that are compared with it.
 const MAX_RIVALS: usize = 6;
 
 impl Target {
-    /// Judges the identity of what was found after a loss, by its place and its recognition score.
+    /// Judges the identity of the candidate that was confirmed after a loss, by its place and its recognition
+    /// score.
     pub(super) fn identify_found(&mut self) {
         let min_score = if self.loss.lost_at.is_in_gap { MIN_CLEAR_SCORE_AFTER_GAP } else { MIN_CLEAR_SCORE };
         if self.is_at_loss(self.geometry.centre) {
@@ -46,7 +47,7 @@ impl Target {
 }
 
 impl Workspace {
-    /// Looks for like things beside the target after the track was interrupted.
+    /// Looks for similar objects beside the target after the track was interrupted.
     pub(super) fn check_identity(&mut self, config: &FusedConfig, target: &mut Target) {
         if target.identity == Identity::Unchecked {
             let is_alone = self.best_rival_score(config, target) < MIN_RIVAL_SCORE;
@@ -54,7 +55,7 @@ impl Workspace {
         }
     }
 
-    /// The best recognition score of another thing in the newest picture in which the target was sure; 0
+    /// The best recognition score of a similar object in the newest picture in which the target was sure; 0
     /// where there is none.
     fn best_rival_score(&mut self, config: &FusedConfig, target: &Target) -> f32 {
         let Some((picture, own)) = target.scene.newest() else { return 0.0 };

@@ -5,7 +5,7 @@ use barrelman_vocab::Timestamp;
 use super::excluded_places::ExcludedPlaces;
 use super::extent::Extent;
 
-/// Factor on the confidence of a box that may be another thing's: of two that look alike, each is as
+/// Factor on the confidence of a box that may be a similar object's: of two similar objects, each is as
 /// probable.
 const DOUBTFUL_SHARE: f64 = 0.5;
 
@@ -26,14 +26,14 @@ pub(super) struct LossState {
     pub(super) excluded: ExcludedPlaces,
 }
 
-/// Whether what is followed, or will be found, is the target.
+/// Whether the followed object, or the next candidate, is the target.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Identity {
     /// It is.
     Sure,
-    /// The track was interrupted. Whether there were like things beside the target is not known yet.
+    /// The track was interrupted. Whether similar objects were beside the target is not known yet.
     Unchecked,
-    /// It may be another thing.
+    /// It may be a similar object.
     Doubtful,
 }
 
@@ -66,8 +66,8 @@ pub(super) struct LossPoint {
 pub(super) struct RecognitionScore {
     /// Number of observations.
     pub(super) observations: u32,
-    /// Mean of height of the response, similarity of the colours and similarity of their layout, each relative to its
-    /// usual value: about 3 for the target.
+    /// Mean of height of the response, similarity of the colours and similarity of their layout, each
+    /// relative to its usual value: about 3 for the target.
     pub(super) mean: f32,
 }
 

@@ -62,7 +62,7 @@ pub(super) struct Target {
     /// The blob of the paint, if it is followed.
     pub(super) blob: Option<SeenBlob>,
     pub(super) loss: LossState,
-    /// Whether what is followed, or will be found, is the target.
+    /// Whether the followed object, or the next candidate, is the target.
     pub(super) identity: Identity,
     /// Earlier windows of the refinement network.
     pub(super) memory: WindowMemory,

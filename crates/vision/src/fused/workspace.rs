@@ -105,8 +105,8 @@ impl Workspace {
         (second.height > MIN_SECOND_HEIGHT * first.peak.height).then(|| self.observation_at(target, second))
     }
 
-    /// The observation at the highest response of the last search window, that of `highest`, at another place that is allowed:
-    /// by its shift right and down, cells.
+    /// The observation at the highest response of the last search window, that of `highest`, at another place
+    /// that is allowed: by its shift right and down, cells.
     pub(super) fn observe_other(
         &self,
         target: &Target,

@@ -1,5 +1,5 @@
-//! What follows a gap in the video, or the target's leaving: the target is lost until it is recognised and confirmed, and a
-//! thing like it is not reported for sure.
+//! What follows a gap in the video, or the target's leaving: the target is lost until it is recognised and
+//! confirmed, and a thing like it is not reported for sure.
 
 use barrelman_vision::{FusedConfig, FusedTracker, Tracker};
 use barrelman_vocab::Track;

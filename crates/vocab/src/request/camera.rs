@@ -12,20 +12,22 @@ use crate::time::Timestamp;
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
 #[strum(serialize_all = "kebab-case")]
 pub enum CameraRequest {
-    /// Track what this box contained in the video frame on which it was drawn. Replaces an earlier selection at any
-    /// time. The track is brought up to the newest frame, and then has to be confirmed. The answer comes when the track
-    /// has been confirmed (accepted) or could not be confirmed (refused), or when another selection comes (superseded).
+    /// Track what this box contained in the video frame on which it was drawn. Replaces an earlier selection
+    /// at any time. The track is brought up to the newest frame, and then has to be confirmed. The answer
+    /// comes when the track has been confirmed (accepted) or could not be confirmed (refused), or when
+    /// another selection comes (superseded).
     Select(DrawnSelection),
     /// Track the content of this box of the next video frame, without a confirmation.
     SelectNext(PixelBox),
-    /// "Not that one": forget the present track, do not take that object again, and search for the selected target.
+    /// "Not that one": forget the present track, do not take that object again, and search for the selected
+    /// target.
     Reject,
     /// Forget the target and follow nothing.
     Deselect,
     /// Turn the camera slowly while this is renewed, at least every 250 ms; while disengaged only.
     Nudge(Nudge),
-    /// Turn the camera slowly to find the target that was lost: the last bearing first, then a bounded sweep. A search
-    /// ends when the target is found, and after a minute.
+    /// Turn the camera slowly to find the target that was lost: the last bearing first, then a bounded sweep.
+    /// A search ends when the target is found, and after a minute.
     Search,
     /// Turn the camera slowly to measure its axes.
     Calibrate,

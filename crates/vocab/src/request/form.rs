@@ -16,7 +16,8 @@ use crate::stop_cause::StopCause;
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
 #[strum(serialize_all = "kebab-case")]
 enum StopRequest {
-    /// Rest the camera at once, until the next `engage`, and stop the vessel. The console takes it from watchers, too.
+    /// Rest the camera at once, until the next `engage`, and stop the vessel. The console takes it from
+    /// watchers, too.
     Stop {
         /// The reason.
         #[serde(default)]

@@ -13,7 +13,8 @@ use crate::vessel::VesselCommand;
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
 #[strum(serialize_all = "kebab-case")]
 pub enum VesselRequest {
-    /// Mark a point in a video frame. The first place or person is the destination; a further one replaces a place.
+    /// Mark a point in a video frame. The first place or person is the destination; a further one replaces a
+    /// place.
     Mark(DrawnMark),
     /// Move a mark to where the marked object is now. The mark of a person then drifts on as it was moved.
     MoveMark(MovedMark),
@@ -26,12 +27,13 @@ pub enum VesselRequest {
     UnmarkAll,
     /// The next place or person becomes the destination.
     NextMark,
-    /// Let the vessel go to the destination on its own. In the console, only a page on a socket can; when the page is
-    /// gone, the vessel is stopped.
+    /// Let the vessel go to the destination on its own. In the console, only a page on a socket can; when the
+    /// page is gone, the vessel is stopped.
     Guide,
     /// Let the vessel go to the mark `home` on its own. In the console, as `guide`.
     GoHome,
-    /// Steer the vessel by hand for half a second unless this is renewed; neutral lets go. In the console, as `guide`.
+    /// Steer the vessel by hand for half a second unless this is renewed; neutral lets go. In the console, as
+    /// `guide`.
     Steer(VesselCommand),
     /// Stop the vessel alone.
     StopVessel {
@@ -39,7 +41,8 @@ pub enum VesselRequest {
         #[serde(default)]
         by: VesselStopper,
     },
-    /// Command the vessel no more: another program or a person may steer it. In the demo, the scenario's helmsman does.
+    /// Command the vessel no more: another program or a person may steer it. In the demo, the scenario's
+    /// helmsman does.
     ReleaseVessel,
 }
 
@@ -73,7 +76,8 @@ pub struct MovedMark {
 pub enum MarkKind {
     /// A place: the vessel goes there and stays.
     Place,
-    /// A person: the vessel stops before the stand-off if the person is the destination, and keeps away otherwise.
+    /// A person: the vessel stops before the stand-off if the person is the destination, and keeps away
+    /// otherwise.
     Person,
     /// A point to pass on the way to the destination.
     WayPoint,

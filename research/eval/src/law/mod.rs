@@ -1,9 +1,10 @@
 //! Compares the camera laws on the same seeds, and judges the optimal law.
 //!
-//! Trials are simulated with truth as perception, in the conditions of [`conditions`]. Judged are the ratios of the
-//! optimal law's mean metrics to the motor schema's: the upper end of the 95 % interval must meet the limit in
-//! [`requirements`]. In the tables of [`profile_errors`] and [`other_vehicles`] every ratio must be at most 1 in every
-//! row, at most 1.1 where the video drops out. An LQG and an MPC law are references only and not part of the product.
+//! Trials are simulated with truth as perception, in the conditions of [`conditions`]. Judged are the ratios
+//! of the optimal law's mean metrics to the motor schema's: the upper end of the 95 % interval must meet the
+//! limit in [`requirements`]. In the tables of [`profile_errors`] and [`other_vehicles`] every ratio must be
+//! at most 1 in every row, at most 1.1 where the video drops out. An LQG and an MPC law are references only
+//! and not part of the product.
 
 mod clairvoyant;
 mod comparison_table;

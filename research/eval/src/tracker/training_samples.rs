@@ -8,8 +8,8 @@
 //! A sample is a record of fixed length, little-endian: four integers of 32 bits (frame of the selection, frame, state,
 //! kind), 17 numbers of 32 bits (confidence; centre u, v, width and height of the window; width and height of the box;
 //! left, top, width and height of the label, 0 where there is none; the same of the reported box; width and height of
-//! the picture), the measurements, and the cells in signed bytes of 1/60. `research/training/train_refinement.py` reads
-//! them.
+//! the picture), the measurements, and the cells in signed bytes of 1/60.
+//! `research/training/train_refinement.py` reads them.
 
 use std::path::{Path, PathBuf};
 
