@@ -16,7 +16,7 @@ import { Stopper } from "./stop.js";
 import { Strips } from "./strips.js";
 import { Video } from "./video.js";
 import { keepAwake } from "./wake_lock.js";
-import { fillWords, words } from "./words.js";
+import { fillWords, sentence, words } from "./words.js";
 
 const at = (id) => document.getElementById(id);
 fillWords();
@@ -103,7 +103,7 @@ link.addEventListener("snapshot", ({ detail }) => {
 });
 link.addEventListener("hello", ({ detail }) => {
   at("where").textContent = `${detail.command}  ${detail.source}`;
-  at("law").replaceChildren(...detail.laws.map((law) => new Option(words.laws[law], law)));
+  at("law").replaceChildren(...detail.laws.map((law) => new Option(sentence(words.laws[law]), law)));
 });
 link.addEventListener("events", ({ detail }) => events.reset(detail.events));
 link.addEventListener("event", ({ detail }) => events.add(detail));

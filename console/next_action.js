@@ -5,7 +5,7 @@ const fromVehicle = new Set(["control-lost", "vehicle-restarted", "vehicle-silen
 
 /**
  * @param {object} state
- * @returns {string} the key of a line in `words.next`
+ * @returns {string} the key of a line in `words.next`, or of an alarm that says itself what to do
  */
 export function nextAction({ isConnected, isStopOverdue, isControlling, snapshot }) {
   if (isStopOverdue) return "stopUnacknowledged";
@@ -13,10 +13,10 @@ export function nextAction({ isConnected, isStopOverdue, isControlling, snapshot
   if (!isControlling) return "watch";
   const { mode, track, video, link, alarms, drive } = snapshot;
   if (drive?.paused) return "paused";
-  if (alarms.includes("camera-turns")) return "turns";
-  if (alarms.includes("boat-moves")) return "boatMoves";
+  if (alarms.includes("camera-turns")) return "camera-turns";
+  if (alarms.includes("boat-moves")) return "boat-moves";
   if (video.state !== "up" || alarms.includes("no-video")) return "video";
-  if (alarms.includes("camera-may-turn")) return "mayTurn";
+  if (alarms.includes("camera-may-turn")) return "camera-may-turn";
   if (alarms.includes("stale-video")) return "late";
   if (alarms.includes("link-down")) return "link";
   if (alarms.includes("control-lost")) return "vehicle";

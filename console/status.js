@@ -2,7 +2,7 @@
 
 import { nextAction } from "./next_action.js";
 import { nudgeObstacle } from "./nudge_obstacle.js";
-import { words } from "./words.js";
+import { sentence, words } from "./words.js";
 
 /** A simulated world below this share of real time is named as slow. */
 const SLOW = 0.9;
@@ -78,7 +78,7 @@ function showFacts(list, facts) {
 function showAlarms({ alarms, video }) {
   const list = at("alarms");
   const detail = { "stale-video": video.reason };
-  const texts = alarms.map((key) => `⚠ ${words.alarmTexts[key] ?? key}${detail[key] ? `: ${detail[key]}` : ""}`);
+  const texts = alarms.map((key) => `⚠ ${sentence(words.alarms[key] ?? key)}${detail[key] ? `: ${detail[key]}` : ""}`);
   const text = texts.join();
   if (list.dataset.alarms === text) return;
   list.dataset.alarms = text;
@@ -97,7 +97,7 @@ export function showStatus(state) {
   root.controlling = isControlling ? "yes" : "no";
   root.frozen = stage.isFrozen ? "yes" : "no";
   const next = nextAction({ isConnected, isStopOverdue: stopper.isOverdue, isControlling, snapshot });
-  setText(at("next-action"), words.next[next]);
+  setText(at("next-action"), words.next[next] ?? `${sentence(words.alarms[next])}.`);
   root.next = next;
   setText(at("stop-word"), stopper.isPending ? words.stopping : words.stop);
   at("stop").classList.toggle("pending", stopper.isPending);

@@ -1,8 +1,12 @@
 // All words of the page, in English. Another language is another file of the same keys (words.xx.js, chosen by ?lang=xx).
+import states from "./states.en.js";
+
 const placeText = ({ latitude_deg, longitude_deg }) =>
   `${Math.abs(latitude_deg).toFixed(5)}° ${latitude_deg < 0 ? "S" : "N"}, ${Math.abs(longitude_deg).toFixed(5)}° ${longitude_deg < 0 ? "W" : "E"}`;
 
 export default {
+  // Laws, causes and alarms: the program's own words
+  ...states,
   // Buttons and labels
   keys: "Keys ?", theme: "Night", themeDay: "Day", sound: "Sound off", soundOn: "Sound on",
   stage: "Picture", picture: "Picture of the camera. Drag a box around the boat. Enter starts a box by keyboard.",
@@ -37,35 +41,13 @@ export default {
   asks: (page) => `Page ${page} asks for the control.`,
   modes: { idle: "DISENGAGED", servoing: "FOLLOWING", holding: "HOLDING", nudging: "TURNED BY HAND", searching: "SEARCHING",
     calibrating: "CALIBRATING", stopped: "STOPPED" },
-  causes: {
-    "no-selection": "nothing selected", "track-lost": "boat lost", coasting: "boat hidden", "video-stale": "video delayed",
-    "video-silent": "no video", confirming: "confirming the selection", operator: "by the operator", ending: "ending",
-    "video-ended": "the video ended", fault: "a fault", "dry-run": "dry run, nothing is sent", "link-down": "link not up",
-    "no-control": "vehicle takes no commands", "control-lost": "vehicle gave the control away",
-    "vehicle-restarted": "vehicle restarted", emergency: "vehicle emergency", landing: "vehicle lands",
-    "battery-low": "battery low", "vehicle-silent": "vehicle fell silent", suspended: "program did not run for a while",
-    "pan-opposed": "the picture turned against the pan: check vehicle.yaw_sign",
-    "tilt-opposed": "the picture turned against the tilt: check vehicle.pitch_sign",
-  },
   tracks: { unseeded: "nothing selected", tracking: "tracking", coasting: "coasting", lost: "lost", confirming: "confirming" },
-  alarmTexts: {
-    "track-lost": "Boat lost", "stale-video": "Video delayed", "no-video": "No video", "link-down": "Link down",
-    "camera-may-turn": "Camera may be turning", "camera-turns": "Camera turns although zero is commanded",
-    "boat-moves": "Boat moves although neutral is commanded",
-    "control-lost": "Vehicle does not accept commands", "end-stop": "Camera near its end stop",
-    emergency: "Vehicle emergency", "battery-low": "Battery low", "recording-failed": "Recording failed",
-    "console-lost": "Controlling page gone", "net-yaw": "Tether winds up: turn the camera back",
-    "net-yaw-limit": "Tether wound up: the camera turns back only",
-  },
   next: {
     connect: "Wait for the connection, or stop at the ground station.",
     stopUnacknowledged: "Stop was not acknowledged: use the ground station's own stop.",
     watch: "You watch. Only Stop works here. Take the control to do more.",
     video: "Wait for video: check the camera and the network.",
     late: "The video is late: the camera rests. Check the network, or restart the camera's stream.",
-    mayTurn: "Nothing reaches the camera, which may be turning: stop it at the ground station.",
-    turns: "The camera turns although zero is commanded: stop it at the ground station.",
-    boatMoves: "The boat moves although neutral is commanded: stop it with its remote control or at its ground station.",
     link: "The link is down: check the cable or the ground station.",
     dryRun: "Dry run: the camera is not moved. Start with --link to move it.",
     emergency: "The vehicle has an emergency or lands: the camera rests.",
@@ -98,7 +80,6 @@ export default {
     engaged: "The camera is engaged.", disengaged: "The camera is disengaged.", boatStopped: "The boat is stopped.",
     nothingFollowed: "Nothing is followed.", unacknowledged: "STOP NOT ACKNOWLEDGED: use the ground station's own stop.",
   },
-  laws: { "minimum-energy": "Optimal: least energy", "time-fuel": "Optimal: quick", eco: "Optimal: most rest", intermittent: "Optimal: one movement each time", schema: "Paper's schema" },
   layers: {
     region: "Region and sectors", box: "Box and axis", heading: "Heading", trail: "Trail", p: "P",
     command: "Camera command", advice: "Advice", marks: "Marks and circles", map: "Map",
@@ -119,10 +100,9 @@ export default {
   workText: (work) => `${work.moves} ${work.moves === 1 ? "move" : "moves"}, ${work.travel_rad.toFixed(2)} rad, ${Math.round(100 * work.rest_share)} % at rest`,
   boatText: (drive) => `${drive.speed_m_per_s.toFixed(1)} m/s, ${drive.helm === "page" ? "you steer" : drive.helm}`,
   boatMode: (vessel) => {
-    const text = vessel.text.charAt(0).toUpperCase() + vessel.text.slice(1);
     const doing = { "getting-way": "getting under way", avoiding: "going around a circle", blocked: "no way past the circles", holding: "at the mark", "standing-off": "waiting before the person", "no-fix": "boat near the horizon" }[vessel.guidance];
     const how = vessel.mode === "guided" ? `${doing ? `: ${doing}` : ""}${vessel.basis === "picture" ? " (by the picture: no distances)" : ""}` : "";
-    return text + how + (vessel.says ? `. It says: ${vessel.says}` : "");
+    return vessel.text.charAt(0).toUpperCase() + vessel.text.slice(1) + how + (vessel.says ? `. It says: ${vessel.says}` : "");
   },
   vesselText: ({ progress, throttle, rudder, marks }, drive) => {
     const speed = progress ?? drive;

@@ -14,6 +14,9 @@ if (wanted && /^[a-z]{2}$/.test(wanted) && wanted !== "en") {
 
 export const words = table;
 
+/** Words of the program as a sentence's beginning: they begin in lower case. */
+export const sentence = (text) => text.charAt(0).toUpperCase() + text.slice(1);
+
 /** Fills the words into all elements that name one. */
 export function fillWords() {
   for (const element of document.querySelectorAll("[data-word]")) element.textContent = words[element.dataset.word];

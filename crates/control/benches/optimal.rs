@@ -1,7 +1,8 @@
 //! Time of one step of the optimal law: at rest, moving, and with a target far outside of the region.
 
-use barrelman_control::optimal::{OptimalMode, OptimalSettings};
+use barrelman_control::optimal::OptimalSettings;
 use barrelman_control::{CameraLaw, LawInput, LawSettings, Percept, Region};
+use barrelman_vocab::OptimalMode;
 use barrelman_vocab::{ImagePoint, PictureSize, Timestamp, VehicleProfile};
 use divan::{Bencher, black_box};
 

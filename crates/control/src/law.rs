@@ -2,7 +2,9 @@
 
 use core::fmt;
 
-use barrelman_vocab::{Angle, CameraCommand, MotionPrior, PictureSize, Timestamp, VehicleProfile};
+use barrelman_vocab::{
+    Angle, CameraCommand, LawId, LawName, MotionPrior, PictureSize, Timestamp, VehicleProfile,
+};
 
 use crate::camera_model::CameraModel;
 use crate::centring::{Centring, CentringGains};
@@ -62,6 +64,26 @@ pub enum LawSettings {
     Centring(CentringGains),
     /// The optimal law: both axes at once with the least energy.
     Optimal(OptimalSettings),
+}
+
+impl LawSettings {
+    /// A law with its default settings.
+    pub const fn new(law: LawId) -> Self {
+        match law.mode() {
+            Some(mode) => Self::Optimal(OptimalSettings::new(mode)),
+            None if matches!(law, LawId::Centre) => Self::Centring(CentringGains::HAND_TUNED),
+            None => Self::MotorSchema,
+        }
+    }
+
+    /// The law.
+    pub const fn id(&self) -> LawId {
+        match self {
+            Self::MotorSchema => LawId::Schema,
+            Self::Centring(_) => LawId::Centre,
+            Self::Optimal(settings) => LawId::new(LawName::Optimal, settings.mode),
+        }
+    }
 }
 
 /// A law with its camera model.

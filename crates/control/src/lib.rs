@@ -44,7 +44,7 @@ pub use centring::CentringGains;
 pub use law::{CameraLaw, Law, LawSettings};
 pub use law_input::LawInput;
 pub use motor_schema::{MotorSchema, Sector};
-pub use optimal::{IntermittentTuning, OptimalLaw, OptimalMode, OptimalSettings, Tuning};
+pub use optimal::{IntermittentTuning, OptimalLaw, OptimalSettings, Tuning};
 pub use percept::Percept;
 pub use region::Region;
 pub use shadow::{ShadowController, ShadowStep};

@@ -26,15 +26,15 @@ pub use self::circumstances::Adapted;
 pub use self::intermittent::IntermittentLaw;
 pub use self::intermittent_tuning::IntermittentTuning;
 pub use self::receding_horizon::RecedingHorizonLaw;
-pub use self::tuning::{ModeTuning, OptimalMode, OptimalSettings, Tuning};
+pub use self::tuning::{ModeTuning, OptimalSettings, Tuning};
 use crate::camera_model::CameraModel;
 use crate::law_input::LawInput;
 
 /// The optimal law with its state.
 ///
 /// ```
-/// use barrelman_control::{CameraModel, LawInput, OptimalLaw, OptimalMode, OptimalSettings, Percept, Region};
-/// use barrelman_vocab::{ImagePoint, PictureSize, Timestamp, VehicleProfile};
+/// use barrelman_control::{CameraModel, LawInput, OptimalLaw, OptimalSettings, Percept, Region};
+/// use barrelman_vocab::{ImagePoint, OptimalMode, PictureSize, Timestamp, VehicleProfile};
 ///
 /// let profile = VehicleProfile::fotokite_pro();
 /// let mut law = OptimalLaw::new(&OptimalSettings::new(OptimalMode::MinimumEnergy), &profile);

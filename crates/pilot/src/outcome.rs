@@ -7,7 +7,8 @@ use barrelman_control::{Percept, Region, Sector};
 use barrelman_vision::{SelectionError, SelectionReport};
 use barrelman_vocab::earth::WaterOnEarth;
 use barrelman_vocab::{
-    AngularRate, CameraCommand, LawId, Localisation, MarkKind, StopCause, Timestamp, Track,
+    AngularRate, CameraCommand, HoldCause, LawId, Localisation, MarkKind, Named as _, StopCause, Timestamp,
+    Track,
 };
 
 use crate::net_yaw::{NetYawLevel, NetYawState};
@@ -15,7 +16,7 @@ use crate::on_earth::NotOnEarth;
 use crate::vessel::guiding::NoWater;
 use crate::vessel::{VesselHold, VesselMode, VesselOutcome, VesselStop};
 
-pub use crate::refusal::{HoldCause, LOST_BEFORE_SEARCH, Refusal};
+pub use crate::refusal::{LOST_BEFORE_SEARCH, Refusal};
 pub use barrelman_vocab::RENEWAL_GRACE;
 
 /// The outcome of one step.
@@ -181,7 +182,7 @@ impl fmt::Display for Notice {
             }
             Self::TargetRejected => f.write_str("not that one: that object is not followed any more"),
             Self::Deselected => f.write_str("nothing is followed"),
-            Self::LawChanged(law) => write!(f, "camera law: {}", law_text(*law)),
+            Self::LawChanged(law) => write!(f, "camera law: {}", law.text()),
             Self::SearchFound => f.write_str("the search has found the boat"),
             Self::SearchGaveUp => {
                 f.write_str("the search has ended without the boat: select it, or search again")
@@ -228,40 +229,6 @@ const fn mark_text(kind: MarkKind) -> &'static str {
     }
 }
 
-/// A law in words.
-const fn law_text(law: LawId) -> &'static str {
-    match law {
-        LawId::Schema => "the paper's motor schema",
-        LawId::MinimumEnergy => "optimal, minimum energy",
-        LawId::TimeFuel => "optimal, time and fuel",
-        LawId::Eco => "optimal, eco",
-        LawId::Intermittent => "optimal, intermittent",
-    }
-}
-
-/// The reason for a stop in words.
-const fn stop_text(cause: StopCause) -> &'static str {
-    match cause {
-        StopCause::Operator => "stopped by the operator",
-        StopCause::Ending => "stopped: ending",
-        StopCause::VideoEnded => "stopped: video ended",
-        StopCause::Fault => "stopped: fault",
-        StopCause::ControlLost => "stopped: the vehicle gave the control away",
-        StopCause::VehicleRestarted => "stopped: the vehicle restarted",
-        StopCause::Emergency => "stopped: the vehicle has an emergency",
-        StopCause::Landing => "stopped: the vehicle lands",
-        StopCause::BatteryLow => "stopped: a battery of the vehicle is low",
-        StopCause::VehicleSilent => "stopped: the vehicle fell silent",
-        StopCause::Suspended => "stopped: the program did not run for a while",
-        StopCause::PanOpposed => {
-            "stopped: the picture turned against the commanded pan; check vehicle.yaw_sign of the configuration"
-        }
-        StopCause::TiltOpposed => {
-            "stopped: the picture turned against the commanded tilt; check vehicle.pitch_sign of the configuration"
-        }
-    }
-}
-
 impl fmt::Display for VesselMode {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let held = |hold: &VesselHold| match hold {
@@ -280,11 +247,11 @@ impl fmt::Display for VesselMode {
             Self::Guided => f.write_str("boat guided"),
             Self::Holding(hold) => write!(f, "boat holding: {}", held(hold)),
             Self::KeepingWay(hold) => write!(f, "boat keeps way: {}", held(hold)),
-            Self::Stopped(VesselStop::Operator) => f.write_str("boat stopped by the operator"),
+            Self::Stopped(VesselStop::Operator) => f.write_str("boat stopped: by the operator"),
             Self::Stopped(VesselStop::ConsoleLost) => f.write_str("boat stopped: the console is gone"),
             Self::Stopped(VesselStop::OtherBoat) => f.write_str("boat stopped: what is followed was changed"),
             Self::Stopped(VesselStop::Everything(cause) | VesselStop::Vessel(cause)) => {
-                write!(f, "boat {}", stop_text(*cause))
+                write!(f, "boat stopped: {}", cause.text())
             }
             Self::Stopped(VesselStop::NotAccepted(said)) => write!(f, "boat stopped: {said}"),
             Self::Stopped(VesselStop::WaterLost) => f.write_str(
@@ -309,7 +276,7 @@ impl fmt::Display for Mode {
             Self::Calibrating => f.write_str("calibrating"),
             Self::Servoing => f.write_str("servoing"),
             Self::Holding(cause) => write!(f, "holding: {}", cause.text()),
-            Self::Stopped(cause) => f.write_str(stop_text(*cause)),
+            Self::Stopped(cause) => write!(f, "stopped: {}", cause.text()),
         }
     }
 }

@@ -1,7 +1,9 @@
-//! Why the camera rests though it is engaged, and why a request has no effect.
+//! Why a request has no effect.
 
 use core::fmt;
 use core::time::Duration;
+
+use barrelman_vocab::{HoldCause, Named as _};
 
 use crate::purpose::Purpose;
 use crate::vessel::no_water::{GO_AGAIN, NoWater};
@@ -66,33 +68,6 @@ pub enum Refusal {
     MarkNotOnWater,
 }
 
-/// The reason why an engaged pilot rests the camera: for want of something to follow, or of a camera that may move.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum HoldCause {
-    /// Nothing was selected yet.
-    NoSelection,
-    /// The track is lost.
-    TrackLost,
-    /// The track has been coasting for too long.
-    Coasting,
-    /// The video frames are too old.
-    VideoStale,
-    /// No video frames arrive.
-    VideoSilent,
-    /// A selection waits for its confirmation.
-    Confirming,
-    /// There is no link: a dry run shows advice only.
-    DryRun,
-    /// The link is not up: commands do not reach the vehicle.
-    LinkDown,
-    /// The vehicle does not accept commands from this program.
-    NoControl,
-    /// The vehicle reports an emergency.
-    Emergency,
-    /// The vehicle lands.
-    Landing,
-}
-
 impl fmt::Display for Refusal {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -149,25 +124,6 @@ impl fmt::Display for Refusal {
             Self::BoatNotSeen => f.write_str("the boat is not seen: select it first"),
             Self::TooManyMarks => f.write_str("there are too many marks: remove one first"),
             Self::MarkNotOnWater => f.write_str("there is no water at that point: mark below the horizon"),
-        }
-    }
-}
-
-impl HoldCause {
-    /// The reason in words.
-    pub const fn text(self) -> &'static str {
-        match self {
-            Self::NoSelection => "nothing selected",
-            Self::TrackLost => "track lost",
-            Self::Coasting => "coasting",
-            Self::VideoStale => "video stale",
-            Self::VideoSilent => "no video",
-            Self::Confirming => "confirming the selection",
-            Self::DryRun => "dry run, nothing is sent",
-            Self::LinkDown => "the link is not up",
-            Self::NoControl => "the vehicle takes no commands",
-            Self::Emergency => "the vehicle has an emergency",
-            Self::Landing => "the vehicle lands",
         }
     }
 }

@@ -15,10 +15,10 @@
 use core::time::Duration;
 
 use barrelman_vocab::telemetry::Report;
-use barrelman_vocab::{AngularRate, CameraCommand, CameraRequest, Nudge, StopCause, Timestamp};
+use barrelman_vocab::{AngularRate, CameraCommand, CameraRequest, HoldCause, Nudge, StopCause, Timestamp};
 
 use crate::licence::Licences;
-use crate::outcome::{HoldCause, Mode, Refusal};
+use crate::outcome::{Mode, Refusal};
 use crate::purpose::Purpose;
 use crate::vehicle::{CommandPath, VehicleState};
 

@@ -2,12 +2,11 @@
 
 use core::time::Duration;
 
-use barrelman_control::optimal::{OptimalMode, OptimalSettings};
 use barrelman_control::{CameraLaw, LawInput, LawSettings, MotorSchema, Percept, Region, Sector};
 use barrelman_vision::Tracker;
 use barrelman_vocab::{
-    Angle, CameraCommand, CameraRequest, LawId, OperatorRequest, PictureSize, PixelBox, Timestamp, Track,
-    VehicleProfile,
+    Angle, CameraCommand, CameraRequest, HoldCause, LawId, OperatorRequest, PictureSize, PixelBox, Timestamp,
+    Track, VehicleProfile,
 };
 
 use crate::calibration::Calibration;
@@ -16,7 +15,7 @@ use crate::input::Input;
 use crate::net_yaw::{NetYaw, NetYawLevel};
 use crate::on_earth::EarthReports;
 use crate::opposed_motion::OpposedMotion;
-use crate::outcome::{Advice, HoldCause, Mode, Notice, Outcome, RENEWAL_GRACE, Refusal};
+use crate::outcome::{Advice, Mode, Notice, Outcome, RENEWAL_GRACE, Refusal};
 use crate::safety::{ObservationResult, Safety};
 use crate::search::{LastBearing, Search};
 use crate::selecting::PendingSelection;
@@ -141,9 +140,9 @@ impl Pilot {
         Self { vessel: Some(Box::new(VesselPilot::new(settings))), ..self }
     }
 
-    /// The law; `None`: a law that an operator cannot choose.
-    pub const fn law_id(&self) -> Option<LawId> {
-        law_id(self.settings.law)
+    /// The law.
+    pub const fn law_id(&self) -> LawId {
+        self.settings.law.id()
     }
 
     /// Whether a further [`OperatorRequest::Stop`] would change nothing: the camera is stopped, the boat is stopped or not
@@ -306,15 +305,7 @@ impl Pilot {
 
     /// Changes the law. The settings at the start are those of their own law; every other law has its defaults.
     fn change_law(&mut self, law: LawId) {
-        let optimal = |mode| LawSettings::Optimal(OptimalSettings::new(mode));
-        self.settings.law = match law {
-            _ if law_id(self.first_law) == Some(law) => self.first_law,
-            LawId::Schema => LawSettings::MotorSchema,
-            LawId::MinimumEnergy => optimal(OptimalMode::MinimumEnergy),
-            LawId::TimeFuel => optimal(OptimalMode::TimeFuel),
-            LawId::Eco => optimal(OptimalMode::Eco),
-            LawId::Intermittent => optimal(OptimalMode::Intermittent),
-        };
+        self.settings.law = if law == self.first_law.id() { self.first_law } else { LawSettings::new(law) };
         self.law.change_law(self.settings.law, &self.settings.profile);
     }
 
@@ -414,19 +405,5 @@ impl Pilot {
             earth: self.earth.at(now),
             notice,
         }
-    }
-}
-
-/// The law of these settings; `None`: a law that an operator cannot choose.
-const fn law_id(settings: LawSettings) -> Option<LawId> {
-    match settings {
-        LawSettings::MotorSchema => Some(LawId::Schema),
-        LawSettings::Centring(_) => None,
-        LawSettings::Optimal(settings) => Some(match settings.mode {
-            OptimalMode::MinimumEnergy => LawId::MinimumEnergy,
-            OptimalMode::TimeFuel => LawId::TimeFuel,
-            OptimalMode::Eco => LawId::Eco,
-            OptimalMode::Intermittent => LawId::Intermittent,
-        }),
     }
 }

@@ -11,11 +11,9 @@
 //!
 //! A vehicle's protocol that does not know some of these never reports them.
 
-use barrelman_vocab::StopCause;
 use barrelman_vocab::acceptance::Acceptance;
 use barrelman_vocab::telemetry::{ControlState, FlightState, LinkState, Report};
-
-use crate::refusal::HoldCause;
+use barrelman_vocab::{HoldCause, StopCause};
 
 /// Where the commands of a pilot go.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]

@@ -14,12 +14,12 @@ use core::time::Duration;
 use barrelman_control::CameraModel;
 use barrelman_vocab::telemetry::Report;
 use barrelman_vocab::{
-    DrawnMark, Localisation, MarkKind, PictureSize, StopCause, Telemetry, Timestamp, VesselCommand,
-    VesselProfile, VesselRequest, WaterPoint,
+    DrawnMark, HoldCause, Localisation, MarkKind, PictureSize, StopCause, Telemetry, Timestamp,
+    VesselCommand, VesselProfile, VesselRequest, WaterPoint,
 };
 
 use crate::history::KEPT;
-use crate::refusal::{HoldCause, Refusal};
+use crate::refusal::Refusal;
 use crate::vehicle::CommandPath;
 
 pub mod gate;

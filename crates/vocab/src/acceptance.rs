@@ -1,7 +1,12 @@
 //! Whether a vehicle takes camera commands of this program, and why not: for vehicles that answer each command.
 
+use strum::{IntoStaticStr, VariantArray};
+
+use crate::named::Named;
+
 /// What a vehicle says to camera commands of this program.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, IntoStaticStr, VariantArray)]
+#[strum(serialize_all = "kebab-case")]
 pub enum Acceptance {
     /// Commands are accepted.
     Accepted,
@@ -34,51 +39,15 @@ pub enum Acceptance {
 }
 
 impl Acceptance {
-    /// All of them.
-    pub const ALL: [Self; 14] = [
-        Self::Accepted,
-        Self::Queued,
-        Self::OtherClient,
-        Self::FlightState,
-        Self::NotReady,
-        Self::Fault,
-        Self::NoCamera,
-        Self::TokenRefused,
-        Self::Unusable,
-        Self::Unanswered,
-        Self::Disarmed,
-        Self::ChecksFail,
-        Self::StartingUp,
-        Self::ModeRefused,
-    ];
-
     /// Whether another client has the control, or may have it.
     pub const fn is_elsewhere(self) -> bool {
         matches!(self, Self::Queued | Self::OtherClient | Self::ModeRefused)
     }
+}
 
-    /// Its name in the console's API.
-    pub const fn key(self) -> &'static str {
-        match self {
-            Self::Accepted => "accepted",
-            Self::Queued => "queued",
-            Self::OtherClient => "other-client",
-            Self::FlightState => "flight-state",
-            Self::NotReady => "not-ready",
-            Self::Fault => "fault",
-            Self::NoCamera => "no-camera",
-            Self::TokenRefused => "token-refused",
-            Self::Unusable => "unusable",
-            Self::Unanswered => "unanswered",
-            Self::Disarmed => "disarmed",
-            Self::ChecksFail => "checks-fail",
-            Self::StartingUp => "starting-up",
-            Self::ModeRefused => "mode-refused",
-        }
-    }
-
+impl Named for Acceptance {
     /// What it means, and what the operator can do.
-    pub const fn text(self) -> &'static str {
+    fn text(self) -> &'static str {
         match self {
             Self::Accepted => "the vehicle accepts commands",
             Self::Queued => {

@@ -21,7 +21,10 @@ pub mod water;
 pub mod acceptance;
 pub mod command;
 pub mod drive_mode;
+pub mod hold_cause;
+pub mod law;
 pub mod mavlink;
+pub mod named;
 pub mod profile;
 pub mod request;
 pub mod stop_cause;
@@ -35,12 +38,15 @@ pub mod rng;
 
 pub use angle::{Angle, AngularRate};
 pub use command::{CameraCommand, RENEWAL_GRACE};
+pub use hold_cause::HoldCause;
 pub use image::{ImagePoint, PictureSize, PixelBox, PixelPoint};
+pub use law::{LawId, LawName, OptimalMode};
 pub use lens::{BrownConrady, Distortion, Lens};
 pub use link_command::LinkCommand;
+pub use named::Named;
 pub use profile::{VehicleProfile, VehicleRates};
 pub use request::{
-    CameraRequest, DrawnMark, DrawnSelection, LawId, MarkKind, MovedMark, Nudge, OperatorRequest, Request,
+    CameraRequest, DrawnMark, DrawnSelection, MarkKind, MovedMark, Nudge, OperatorRequest, Request,
     SeatRequest, VesselRequest, VesselStopper, WorldRequest,
 };
 pub use stop_cause::StopCause;

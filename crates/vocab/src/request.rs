@@ -25,7 +25,7 @@ mod world;
 
 mod form;
 
-pub use camera::{CameraRequest, DrawnSelection, LawId, Nudge};
+pub use camera::{CameraRequest, DrawnSelection, Nudge};
 pub use seat::SeatRequest;
 pub use vessel::{DrawnMark, MarkKind, MovedMark, VesselRequest, VesselStopper};
 pub use world::WorldRequest;

@@ -2,12 +2,29 @@
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use strum::{IntoStaticStr, VariantArray};
+
+use crate::named::Named;
 
 /// The reason for a stop.
 #[derive(
-    Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default, Serialize, Deserialize, JsonSchema,
+    Debug,
+    Clone,
+    Copy,
+    PartialEq,
+    Eq,
+    PartialOrd,
+    Ord,
+    Hash,
+    Default,
+    Serialize,
+    Deserialize,
+    JsonSchema,
+    IntoStaticStr,
+    VariantArray,
 )]
 #[serde(rename_all = "kebab-case")]
+#[strum(serialize_all = "kebab-case")]
 pub enum StopCause {
     /// The operator pressed Stop.
     #[default]
@@ -36,4 +53,28 @@ pub enum StopCause {
     PanOpposed,
     /// The picture turned against the commanded tilt: the sign of the pitch rate is probably wrong.
     TiltOpposed,
+}
+
+impl Named for StopCause {
+    fn text(self) -> &'static str {
+        match self {
+            Self::Operator => "by the operator",
+            Self::Ending => "ending",
+            Self::VideoEnded => "the video ended",
+            Self::Fault => "a fault",
+            Self::ControlLost => "vehicle gave the control away",
+            Self::VehicleRestarted => "vehicle restarted",
+            Self::Emergency => "vehicle emergency",
+            Self::Landing => "vehicle lands",
+            Self::BatteryLow => "battery of the vehicle low",
+            Self::VehicleSilent => "vehicle fell silent",
+            Self::Suspended => "the program did not run for a while",
+            Self::PanOpposed => {
+                "the picture turned against the pan: check vehicle.yaw_sign of the configuration"
+            }
+            Self::TiltOpposed => {
+                "the picture turned against the tilt: check vehicle.pitch_sign of the configuration"
+            }
+        }
+    }
 }

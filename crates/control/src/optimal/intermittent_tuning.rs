@@ -48,7 +48,7 @@ pub struct IntermittentTuning {
 }
 
 impl IntermittentTuning {
-    /// The tuning of [`OptimalMode::Intermittent`](super::OptimalMode::Intermittent).
+    /// The tuning of [`OptimalMode::Intermittent`](barrelman_vocab::OptimalMode::Intermittent).
     pub const DEFAULT: Self = Self {
         start: Adapted {
             base: 0.99,

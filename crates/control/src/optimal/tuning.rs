@@ -1,22 +1,9 @@
 //! Settings of the optimal law: its modes and the tuning of each mode.
 
+use barrelman_vocab::OptimalMode;
+
 use super::intermittent_tuning::IntermittentTuning;
 use crate::bearing::BearingNoise;
-
-/// What the optimal law minimises.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum OptimalMode {
-    /// The integral of the squared rate: the camera moves slowly and nearly all the time.
-    MinimumEnergy,
-    /// Energy and time in motion: the camera moves at a cruising speed and rests in between.
-    TimeFuel,
-    /// Energy, time in motion and number of movements: all are lower than with the motor schema. The target spends more
-    /// time outside of the region than with the other modes.
-    Eco,
-    /// All of it, and the smoothness of the commands: one movement for each excursion, with a rest after it.
-    #[default]
-    Intermittent,
-}
 
 /// Settings of the optimal law.
 #[derive(Debug, Clone, Copy, PartialEq)]

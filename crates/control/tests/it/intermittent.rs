@@ -1,7 +1,7 @@
 //! The intermittent mode: the course of a movement, its ramps and its corrections.
 
-use barrelman_control::OptimalMode::Intermittent;
 use barrelman_control::{CameraLaw, IntermittentTuning, OptimalLaw};
+use barrelman_vocab::OptimalMode::Intermittent;
 use barrelman_vocab::{CameraCommand, ImagePoint, Timestamp, VehicleProfile};
 
 use crate::optimal::{STEP_S, follow, law, rates, step};

@@ -2,8 +2,9 @@
 
 use core::time::Duration;
 
-use barrelman_control::optimal::{OptimalLaw, OptimalMode, OptimalSettings, Tuning};
+use barrelman_control::optimal::{OptimalLaw, OptimalSettings, Tuning};
 use barrelman_control::{CameraLaw, LawInput, LawSettings, Percept, Region};
+use barrelman_vocab::OptimalMode;
 use barrelman_vocab::{AngularRate, CameraCommand, ImagePoint, PictureSize, Timestamp, VehicleProfile};
 use proptest::prelude::*;
 

@@ -15,7 +15,7 @@ use barrelman_trial::campaign::{
 use barrelman_trial::logs::TrialLog;
 use barrelman_trial::metrics::{Arena, TrialEntry, measure};
 use barrelman_trial::records::SimulatedTrial;
-use barrelman_vocab::{AngularRate, VehicleProfile};
+use barrelman_vocab::{AngularRate, Named as _, VehicleProfile};
 use clap::ValueEnum;
 
 use super::drive_requests::DriveRequests;
@@ -142,8 +142,8 @@ impl CampaignPlan {
         let settings = CampaignSettings {
             scenario: loaded.scenario.name.clone(),
             scenario_hash: format!("{:016x}", loaded.hash),
-            law: request.law.name_str().to_owned(),
-            mode: request.law.mode_str().map(str::to_owned),
+            law: request.law.law.name().key().to_owned(),
+            mode: request.law.law.mode().map(|mode| mode.key().to_owned()),
             horizon_s: request.law.horizon_s,
             rate_rad_per_s: request.rate,
             perception: perception.to_owned(),

@@ -68,7 +68,7 @@ impl<'a> Drive<'a> {
     }
 
     /// The law; `None`: a law that an operator cannot choose.
-    pub const fn law_id(&self) -> Option<LawId> {
+    pub const fn law_id(&self) -> LawId {
         self.simulation.law_id()
     }
 

@@ -7,7 +7,7 @@ use barrelman_experiments::campaign::{CampaignPlan, Perception};
 use barrelman_experiments::drive::motor_schema_shadow::MotorSchemaShadow;
 use barrelman_experiments::drive::{Drive, DriveSetup, DriveWriter, StoredDrive};
 use barrelman_experiments::drive::{DriveHasher, DriveObserver};
-use barrelman_experiments::law_choice::{LawChoice, ModeName};
+use barrelman_experiments::law_choice::LawChoice;
 use barrelman_experiments::render_threads::RenderThreads;
 use barrelman_experiments::scenario::ScenarioOverrides;
 use barrelman_experiments::tracker_choice::TrackerName;
@@ -20,7 +20,7 @@ use barrelman_trial::campaign::StepObserver;
 use barrelman_trial::logs::TrialLog;
 use barrelman_trial::target_in_picture::TargetInPicture;
 use barrelman_vocab::{
-    CameraRequest, OperatorRequest, PictureSize, Timestamp, VehicleRates, VesselCommand, VesselRequest,
+    CameraRequest, LawId, OperatorRequest, PictureSize, Timestamp, VehicleRates, VesselCommand, VesselRequest,
 };
 
 const SMALL: PictureSize = PictureSize::new(192, 108);
@@ -143,7 +143,7 @@ fn a_trial_of_a_stored_drive_is_that_drive_and_a_camera_law_is_tried_on_it() {
 #[test]
 fn a_stored_drive_is_read_as_it_was_written() {
     let path = std::env::temp_dir().join(format!("barrelman-drive-{}.jsonl", std::process::id()));
-    let law = LawChoice { mode: Some(ModeName::Eco), horizon_s: Some(1.5), ..LawChoice::OPTIMAL };
+    let law = LawChoice { law: LawId::Eco, horizon_s: Some(1.5) };
     let setup = setup(law, true);
     let mut writer = DriveWriter::begin(OutputFile::open(&path, true).unwrap(), &setup).unwrap();
     writer.add(0, ENGAGE).unwrap();

@@ -5,15 +5,14 @@ use std::sync::Arc;
 
 use barrelman_control::{MotorSchema, Percept, Region, Sector};
 use barrelman_overlay::{Overlay, Scene};
-use barrelman_pilot::outcome::HoldCause;
 use barrelman_pilot::{Advice, Mode};
 use barrelman_sim::practice::PracticeClip;
 use barrelman_vision::{Explanation, GreyMap, TrackerState};
 use barrelman_vocab::track::Shape;
 use barrelman_vocab::video::{Capture, CaptureQuality, ColourEncoding, ColourMatrix, SampleRange};
 use barrelman_vocab::{
-    Angle, AngularRate, CameraCommand, ImagePoint, Localisation, Picture, PictureSize, PixelBox, PixelPoint,
-    StopCause, Timestamp, Track, VehicleProfile, VideoFrame,
+    Angle, AngularRate, CameraCommand, HoldCause, ImagePoint, Localisation, Picture, PictureSize, PixelBox,
+    PixelPoint, StopCause, Timestamp, Track, VehicleProfile, VideoFrame,
 };
 
 const HD: PictureSize = PictureSize::new(1280, 720);

@@ -1,9 +1,9 @@
 //! The pilot's part of the vessel: what a step tells it.
 
-use barrelman_vocab::{Timestamp, Track, VesselRequest};
+use barrelman_vocab::{HoldCause, Timestamp, Track, VesselRequest};
 
 use super::Pilot;
-use crate::outcome::{HoldCause, Notice, Refusal};
+use crate::outcome::{Notice, Refusal};
 use crate::safety::ObservationResult;
 use crate::vessel::{Observed, VesselNotice, VesselOutcome, VesselView};
 

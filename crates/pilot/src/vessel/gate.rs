@@ -34,9 +34,11 @@ use core::time::Duration;
 use barrelman_vocab::acceptance::Acceptance;
 use barrelman_vocab::drive_mode::DriveMode;
 use barrelman_vocab::telemetry::{LinkState, Report};
-use barrelman_vocab::{FailSafe, KeepWay, StopCause, Timestamp, VesselCommand, VesselProfile, VesselStopper};
+use barrelman_vocab::{
+    FailSafe, HoldCause, KeepWay, StopCause, Timestamp, VesselCommand, VesselProfile, VesselStopper,
+};
 
-use crate::refusal::{HoldCause, Refusal};
+use crate::refusal::Refusal;
 use crate::vehicle::{CommandPath, VehicleState};
 
 pub use super::said::Said;

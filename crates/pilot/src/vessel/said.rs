@@ -1,5 +1,6 @@
 //! What a boat says to commands, in words for the operator.
 
+use barrelman_vocab::Named as _;
 use core::fmt;
 
 use barrelman_vocab::acceptance::Acceptance;

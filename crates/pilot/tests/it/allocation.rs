@@ -2,10 +2,11 @@
 
 use std::sync::Arc;
 
-use barrelman_control::optimal::{OptimalMode, OptimalSettings};
+use barrelman_control::optimal::OptimalSettings;
 use barrelman_pilot::{Input, LawSettings, Pilot, PilotSettings};
 use barrelman_sim::practice::PracticeClip;
 use barrelman_vision::{CamShift, CamShiftConfig, FusedConfig, FusedTracker, Tracker};
+use barrelman_vocab::OptimalMode;
 use barrelman_vocab::video::{Capture, CaptureQuality};
 use barrelman_vocab::{
     CameraRequest, OperatorRequest, Picture, PictureSize, PixelBox, Timestamp, Track, VideoFrame,

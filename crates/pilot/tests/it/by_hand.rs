@@ -3,11 +3,11 @@
 
 use core::time::Duration;
 
-use barrelman_pilot::outcome::{HoldCause, Unconfirmed};
+use barrelman_pilot::outcome::Unconfirmed;
 use barrelman_pilot::{Input, LawSettings, Mode, Notice, Outcome, Pilot, PilotSettings, Refusal};
 use barrelman_vocab::{
-    CameraCommand, CameraRequest, DrawnSelection, LawId, Nudge, OperatorRequest, PixelBox, StopCause,
-    Timestamp, Track,
+    CameraCommand, CameraRequest, DrawnSelection, HoldCause, LawId, Nudge, OperatorRequest, PixelBox,
+    StopCause, Timestamp, Track,
 };
 
 use crate::scenes::{Answer, PICTURE, RIGHT, Scripted, at, frame, settings};
@@ -193,12 +193,12 @@ fn the_law_changes_while_disengaged_only() {
     let mut pilot = pilot(0, []);
     let change = OperatorRequest::Camera(CameraRequest::Law { law: LawId::Eco });
     assert_eq!(request(&mut pilot, change, 10).notice, Some(Notice::LawChanged(LawId::Eco)));
-    assert_eq!(pilot.law_id(), Some(LawId::Eco));
+    assert_eq!(pilot.law_id(), LawId::Eco);
     request(&mut pilot, OperatorRequest::Camera(CameraRequest::Engage), 20);
     let schema = OperatorRequest::Camera(CameraRequest::Law { law: LawId::Schema });
     let refused = request(&mut pilot, schema, 30).notice;
     assert_eq!(refused, Some(Notice::RequestRefused(Refusal::Engaged)));
-    assert_eq!(pilot.law_id(), Some(LawId::Eco));
+    assert_eq!(pilot.law_id(), LawId::Eco);
 }
 
 /// What can happen, for the exhaustive search.
@@ -319,5 +319,5 @@ fn no_sequence_of_events_moves_the_camera_without_a_licence() {
 #[test]
 fn settings_name_their_law() {
     let law = |law| Pilot::new(PilotSettings { law, ..settings() }, Box::new(Scripted::default())).law_id();
-    assert_eq!(law(LawSettings::MotorSchema), Some(LawId::Schema));
+    assert_eq!(law(LawSettings::MotorSchema), LawId::Schema);
 }

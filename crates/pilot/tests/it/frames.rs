@@ -2,9 +2,8 @@
 
 use core::time::Duration;
 
-use barrelman_pilot::outcome::HoldCause;
 use barrelman_pilot::{Input, Mode, Notice, Outcome, Pilot};
-use barrelman_vocab::{ImagePoint, Track};
+use barrelman_vocab::{HoldCause, ImagePoint, Track};
 
 use crate::scenes::SceneInput::{Engage, Select};
 use crate::scenes::{

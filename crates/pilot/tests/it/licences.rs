@@ -5,11 +5,10 @@
 
 use core::time::Duration;
 
-use barrelman_pilot::outcome::HoldCause;
 use barrelman_pilot::safety::{Decision, ObservationResult, Safety};
 use barrelman_pilot::{CommandPath, Mode, Purpose, Refusal};
 use barrelman_vocab::telemetry::{ControlState, FlightState, LinkState, Report};
-use barrelman_vocab::{AngularRate, CameraCommand, CameraRequest, Nudge, StopCause, Timestamp};
+use barrelman_vocab::{AngularRate, CameraCommand, CameraRequest, HoldCause, Nudge, StopCause, Timestamp};
 
 use crate::scenes::at;
 

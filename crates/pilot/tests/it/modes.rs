@@ -1,7 +1,7 @@
 //! Every transition of the diagram of modes.
 
 use barrelman_pilot::Mode::{Holding, Idle, Servoing, Stopped};
-use barrelman_pilot::outcome::HoldCause::{Coasting, NoSelection, TrackLost, VideoSilent, VideoStale};
+use barrelman_vocab::HoldCause::{Coasting, NoSelection, TrackLost, VideoSilent, VideoStale};
 use barrelman_vocab::StopCause::{Ending, Fault, Operator, VideoEnded};
 
 use crate::scenes::SceneInput::{

@@ -4,8 +4,8 @@ use core::time::Duration;
 
 use barrelman_control::{Region, Sector};
 use barrelman_pilot::Mode::{Holding, Servoing};
-use barrelman_pilot::outcome::HoldCause::{NoSelection, TrackLost, VideoSilent, VideoStale};
 use barrelman_pilot::{Input, Notice};
+use barrelman_vocab::HoldCause::{Coasting, NoSelection, TrackLost, VideoSilent, VideoStale};
 use barrelman_vocab::{Timestamp, Track};
 
 use crate::scenes::SceneInput::{Coasts, Engage, Lost, Reports, Seen, SeenLate, Select, Tick, Unseeded};
@@ -78,7 +78,7 @@ fn coasting_only_lowers_a_rate() {
     check(&then(Coasts(TOP)), Servoing, REST);
     check(&then(Coasts(BOTTOM)), Servoing, REST);
     check(&[then(Coasts(INSIDE)).as_slice(), &[(30, Coasts(RIGHT))]].concat(), Servoing, REST);
-    check(&[(0, Engage), (10, Coasts(RIGHT))], Holding(barrelman_pilot::outcome::HoldCause::Coasting), REST);
+    check(&[(0, Engage), (10, Coasts(RIGHT))], Holding(Coasting), REST);
     check(&[(0, Engage), (10, Seen(INSIDE)), (20, Coasts(RIGHT))], Servoing, REST);
 }
 

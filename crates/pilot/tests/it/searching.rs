@@ -3,12 +3,11 @@
 use core::time::Duration;
 
 use barrelman_pilot::net_yaw::NetYawLevel;
-use barrelman_pilot::outcome::HoldCause;
 use barrelman_pilot::{Input, Mode, Notice, Outcome, Pilot, Refusal};
 use barrelman_vocab::telemetry::{LinkState, Report};
 use barrelman_vocab::{
-    Angle, CameraRequest, DrawnSelection, ImagePoint, Nudge, OperatorRequest, PixelBox, StopCause, Telemetry,
-    Timestamp, Track,
+    Angle, CameraRequest, DrawnSelection, HoldCause, ImagePoint, Nudge, OperatorRequest, PixelBox, StopCause,
+    Telemetry, Timestamp, Track,
 };
 
 use crate::scenes::{LEFT, RIGHT, at, localisation_pilot, seen};

@@ -3,11 +3,12 @@
 use std::sync::{Arc, Mutex};
 
 use barrelman_control::{CameraLaw, CameraModel, Law, LawInput};
-use barrelman_pilot::outcome::HoldCause;
 use barrelman_pilot::{CommandPath, Input, Mode, Notice, Outcome, Pilot, Refusal};
 use barrelman_vocab::acceptance::Acceptance;
 use barrelman_vocab::telemetry::{ControlState, FlightState, LinkState, Report};
-use barrelman_vocab::{CameraCommand, CameraRequest, Nudge, OperatorRequest, StopCause, Telemetry};
+use barrelman_vocab::{
+    CameraCommand, CameraRequest, HoldCause, Named as _, Nudge, OperatorRequest, StopCause, Telemetry,
+};
 
 use crate::scenes::SceneInput::{Disengage, Engage, Seen};
 use crate::scenes::{
@@ -132,7 +133,7 @@ fn control_that_is_not_ours_rests_the_camera() {
 #[test]
 fn what_a_vehicle_says_to_commands_rests_the_camera_as_long_as_it_lasts() {
     let accepted = Said(Acceptance::Accepted);
-    for said in Acceptance::ALL.into_iter().filter(|said| *said != Acceptance::Accepted) {
+    for said in Acceptance::ALL.iter().copied().filter(|said| *said != Acceptance::Accepted) {
         // Said before the link is up, too: a vehicle answers while it is still being looked at.
         let held = Mode::Holding(HoldCause::NoControl);
         check(&[Link(LinkState::Starting), Said(said), UP, ENGAGE, SEEN], held, REST);

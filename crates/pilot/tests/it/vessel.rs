@@ -3,14 +3,13 @@
 use core::time::Duration;
 
 use barrelman_pilot::on_earth::NotOnEarth;
-use barrelman_pilot::outcome::HoldCause;
 use barrelman_pilot::vessel::guiding::NoWater;
 use barrelman_pilot::vessel::{GuidanceBasis, GuidanceLaw, VesselHold, VesselStop};
 use barrelman_pilot::{CommandPath, Input, Notice, Outcome, Pilot, Refusal, VesselMode, VesselSettings};
 use barrelman_vocab::earth::GeoPoint;
 use barrelman_vocab::telemetry::{LinkState, Report};
 use barrelman_vocab::{
-    Angle, CameraRequest, DrawnMark, FailSafe, ImagePoint, KeepWay, MarkKind, MovedMark, Nudge,
+    Angle, CameraRequest, DrawnMark, FailSafe, HoldCause, ImagePoint, KeepWay, MarkKind, MovedMark, Nudge,
     OperatorRequest, PixelPoint, StopCause, Telemetry, Timestamp, Track, VesselCommand, VesselProfile,
     VesselRequest, VesselStopper, WaterPoint,
 };

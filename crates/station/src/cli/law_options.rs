@@ -1,7 +1,8 @@
 //! The options `--law`, `--mode` and `--horizon`, which several commands share.
 
 use anyhow::Result;
-use barrelman_experiments::law_choice::{LawChoice, LawName, ModeName};
+use barrelman_experiments::law_choice::{GivenLaw, LawChoice, named_values};
+use barrelman_vocab::{LawName, OptimalMode};
 use clap::Args;
 
 use super::usage_error::UsageError;
@@ -10,11 +11,11 @@ use super::usage_error::UsageError;
 #[derive(Debug, Clone, Copy, Default, Args)]
 pub struct LawOptions {
     /// The camera law. (Each command's help names its own default.)
-    #[arg(long, value_enum)]
+    #[arg(long, value_parser = named_values::<LawName>())]
     pub law: Option<LawName>,
     /// What the optimal law saves; default: intermittent.
-    #[arg(long, value_enum)]
-    pub mode: Option<ModeName>,
+    #[arg(long, value_parser = named_values::<OptimalMode>())]
+    pub mode: Option<OptimalMode>,
     /// Horizon of the optimal law: the time within which it brings the target back, seconds, 0.5 to 5; a longer horizon
     /// moves the camera less. Default: the mode's.
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
@@ -27,15 +28,14 @@ impl LawOptions {
     /// # Errors
     /// If the options contradict each other, or the horizon is out of range.
     pub fn resolve(self, base: LawChoice) -> Result<LawChoice> {
-        let base = self.law.filter(|name| *name != base.name).map_or(base, LawChoice::new);
-        LawChoice { mode: self.mode.or(base.mode), horizon_s: self.horizon.or(base.horizon_s), ..base }
-            .validated("--")
+        GivenLaw { name: self.law, mode: self.mode, horizon_s: self.horizon }
+            .or(base, "--")
             .map_err(|error| UsageError(error.to_string()).into())
     }
 }
 
 impl From<LawChoice> for LawOptions {
     fn from(choice: LawChoice) -> Self {
-        Self { law: Some(choice.name), mode: choice.mode, horizon: choice.horizon_s }
+        Self { law: Some(choice.law.name()), mode: choice.law.mode(), horizon: choice.horizon_s }
     }
 }

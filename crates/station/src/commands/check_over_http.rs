@@ -2,6 +2,7 @@
 
 use barrelman_link::url::HttpAddress;
 use barrelman_link_http::{CameraInfo, Inquiry, MainVideo};
+use barrelman_vocab::Named as _;
 use barrelman_vocab::acceptance::Acceptance;
 use barrelman_vocab::profile::AxisDynamics;
 

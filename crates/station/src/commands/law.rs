@@ -5,12 +5,12 @@ use std::process::ExitCode;
 
 use anyhow::{Context, Result};
 use barrelman_trial::law::{LawRow, run_open_loop};
-use barrelman_vocab::AngularRate;
+use barrelman_vocab::{AngularRate, LawId};
 
 use super::trial_input;
 use crate::cli::LawArgs;
 use crate::config::resolve::profile_named;
-use barrelman_experiments::law_choice::{LawChoice, LawName};
+use barrelman_experiments::law_choice::LawChoice;
 use barrelman_host::output;
 
 /// The header of the output.
@@ -31,7 +31,7 @@ pub fn run(args: &LawArgs) -> Result<ExitCode> {
         input.log.frame = frame;
     }
     let region = input.log.region(args.region.region.unwrap_or(profile.region));
-    if law.name != LawName::MotorSchema {
+    if law.law != LawId::Schema {
         tracing::warn!(
             "open loop: the recorded camera did not follow this law's commands, so they do not show how well the law keeps \
              a target in view; `barrelman trials` closes the loop"

@@ -9,7 +9,7 @@ use barrelman_trial::metrics::{Arena, TrialEntry, measure};
 use barrelman_trial::records::RecordingStart;
 use barrelman_trial::report::{Report, ReportedTrial, SetKind, TrialSet, TrialTrace};
 use barrelman_trial::shadow::simulate_motor_schema;
-use barrelman_vocab::VehicleProfile;
+use barrelman_vocab::{LawId, Named, VehicleProfile};
 
 use super::summary_table::count_of;
 use super::trial_input::{self, InputFile, LogKind, TrialInput};
@@ -17,7 +17,6 @@ use crate::cli::ReportArgs;
 use crate::config::{self, Configuration};
 use barrelman_experiments::campaign::plan::arena_of;
 use barrelman_experiments::campaign::recorded_trial;
-use barrelman_experiments::law_choice::{LawChoice, LawName};
 use barrelman_host::output::{self, OutputFile};
 
 /// Runs the command.
@@ -115,7 +114,7 @@ fn reported_trial(mut input: TrialInput, args: &ReportArgs) -> ReportedTrial {
 fn shadowed_vehicle(start: &RecordingStart) -> Option<VehicleProfile> {
     let file = config::parse(&start.configuration).ok()?;
     let configuration = Configuration::resolve_recorded(&file).ok()?;
-    (configuration.law.name != LawName::MotorSchema).then_some(configuration.profile)
+    (configuration.law.law != LawId::Schema).then_some(configuration.profile)
 }
 
 /// The simulated trial that a recording shows.
@@ -144,8 +143,8 @@ impl SimulatedRun {
         let file = config::parse(&start.configuration).ok();
         let law = file.and_then(|file| Configuration::resolve_recorded(&file).ok()).map(|found| found.law);
         let mut words = vec![scenario];
-        words.extend(law.as_ref().map(LawChoice::name_str));
-        words.extend(law.as_ref().and_then(LawChoice::mode_str));
+        words.extend(law.map(|choice| choice.law.name().key()));
+        words.extend(law.and_then(|choice| choice.law.mode()).map(Named::key));
         words.push("recorded");
         words.join(", ")
     }

@@ -10,7 +10,7 @@ use super::console::{ConsoleSection, RecordingSection};
 use super::tracker::TrackerSection;
 use super::tracking_camera::TrackingCameraSection;
 use super::vessel::VesselSection;
-use barrelman_experiments::law_choice::{LawName, ModeName};
+use barrelman_vocab::{LawName, OptimalMode};
 
 /// A configuration file.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
@@ -47,7 +47,7 @@ pub struct LawSection {
     pub name: Option<LawName>,
     /// What the optimal law saves; default: `intermittent`.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub mode: Option<ModeName>,
+    pub mode: Option<OptimalMode>,
     /// Horizon of the optimal law: the time within which it brings the target back, seconds, 0.5 to 5; default: the mode's.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub horizon: Option<f64>,

@@ -23,7 +23,7 @@ use super::tracking_camera::{TrackingCameraConfig, TrackingCameraSection};
 use super::turning::{gimbal_tilt, net_yaw_limits, section_of};
 use super::vessel::{VesselConfig, VesselSection};
 use crate::secrets::{LinkAccess, LoginSource, TrustFiles, VideoLogin};
-use barrelman_experiments::law_choice::LawChoice;
+use barrelman_experiments::law_choice::{GivenLaw, LawChoice};
 use barrelman_experiments::tracker_choice::{TrackerName, TrackerSettings};
 
 /// The effective configuration.
@@ -158,12 +158,8 @@ impl Configuration {
                 Some(LineEnding::Lf) => Framing::LineFeed,
             },
             profile,
-            law: LawChoice {
-                name: file.law.name.unwrap_or(LawChoice::OPTIMAL.name),
-                mode: file.law.mode,
-                horizon_s: file.law.horizon,
-            }
-            .validated("law.")?,
+            law: GivenLaw { name: file.law.name, mode: file.law.mode, horizon_s: file.law.horizon }
+                .or(LawChoice::OPTIMAL, "law.")?,
             tracker: file.tracker.settings().validated()?,
             tracking_camera: file.tracking_camera.resolve()?,
             vessel: file.vessel.resolve()?,
@@ -246,7 +242,11 @@ impl Configuration {
                 gimbal_tilt: profile.gimbal_tilt.map(|tilt| section_of(&tilt)),
             },
             camera: CameraSection::from_dynamics(&profile.camera),
-            law: LawSection { name: Some(self.law.name), mode: self.law.mode, horizon: self.law.horizon_s },
+            law: LawSection {
+                name: Some(self.law.law.name()),
+                mode: self.law.law.mode(),
+                horizon: self.law.horizon_s,
+            },
             tracker: TrackerSection::from_settings(&self.tracker),
             tracking_camera: TrackingCameraSection::from_config(&self.tracking_camera),
             vessel: VesselSection::from_config(self.vessel.as_ref()),

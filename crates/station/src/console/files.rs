@@ -3,6 +3,8 @@
 use axum::http::{StatusCode, header};
 use axum::response::{IntoResponse as _, Response};
 
+use super::states;
+
 macro_rules! files {
     ($($name:literal),+ $(,)?) => {
         /// Name and content of each file.
@@ -47,10 +49,17 @@ files![
     "words.js",
 ];
 
+fn content(name: &str) -> Option<&'static str> {
+    if name == states::NAME {
+        return Some(states::MODULE.as_str());
+    }
+    FILES.iter().find(|(own, _)| *own == name).map(|(_, content)| *content)
+}
+
 /// The answer with a file of the page.
 pub(super) fn response(name: &str) -> Response {
-    match FILES.iter().find(|(own, _)| *own == name) {
-        Some((name, content)) => ([(header::CONTENT_TYPE, content_type(name))], *content).into_response(),
+    match content(name) {
+        Some(content) => ([(header::CONTENT_TYPE, content_type(name))], content).into_response(),
         None => (StatusCode::NOT_FOUND, "there is no such file\n").into_response(),
     }
 }
@@ -73,7 +82,7 @@ mod tests {
     use super::*;
 
     fn content(name: &str) -> &'static str {
-        FILES.iter().find(|(own, _)| *own == name).unwrap_or_else(|| panic!("{name} is not served")).1
+        super::content(name).unwrap_or_else(|| panic!("{name} is not served"))
     }
 
     /// What stands between `before` and the next `after` in a text, each time.

@@ -12,7 +12,7 @@ use axum::body::{Body, to_bytes};
 use axum::http::{Request, Response};
 use barrelman_host::clock::Clock;
 use barrelman_pilot::{Input, Outcome};
-use barrelman_vocab::{self as vocab, VehicleProfile, VehicleRates};
+use barrelman_vocab::{self as vocab, LawId, VehicleProfile, VehicleRates};
 use tower::ServiceExt as _;
 
 use super::access::{Access, Role, Tokens};
@@ -145,7 +145,7 @@ impl InMemory {
 
     /// The pilot makes a step.
     pub(super) fn step(&mut self, outcome: &Outcome) {
-        self.publisher.on_step(&Input::Tick, outcome, VehicleRates::REST, None);
+        self.publisher.on_step(&Input::Tick, outcome, VehicleRates::REST, LawId::Schema);
     }
 
     /// The texts of the event log under this key.

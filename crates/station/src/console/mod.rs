@@ -34,6 +34,7 @@ pub mod api;
 mod files;
 mod metrics;
 mod requests;
+mod states;
 mod status;
 mod vessel_status;
 

@@ -2,11 +2,10 @@
 
 use barrelman_control::Sector;
 use barrelman_pilot::on_earth::NotOnEarth;
-use barrelman_pilot::outcome::HoldCause;
 use barrelman_pilot::{Mode, Outcome};
 use barrelman_vocab::acceptance::Acceptance;
 use barrelman_vocab::telemetry::{ControlState, FlightState};
-use barrelman_vocab::{Angle, CameraCommand, PixelBox, StopCause, Track};
+use barrelman_vocab::{Angle, CameraCommand, Named as _, PixelBox, Track};
 
 use super::api::{
     AxisPair, BoatStatus, CameraWork, LinkStatus, ModeStatus, PerceptStatus, PositionStatus, RecordingStatus,
@@ -59,40 +58,8 @@ fn mode_of(mode: Mode) -> ModeStatus {
         Mode::Nudging => ("nudging", None),
         Mode::Searching => ("searching", None),
         Mode::Calibrating => ("calibrating", None),
-        Mode::Holding(cause) => {
-            let cause = match cause {
-                HoldCause::NoSelection => "no-selection",
-                HoldCause::TrackLost => "track-lost",
-                HoldCause::Coasting => "coasting",
-                HoldCause::VideoStale => "video-stale",
-                HoldCause::VideoSilent => "video-silent",
-                HoldCause::Confirming => "confirming",
-                HoldCause::DryRun => "dry-run",
-                HoldCause::LinkDown => "link-down",
-                HoldCause::NoControl => "no-control",
-                HoldCause::Emergency => "emergency",
-                HoldCause::Landing => "landing",
-            };
-            ("holding", Some(cause))
-        }
-        Mode::Stopped(cause) => {
-            let cause = match cause {
-                StopCause::Operator => "operator",
-                StopCause::Ending => "ending",
-                StopCause::VideoEnded => "video-ended",
-                StopCause::Fault => "fault",
-                StopCause::ControlLost => "control-lost",
-                StopCause::VehicleRestarted => "vehicle-restarted",
-                StopCause::Emergency => "emergency",
-                StopCause::Landing => "landing",
-                StopCause::BatteryLow => "battery-low",
-                StopCause::VehicleSilent => "vehicle-silent",
-                StopCause::Suspended => "suspended",
-                StopCause::PanOpposed => "pan-opposed",
-                StopCause::TiltOpposed => "tilt-opposed",
-            };
-            ("stopped", Some(cause))
-        }
+        Mode::Holding(cause) => ("holding", Some(cause.key())),
+        Mode::Stopped(cause) => ("stopped", Some(cause.key())),
     };
     ModeStatus { name, cause, engaged: matches!(mode, Mode::Servoing | Mode::Holding(_)) }
 }

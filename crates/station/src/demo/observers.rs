@@ -33,7 +33,7 @@ pub(super) struct ConsoleObserver<'a> {
     /// Answers that are still to be given.
     pub(super) answers: Answers,
     /// The law in force.
-    pub(super) law: Option<LawId>,
+    pub(super) law: LawId,
 }
 
 impl StepObserver for DriveObservers<'_> {

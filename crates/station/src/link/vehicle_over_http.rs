@@ -5,6 +5,7 @@ use barrelman_link::LinkUrl;
 use barrelman_link::url::Endpoint;
 use barrelman_link_http::{HttpSettings, Inquiry, MainVideo};
 use barrelman_video::VideoUrl;
+use barrelman_vocab::Named as _;
 
 use crate::config::Configuration;
 use crate::link::named_video::{PermittedHosts, named_video};

@@ -13,13 +13,12 @@ use std::sync::mpsc::RecvTimeoutError;
 use std::time::Duration;
 
 use barrelman_host::latest::Latest;
-use barrelman_pilot::outcome::HoldCause;
 use barrelman_pilot::{Input, Notice, Outcome, Pilot, Refusal, VesselMode};
 use barrelman_video::VideoState;
 use barrelman_vocab::telemetry::{LinkState, Report};
 use barrelman_vocab::{
-    CameraRequest, OperatorRequest, PictureSize, StopCause, Timestamp, VehicleProfile, VehicleRates,
-    VesselOrder, VesselRequest, VideoFrame,
+    CameraRequest, HoldCause, Named as _, OperatorRequest, PictureSize, StopCause, Timestamp, VehicleProfile,
+    VehicleRates, VesselOrder, VesselRequest, VideoFrame,
 };
 
 use super::event::{Event, EventSource};

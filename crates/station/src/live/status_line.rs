@@ -9,7 +9,7 @@ use std::time::Duration;
 use barrelman_pilot::Mode;
 use barrelman_vocab::acceptance::Acceptance;
 use barrelman_vocab::telemetry::LinkState;
-use barrelman_vocab::{CameraCommand, Timestamp, Track};
+use barrelman_vocab::{CameraCommand, Named as _, Timestamp, Track};
 
 use crate::snapshot::{LinkStatus, RecordingState, Snapshot, link_state_text};
 

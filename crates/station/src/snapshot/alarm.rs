@@ -1,7 +1,11 @@
 //! The alarms of a session.
 
+use barrelman_vocab::Named;
+use strum::{IntoStaticStr, VariantArray};
+
 /// What an operator has to know at once.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, IntoStaticStr, VariantArray)]
+#[strum(serialize_all = "kebab-case")]
 pub enum Alarm {
     /// The track is lost.
     TrackLost,
@@ -35,50 +39,28 @@ pub enum Alarm {
     NetYawLimit,
 }
 
-impl Alarm {
-    /// The alarm's name in the API.
-    pub const fn key(self) -> &'static str {
+impl Named for Alarm {
+    fn text(self) -> &'static str {
         match self {
-            Self::TrackLost => "track-lost",
-            Self::StaleVideo => "stale-video",
-            Self::NoVideo => "no-video",
-            Self::LinkDown => "link-down",
-            Self::CameraMayTurn => "camera-may-turn",
-            Self::CameraTurns => "camera-turns",
-            Self::BoatMoves => "boat-moves",
-            Self::ControlLost => "control-lost",
-            Self::EndStop => "end-stop",
-            Self::Emergency => "emergency",
-            Self::BatteryLow => "battery-low",
-            Self::RecordingFailed => "recording-failed",
-            Self::ConsoleLost => "console-lost",
-            Self::NetYaw => "net-yaw",
-            Self::NetYawLimit => "net-yaw-limit",
-        }
-    }
-
-    /// The alarm in words, for the event log.
-    pub const fn text(self) -> &'static str {
-        match self {
-            Self::TrackLost => "the track is lost: select the boat again",
-            Self::StaleVideo => "the video is delayed",
-            Self::NoVideo => "no video arrives",
-            Self::LinkDown => "the link is down: commands do not reach the camera",
+            Self::TrackLost => "boat lost",
+            Self::StaleVideo => "video delayed",
+            Self::NoVideo => "no video",
+            Self::LinkDown => "link down: commands do not reach the camera",
             Self::CameraMayTurn => {
                 "nothing reaches the camera, which may be turning: stop it at the ground station"
             }
-            Self::CameraTurns => "the camera turns although zero is commanded: stop it at the ground station",
+            Self::CameraTurns => "camera turns although zero is commanded: stop it at the ground station",
             Self::BoatMoves => {
-                "the boat moves although neutral is commanded: stop it with its remote control or at its ground station"
+                "boat moves although neutral is commanded: stop it with its remote control or at its ground station"
             }
-            Self::ControlLost => "the vehicle does not accept commands from this program",
-            Self::EndStop => "the camera is near its end stop",
-            Self::Emergency => "the vehicle reports an emergency",
-            Self::BatteryLow => "the vehicle says that a battery is low",
-            Self::RecordingFailed => "the recording has stopped",
-            Self::ConsoleLost => "the controlling page is gone; the camera stays engaged",
-            Self::NetYaw => "the tether winds up: turn the camera back",
-            Self::NetYawLimit => "the tether is wound up: the camera turns back only",
+            Self::ControlLost => "vehicle does not accept commands",
+            Self::EndStop => "camera near its end stop",
+            Self::Emergency => "vehicle emergency",
+            Self::BatteryLow => "battery of the vehicle low",
+            Self::RecordingFailed => "recording failed",
+            Self::ConsoleLost => "controlling page gone; the camera stays engaged",
+            Self::NetYaw => "tether winds up: turn the camera back",
+            Self::NetYawLimit => "tether wound up: the camera turns back only",
         }
     }
 }

@@ -100,8 +100,9 @@ impl CameraWorkMeter {
 #[cfg(test)]
 mod tests {
     use barrelman_control::{Percept, Region};
-    use barrelman_pilot::outcome::HoldCause;
     use barrelman_vocab::{ImagePoint, StopCause, Track};
+
+    use barrelman_vocab::HoldCause;
 
     use super::*;
     use crate::test_scenes::{at, command, idle, localisation};

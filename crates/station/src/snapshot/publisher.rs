@@ -9,7 +9,9 @@ use barrelman_vocab::acceptance::Acceptance;
 use barrelman_vocab::drive_mode::DriveMode;
 use barrelman_vocab::telemetry::{ControlState, FlightState, LinkState, Report};
 use barrelman_vocab::vehicle_text::VehicleText;
-use barrelman_vocab::{Angle, LawId, Telemetry, Timestamp, Track, VehicleProfile, VehicleRates};
+use barrelman_vocab::{
+    Angle, HoldCause, LawId, Named as _, Telemetry, Timestamp, Track, VehicleProfile, VehicleRates,
+};
 use jiff::Zoned;
 use tokio::sync::watch;
 
@@ -25,7 +27,6 @@ use super::vehicle::{LinkStatus, VehicleSnapshot};
 use super::{DriveState, RecordingState, SharedSnapshot, Snapshot, VideoSourceState};
 use barrelman_pilot::Mode;
 use barrelman_pilot::net_yaw::NetYawLevel;
-use barrelman_pilot::outcome::HoldCause;
 use barrelman_pilot::vessel::gate::Said;
 
 /// Nearer to an end stop than this, the alarm is raised, rad (3 degrees).
@@ -91,7 +92,7 @@ impl Publisher {
     }
 
     /// The pilot made a step.
-    pub fn on_step(&mut self, input: &Input<'_>, outcome: &Outcome, rates: VehicleRates, law: Option<LawId>) {
+    pub fn on_step(&mut self, input: &Input<'_>, outcome: &Outcome, rates: VehicleRates, law: LawId) {
         match input {
             Input::Frame(frame) => {
                 self.frames.add(outcome.at);
@@ -119,7 +120,7 @@ impl Publisher {
         self.state.beats += 1;
         self.state.outcome = Some(outcome.clone());
         self.state.rates = rates;
-        self.state.law = law;
+        self.state.law = Some(law);
         self.publish(outcome.at);
     }
 
@@ -157,9 +158,9 @@ impl Publisher {
     }
 
     /// The law in force.
-    pub fn set_law(&mut self, law: Option<LawId>, now: Timestamp) {
-        if self.state.law != law {
-            self.state.law = law;
+    pub fn set_law(&mut self, law: LawId, now: Timestamp) {
+        if self.state.law != Some(law) {
+            self.state.law = Some(law);
             self.publish(now);
         }
     }

@@ -1,11 +1,11 @@
 //! The configuration: the example, the JSON schema, defaults, and refused values.
 
-use barrelman_experiments::law_choice::{LawChoice, LawName, ModeName};
+use barrelman_experiments::law_choice::LawChoice;
 use barrelman_experiments::tracker_choice::TrackerName;
 use barrelman_station::cli::LawOptions;
 use barrelman_station::config::{self, ConfigFile, Configuration};
 use barrelman_vision::{FusedConfig, FusedSetting};
-use barrelman_vocab::VehicleProfile;
+use barrelman_vocab::{LawId, LawName, OptimalMode, VehicleProfile};
 
 fn resolved(text: &str) -> Result<Configuration, String> {
     let resolve = || -> anyhow::Result<Configuration> { Configuration::resolve(&config::parse(text)?) };
@@ -224,13 +224,13 @@ fn the_optimal_law_is_used_unless_another_is_named() {
     assert_eq!(resolved("").unwrap().law, LawChoice::OPTIMAL);
     assert_eq!(resolved("[law]\nname = \"schema\"\n").unwrap().law, LawChoice::MOTOR_SCHEMA);
     let eco = resolved("[law]\nmode = \"eco\"\n").unwrap();
-    assert_eq!(eco.law, LawChoice { mode: Some(ModeName::Eco), ..LawChoice::OPTIMAL });
+    assert_eq!(eco.law, LawChoice::of(LawId::Eco));
     assert_eq!(resolved(&eco.to_toml().unwrap()).unwrap().law, eco.law);
 }
 
 #[test]
 fn the_command_line_says_otherwise_than_the_configuration_about_the_law() {
-    let eco = LawChoice { mode: Some(ModeName::Eco), ..LawChoice::OPTIMAL };
+    let eco = LawChoice::of(LawId::Eco);
     let chosen = |law, mode, horizon| {
         LawOptions { law, mode, horizon }.resolve(eco).map_err(|error| error.to_string())
     };
@@ -238,12 +238,12 @@ fn the_command_line_says_otherwise_than_the_configuration_about_the_law() {
     assert_eq!(chosen(None, None, Some(2.0)), Ok(LawChoice { horizon_s: Some(2.0), ..eco }));
     assert_eq!(chosen(Some(LawName::Optimal), None, None), Ok(eco));
     assert_eq!(
-        chosen(Some(LawName::MotorSchema), None, None),
+        chosen(Some(LawName::Schema), None, None),
         Ok(LawChoice::MOTOR_SCHEMA),
         "the mode is dropped with the law"
     );
     assert!(
-        chosen(Some(LawName::MotorSchema), Some(ModeName::Eco), None).unwrap_err().contains("--mode is for")
+        chosen(Some(LawName::Schema), Some(OptimalMode::Eco), None).unwrap_err().contains("--mode is for")
     );
     assert!(chosen(None, None, Some(9.0)).unwrap_err().contains("--horizon 9"));
 }

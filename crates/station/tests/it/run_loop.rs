@@ -7,7 +7,6 @@ use std::sync::mpsc::{RecvTimeoutError, sync_channel};
 use std::time::Duration;
 
 use barrelman_host::latest::Latest;
-use barrelman_pilot::outcome::HoldCause;
 use barrelman_pilot::{CommandPath, Input, Mode, Pilot};
 use barrelman_station::link::{LinkReport, VehicleLink};
 use barrelman_station::live::event::{Event, EventSource, QuitCause};
@@ -19,8 +18,8 @@ use barrelman_station::snapshot::{LinkStatus, Publisher, RecordingState};
 use barrelman_video::{VideoError, VideoState};
 use barrelman_vocab::telemetry::{ControlState, LinkState, Report};
 use barrelman_vocab::{
-    CameraRequest, Lens, OperatorRequest, PictureSize, StopCause, Telemetry, Timestamp, VehicleProfile,
-    VehicleRates, VideoFrame,
+    CameraRequest, HoldCause, Lens, OperatorRequest, PictureSize, StopCause, Telemetry, Timestamp,
+    VehicleProfile, VehicleRates, VideoFrame,
 };
 
 use crate::live_scenes::{REFUSED, SELECTION, at, frame, pilot};

@@ -6,14 +6,13 @@ use std::time::Duration;
 
 use barrelman_control::{Percept, Region};
 use barrelman_host::clock::Clock;
-use barrelman_pilot::outcome::HoldCause;
 use barrelman_pilot::{Advice, Mode, Outcome};
 use barrelman_station::live::status_line::{StatusLine, StatusOutput as _};
 use barrelman_station::live::status_writer::{LineStyle, StatusWriter};
 use barrelman_station::live::threads::FaultInjector;
 use barrelman_station::snapshot::{LinkStatus, RecordingState, Snapshot};
 use barrelman_vocab::telemetry::LinkState;
-use barrelman_vocab::{AngularRate, CameraCommand, ImagePoint, StopCause, Track, VehicleProfile};
+use barrelman_vocab::{AngularRate, CameraCommand, HoldCause, ImagePoint, StopCause, Track, VehicleProfile};
 
 use crate::live_scenes::{PICTURE, at, localisation};
 

@@ -213,7 +213,7 @@ impl<'a> Simulation<'a> {
     }
 
     /// The law; `None`: a law that an operator cannot choose.
-    pub const fn law_id(&self) -> Option<LawId> {
+    pub const fn law_id(&self) -> LawId {
         self.pilot.law_id()
     }
 

@@ -3,7 +3,6 @@
 use core::time::Duration;
 
 use barrelman_control::{Percept, Sector};
-use barrelman_pilot::outcome::HoldCause;
 use barrelman_pilot::{Advice, CommandPath, Mode};
 use barrelman_trial::records::{
     Entry, FrameFingerprint, ReadError, RecordedInput, RecordedMark, RecordedOutcome, RecordedProgress,
@@ -19,9 +18,9 @@ use barrelman_vocab::unit::{Rotation, UnitCodec};
 use barrelman_vocab::vehicle_text::VehicleText;
 use barrelman_vocab::video::{Capture, CaptureQuality, ColourEncoding, ColourMatrix, SampleRange};
 use barrelman_vocab::{
-    Angle, AngularRate, CameraCommand, CameraRequest, DrawnMark, EncodedUnit, ImagePoint, Localisation,
-    MarkKind, MovedMark, OperatorRequest, PictureSize, PixelBox, PixelPoint, StopCause, Telemetry, Timestamp,
-    Track, VesselCommand, VesselRequest, VesselStopper, WaterPoint,
+    Angle, AngularRate, CameraCommand, CameraRequest, DrawnMark, EncodedUnit, HoldCause, ImagePoint,
+    Localisation, MarkKind, MovedMark, OperatorRequest, PictureSize, PixelBox, PixelPoint, StopCause,
+    Telemetry, Timestamp, Track, VesselCommand, VesselRequest, VesselStopper, WaterPoint,
 };
 use bytes::Bytes;
 
@@ -193,7 +192,7 @@ pub(crate) fn entries_with(value: f64) -> Vec<Entry> {
         input(RecordedInput::VesselTelemetry(Telemetry { at: ns(999), report: Report::CameraHeight(value) })),
         telemetry(Report::FieldOfView(Angle::from_radians(value))),
         telemetry(Report::FlightState { state: FlightState::Other(u32::MAX), is_battery_low: true }),
-        telemetry(Report::Acceptance(Acceptance::ALL[13])),
+        telemetry(Report::Acceptance(Acceptance::ModeRefused)),
         telemetry(Report::Ground {
             control: ControlState::Ours,
             uptime_s: value,

@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 use strum::VariantNames;
 
 use crate::image::PixelBox;
+use crate::law::LawId;
 use crate::time::Timestamp;
 
 /// A request about the camera and the target that it follows.
@@ -72,20 +73,4 @@ pub struct Nudge {
     pub pan: f64,
     /// -1 to 1, positive upwards.
     pub tilt: f64,
-}
-
-/// The camera laws that an operator can choose.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "kebab-case")]
-pub enum LawId {
-    /// The paper's motor schema.
-    Schema,
-    /// Optimal law: least energy.
-    MinimumEnergy,
-    /// Optimal law: time in motion and energy.
-    TimeFuel,
-    /// Optimal law: longest rest.
-    Eco,
-    /// Optimal law: one movement for each excursion.
-    Intermittent,
 }

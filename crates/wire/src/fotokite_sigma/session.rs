@@ -19,7 +19,7 @@ use core::time::Duration;
 
 use barrelman_vocab::acceptance::Acceptance;
 use barrelman_vocab::telemetry::LinkState;
-use barrelman_vocab::{Telemetry, Timestamp, VehicleRates};
+use barrelman_vocab::{Named as _, Telemetry, Timestamp, VehicleRates};
 
 use super::call::{Call, Lane, Request, STOP_DURATION, SelfStatus, TURN_DURATION};
 use super::control::Control;

@@ -1,7 +1,7 @@
 //! What can be said to a Sigma, and how rates become speeds.
 
 use barrelman_vocab::acceptance::Acceptance;
-use barrelman_vocab::{AngularRate, CameraCommand, VehicleProfile, VehicleRates};
+use barrelman_vocab::{AngularRate, CameraCommand, Named as _, VehicleProfile, VehicleRates};
 use barrelman_wire::fotokite_sigma::call::{MAX_STATUS_CHARACTERS, SelfStatus, StreamId, TURN_DURATION};
 use barrelman_wire::fotokite_sigma::sigma::SigmaSettings;
 use barrelman_wire::fotokite_sigma::speeds::Speeds;
@@ -97,7 +97,7 @@ fn the_least_rate_of_the_profile_is_not_below_the_vehicle_s() {
 
 #[test]
 fn every_text_fits_the_tablet() {
-    for said in Acceptance::ALL {
+    for said in Acceptance::ALL.iter().copied() {
         assert!(said.text().chars().count() <= MAX_STATUS_CHARACTERS, "{said:?}");
     }
 }

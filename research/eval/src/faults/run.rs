@@ -1,8 +1,9 @@
 //! One run of the campaign: thirteen seconds of the world, millisecond by millisecond.
 
 use anyhow::Result;
-use barrelman_control::{OptimalMode, OptimalSettings};
+use barrelman_control::OptimalSettings;
 use barrelman_pilot::LawSettings;
+use barrelman_vocab::OptimalMode;
 use barrelman_vocab::{CameraRequest, Nudge, OperatorRequest, StopCause, Timestamp};
 
 use super::fault::{self, FaultKind};

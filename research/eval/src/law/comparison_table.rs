@@ -1,9 +1,9 @@
 //! The table of laws and conditions: each law's metrics beside the motor schema's, with the limits that are judged.
 
 use anyhow::Result;
-use barrelman_experiments::law_choice::ModeName;
 use barrelman_trial::campaign::compare::{CampaignComparison, PairedMetric};
 use barrelman_trial::campaign::statistics::{Bootstrap, Interval};
+use barrelman_vocab::{Named as _, OptimalMode};
 
 use super::clairvoyant;
 use super::conditions::Condition;
@@ -43,19 +43,21 @@ const MAX_SEEDS_OF_SLOW_LAW: u64 = 48;
 const MAX_SEEDS_OF_CLAIRVOYANT: u64 = 48;
 
 /// All laws that are compared with the schema, with their names.
-const LAWS: [(&str, LawUnderTest); 8] = [
-    optimal(ModeName::MinimumEnergy),
-    optimal(ModeName::TimeFuel),
-    optimal(ModeName::Eco),
-    optimal(ModeName::Intermittent),
-    ("centre", LawUnderTest::Centring),
-    ("LQG, weight 1", LawUnderTest::Lqg(1.0)),
-    ("LQG, weight 10", LawUnderTest::Lqg(10.0)),
-    ("MPC", LawUnderTest::Mpc),
-];
+fn laws() -> [(&'static str, LawUnderTest); 8] {
+    [
+        optimal(OptimalMode::MinimumEnergy),
+        optimal(OptimalMode::TimeFuel),
+        optimal(OptimalMode::Eco),
+        optimal(OptimalMode::Intermittent),
+        ("centre", LawUnderTest::Centring),
+        ("LQG, weight 1", LawUnderTest::Lqg(1.0)),
+        ("LQG, weight 10", LawUnderTest::Lqg(10.0)),
+        ("MPC", LawUnderTest::Mpc),
+    ]
+}
 
-const fn optimal(mode: ModeName) -> (&'static str, LawUnderTest) {
-    (mode.name_str(), LawUnderTest::Optimal(mode))
+fn optimal(mode: OptimalMode) -> (&'static str, LawUnderTest) {
+    (mode.key(), LawUnderTest::Optimal(mode))
 }
 
 /// Prints the table. Returns whether every requirement holds.
@@ -74,7 +76,7 @@ pub(super) fn print(conditions: &[&Condition], options: &Options) -> Result<bool
         print_line(&format!(
             "  with the target's path known, {enough:.2} rad of travel are enough to keep it inside"
         ));
-        for (name, law) in LAWS.iter().filter(|(name, _)| options.includes_law(name)) {
+        for (name, law) in laws().iter().filter(|(name, _)| options.includes_law(name)) {
             let count = if law.is_slow() { seeds.min(MAX_SEEDS_OF_SLOW_LAW) } else { seeds };
             let trials = law.simulate_with_motion(&plan, first_seed..first_seed + count)?;
             let comparison = CampaignComparison::new(&baseline.0, &trials.0, &Bootstrap::DEFAULT);

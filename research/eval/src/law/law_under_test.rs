@@ -6,8 +6,8 @@ use anyhow::Result;
 use barrelman_control::optimal::{OptimalLaw, OptimalSettings};
 use barrelman_control::{CentringGains, Law, MotorSchema};
 use barrelman_experiments::campaign::plan::CampaignPlan;
-use barrelman_experiments::law_choice::ModeName;
 use barrelman_trial::metrics::TrialEntry;
+use barrelman_vocab::OptimalMode;
 use barrelman_vocab::VehicleProfile;
 
 use super::achieved_motion;
@@ -21,9 +21,9 @@ use crate::parallel;
 pub(super) enum LawUnderTest {
     MotorSchema,
     Centring,
-    Optimal(ModeName),
+    Optimal(OptimalMode),
     /// The same, with pictures that are taken to arrive this long after their capture, seconds, whatever the truth is.
-    OptimalWithAssumedLatency(ModeName, f64),
+    OptimalWithAssumedLatency(OptimalMode, f64),
     /// A linear-quadratic regulator with this weight of the squared rate, s².
     Lqg(f64),
     /// Model predictive control with a soft ellipse.
@@ -82,6 +82,6 @@ impl LawUnderTest {
     }
 }
 
-fn optimal(mode: ModeName, profile: &VehicleProfile) -> OptimalLaw {
-    OptimalLaw::new(&OptimalSettings::new(mode.optimal_mode()), profile)
+fn optimal(mode: OptimalMode, profile: &VehicleProfile) -> OptimalLaw {
+    OptimalLaw::new(&OptimalSettings::new(mode), profile)
 }

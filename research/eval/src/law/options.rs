@@ -1,6 +1,7 @@
 //! Options of `barrelman-eval law`.
 
-use barrelman_experiments::law_choice::ModeName;
+use barrelman_experiments::law_choice::named_values;
+use barrelman_vocab::{Named as _, OptimalMode};
 use clap::Args;
 
 /// Options of `law`.
@@ -19,8 +20,8 @@ pub(crate) struct Options {
     #[arg(long, value_name = "NAME")]
     pub(crate) law: Vec<String>,
     /// The mode of the tables `robustness` and `vehicles`.
-    #[arg(long, value_enum, default_value_t)]
-    pub(crate) mode: ModeName,
+    #[arg(long, value_parser = named_values::<OptimalMode>(), default_value = OptimalMode::default().key())]
+    pub(crate) mode: OptimalMode,
 }
 
 impl Options {

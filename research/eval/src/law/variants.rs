@@ -3,10 +3,10 @@
 
 use anyhow::Result;
 use barrelman_experiments::campaign::plan::CampaignPlan;
-use barrelman_experiments::law_choice::ModeName;
 use barrelman_sim::Scenario;
 use barrelman_trial::campaign::compare::{CampaignComparison, PairedMetric};
 use barrelman_trial::campaign::statistics::Bootstrap;
+use barrelman_vocab::OptimalMode;
 use barrelman_vocab::VehicleProfile;
 
 use super::conditions::Condition;
@@ -66,7 +66,7 @@ impl Variant {
     }
 
     /// The optimal law of this variant.
-    fn law(&self, mode: ModeName) -> LawUnderTest {
+    fn law(&self, mode: OptimalMode) -> LawUnderTest {
         self.assumed_latency_s.map_or(LawUnderTest::Optimal(mode), |latency_s| {
             LawUnderTest::OptimalWithAssumedLatency(mode, latency_s)
         })

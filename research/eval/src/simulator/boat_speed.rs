@@ -4,11 +4,12 @@
 use anyhow::{Result, bail};
 use barrelman_experiments::campaign::PlantName;
 use barrelman_experiments::campaign::plan::{CampaignPlan, CampaignRequest, Perception};
-use barrelman_experiments::law_choice::{LawChoice, ModeName};
+use barrelman_experiments::law_choice::LawChoice;
 use barrelman_experiments::scenario::ScenarioOverrides;
 use barrelman_sim::scenario::TargetScript;
 use barrelman_simd::SimdLevel;
 use barrelman_trial::metrics::TrialMetrics;
+use barrelman_vocab::LawId;
 
 use super::options::Options;
 use crate::output::print_line;
@@ -16,10 +17,8 @@ use crate::svg::{self, Svg};
 
 /// Speeds that the helmsman is asked to hold, m/s. In turns the helmsman goes slower.
 const SPEEDS: [f64; 8] = [1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0];
-const LAWS: [(LawChoice, &str); 2] = [
-    (LawChoice::MOTOR_SCHEMA, "schema"),
-    (LawChoice { mode: Some(ModeName::MinimumEnergy), ..LawChoice::OPTIMAL }, "minimum-energy"),
-];
+const LAWS: [(LawChoice, &str); 2] =
+    [(LawChoice::MOTOR_SCHEMA, "schema"), (LawChoice::of(LawId::MinimumEnergy), "minimum-energy")];
 const ARENAS: [&str; 2] = ["arena1", "arena2"];
 
 /// A point of a curve: the boat's speed, m/s, and the share of trials in which the boat is never lost.

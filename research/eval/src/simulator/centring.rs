@@ -2,9 +2,10 @@
 //! a PID controller that keeps the target in the picture's centre, on the same seeds.
 
 use anyhow::{Context, Result};
-use barrelman_experiments::law_choice::{LawChoice, LawName};
+use barrelman_experiments::law_choice::LawChoice;
 use barrelman_trial::campaign::statistics::Bootstrap;
 use barrelman_trial::metrics::TrialMetrics;
+use barrelman_vocab::LawId;
 
 use super::laboratory::{plan, simulate_and_measure};
 use super::options::Options;
@@ -30,7 +31,7 @@ pub(super) fn run(options: &Options) -> Result<()> {
             simulate_and_measure(&plan, options.seed_range())
         };
         let (motor_schema, centring) =
-            (trials(LawChoice::MOTOR_SCHEMA)?, trials(LawChoice::new(LawName::Centring))?);
+            (trials(LawChoice::MOTOR_SCHEMA)?, trials(LawChoice::of(LawId::Centre))?);
         print_line(&format!(
             "\n{:34} {:>10} {:>10} {:>34}",
             format!("arena {arena}, {} pairs", motor_schema.len()),

@@ -1,6 +1,7 @@
 //! One test for each edge of the modes, and for what each command needs.
 
 use super::*;
+use barrelman_vocab::HoldCause;
 
 const AHEAD: VesselCommand = VesselCommand { throttle: 0.5, rudder: 0.25 };
 const SEEN: GateInput = GateInput::Fresh(Ok(AHEAD));

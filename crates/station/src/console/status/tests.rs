@@ -10,7 +10,7 @@ use barrelman_vocab::LawId;
 use barrelman_vocab::earth::{GeoPoint, WaterOnEarth};
 use barrelman_vocab::telemetry::{ControlState, LinkState};
 use barrelman_vocab::track::Shape;
-use barrelman_vocab::{AngularRate, ImagePoint, VehicleRates};
+use barrelman_vocab::{AngularRate, HoldCause, ImagePoint, VehicleRates};
 use serde_json::{Value, json};
 
 use super::*;

@@ -5,7 +5,7 @@ use std::time::Duration;
 use barrelman_pilot::VesselOutcome;
 use barrelman_pilot::outcome::Unconfirmed;
 use barrelman_pilot::vessel::guiding::NoWater;
-use barrelman_vocab::{Angle, AngularRate, StopCause};
+use barrelman_vocab::{Angle, AngularRate, HoldCause, StopCause};
 
 use super::*;
 use crate::test_scenes::{PICTURE, at, command, frame, idle, localisation};
@@ -22,12 +22,12 @@ fn publisher() -> Publisher {
 }
 
 fn step(publisher: &mut Publisher, outcome: &Outcome) {
-    publisher.on_step(&Input::Tick, outcome, VehicleRates::REST, None);
+    publisher.on_step(&Input::Tick, outcome, VehicleRates::REST, LawId::Schema);
 }
 
 fn report(publisher: &mut Publisher, report: Report) {
     let input = Input::Telemetry(Telemetry { at: at(0), report });
-    publisher.on_step(&input, &idle(at(0)), VehicleRates::REST, None);
+    publisher.on_step(&input, &idle(at(0)), VehicleRates::REST, LawId::Schema);
 }
 
 /// The events as level, key and text.
@@ -48,7 +48,7 @@ fn a_snapshot_holds_the_newest_step() {
     let (captured, now) = (at(100), at(300));
     let outcome = Outcome { mode: SERVOING, age: Some(Duration::from_millis(200)), ..idle(now) };
     let rates = VehicleProfile::fotokite_pro().to_vehicle(command(0.1, 0.0));
-    publisher.on_step(&Input::Frame(&frame(0, captured)), &outcome, rates, Some(LawId::Eco));
+    publisher.on_step(&Input::Frame(&frame(0, captured)), &outcome, rates, LawId::Eco);
     let newest = readers.borrow().clone();
     assert_eq!((newest.steps, newest.rates, newest.law), (1, rates, Some(LawId::Eco)));
     assert_eq!(newest.outcome, Some(outcome));
@@ -132,7 +132,7 @@ fn dropped_frames_and_taken_stops_are_published_with_the_next_step() {
 fn the_frame_rate_begins_again_with_each_drive() {
     let mut publisher = publisher();
     let add = |publisher: &mut Publisher, ms| {
-        publisher.on_step(&Input::Frame(&frame(0, at(ms))), &idle(at(ms)), VehicleRates::REST, None);
+        publisher.on_step(&Input::Frame(&frame(0, at(ms))), &idle(at(ms)), VehicleRates::REST, LawId::Schema);
     };
     (0..100).for_each(|index| add(&mut publisher, 5000 + 40 * index));
     // 51 frames in a window of two seconds.
@@ -430,7 +430,7 @@ fn what_the_boat_says_is_logged_at_each_change_and_its_texts_once() {
     let mut publisher = publisher();
     let mut tell = |seconds: u64, report| {
         let input = Input::VesselTelemetry(Telemetry { at: at(1_000 * seconds), report });
-        publisher.on_step(&input, &idle(at(1_000 * seconds)), VehicleRates::REST, None);
+        publisher.on_step(&input, &idle(at(1_000 * seconds)), VehicleRates::REST, LawId::Schema);
     };
     let said = Report::Acceptance;
     let mode = |number| Report::DriveMode(DriveMode(number));

@@ -2,11 +2,10 @@
 
 use barrelman_control::Sector;
 use barrelman_pilot::CommandPath;
-use barrelman_pilot::outcome::HoldCause;
 use barrelman_vocab::acceptance::Acceptance;
 use barrelman_vocab::telemetry::LinkState;
 use barrelman_vocab::video::{CaptureQuality, ColourMatrix, SampleRange};
-use barrelman_vocab::{MarkKind, StopCause};
+use barrelman_vocab::{HoldCause, MarkKind, StopCause};
 
 use super::malformed::{Malformed, missing};
 use crate::records::stored;

@@ -6,7 +6,6 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use barrelman_link::RequestedCommand;
 use barrelman_link::guard::message::ToGuard;
-use barrelman_pilot::outcome::HoldCause;
 use barrelman_pilot::vessel::GuidanceLaw;
 use barrelman_pilot::{
     CommandPath, Input, LawSettings, Notice, Pilot, PilotSettings, Refusal, VesselMode, VesselSettings,
@@ -15,8 +14,8 @@ use barrelman_vocab::acceptance::Acceptance;
 use barrelman_vocab::telemetry::{LinkState, Report};
 use barrelman_vocab::video::{Capture, CaptureQuality, ColourEncoding, Picture};
 use barrelman_vocab::{
-    Angle, DrawnMark, FailSafe, MarkKind, OperatorRequest, PixelPoint, StopCause, Telemetry, Timestamp,
-    Track, VehicleProfile, VesselOrder, VesselProfile, VesselRequest, VesselStopper, VideoFrame,
+    Angle, DrawnMark, FailSafe, HoldCause, MarkKind, OperatorRequest, PixelPoint, StopCause, Telemetry,
+    Timestamp, Track, VehicleProfile, VesselOrder, VesselProfile, VesselRequest, VesselStopper, VideoFrame,
 };
 
 use super::super::link_end::{LinkEnd, LinkEvent};
