@@ -1,11 +1,11 @@
 //! Texts from people and programs: configuration, scenarios, drives, messages of the console, addresses.
 
+use barrelman_console_server::api::{ClientMessage, RequestBody};
 use barrelman_experiments::drive::StoredDrive;
 use barrelman_experiments::scenario::{ScenarioOverrides, complete, resolve};
 use barrelman_link::LinkUrl;
 use barrelman_sim::World;
 use barrelman_station::config::{self, Configuration};
-use barrelman_station::console::api::{ClientMessage, RequestBody};
 use barrelman_station::source_url::SourceUrl;
 use barrelman_video::url::VideoUrl;
 

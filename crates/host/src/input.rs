@@ -2,9 +2,13 @@
 
 use std::fs::File;
 use std::io::{self, Read as _};
+use std::os::unix::fs::PermissionsExt as _;
 use std::path::Path;
 
 use anyhow::{Context, Result, anyhow};
+
+/// Permission bits that let the file's group or everybody read the file.
+const READABLE_BY_OTHERS: u32 = 0o044;
 
 /// Opens an input file.
 ///
@@ -33,4 +37,9 @@ pub fn read(path: &Path) -> Result<Vec<u8>> {
     let mut bytes = Vec::new();
     open(path)?.read_to_end(&mut bytes).with_context(|| format!("{} cannot be read", path.display()))?;
     Ok(bytes)
+}
+
+/// Whether the group or everybody may read a file; `false` for a file that does not exist.
+pub fn is_readable_by_others(path: &Path) -> bool {
+    std::fs::metadata(path).is_ok_and(|found| found.permissions().mode() & READABLE_BY_OTHERS != 0)
 }

@@ -1,6 +1,5 @@
 //! Logins and tokens that stay off the command line: in a file, or in an environment variable that the configuration names.
 
-use std::os::unix::fs::PermissionsExt as _;
 use std::path::{Path, PathBuf};
 use std::time::{SystemTime, UNIX_EPOCH};
 
@@ -17,9 +16,6 @@ use barrelman_vocab::Timestamp;
 use barrelman_wire::{Signing, SigningKey};
 
 use crate::source_url::SourceUrl;
-
-/// Permission bits that let the file's group or everybody read the file.
-const READABLE_BY_OTHERS: u32 = 0o044;
 
 /// Where a login is kept.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -193,7 +189,7 @@ fn read_file(path: &Path) -> Result<StoredLogin> {
 
 /// Reads a file of a secret, and warns if others may read it. `kind`: what it holds.
 fn read_secret(path: &Path, kind: &str) -> Result<String> {
-    if is_readable_by_others(path) {
+    if input::is_readable_by_others(path) {
         tracing::warn!(
             "the {kind} file {} can be read by others: run `chmod 600 {}`",
             path.display(),
@@ -203,9 +199,4 @@ fn read_secret(path: &Path, kind: &str) -> Result<String> {
     String::from_utf8(input::read(path)?)
         .map_err(|_| anyhow!("it is not UTF-8 text"))
         .with_context(|| format!("the {kind} file {} is not usable", path.display()))
-}
-
-/// Whether the group or everybody may read a file; `false` for a file that does not exist.
-pub fn is_readable_by_others(path: &Path) -> bool {
-    std::fs::metadata(path).is_ok_and(|found| found.permissions().mode() & READABLE_BY_OTHERS != 0)
 }

@@ -3,10 +3,10 @@
 use std::net::SocketAddr;
 use std::path::PathBuf;
 
+use barrelman_console_server::OnConsoleLost;
 use clap::Args;
 
 use super::values::parse_listen;
-use crate::console::OnConsoleLost;
 
 /// Options of the console.
 #[derive(Debug, Clone, Args, Default)]

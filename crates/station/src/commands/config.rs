@@ -4,10 +4,10 @@ use std::io::{Write as _, stdout};
 use std::process::ExitCode;
 
 use anyhow::Result;
+use barrelman_console_server::api::api_document;
 
 use crate::cli::{ConfigArgs, ConfigCommand};
 use crate::config::{self, ConfigFile, Configuration};
-use crate::console::api::api_document;
 
 /// Runs the command.
 ///

@@ -9,11 +9,11 @@ use std::process::ExitCode;
 use std::time::Duration;
 
 use anyhow::Result;
+use barrelman_console_server::ConsoleSettings;
 use barrelman_vocab::PictureSize;
 
 use super::practice;
 use crate::cli::DemoArgs;
-use crate::console::ConsoleSettings;
 use crate::demo::live_drive::DriveEnd;
 use crate::demo::replay;
 use crate::demo::session::DriveSession;

@@ -3,11 +3,11 @@
 use std::process::{Command, Stdio};
 
 use anyhow::Result;
+use barrelman_console_server::{AfterPicking, ConsoleSettings, pick};
 use barrelman_video::VideoUrl;
 use barrelman_vocab::PixelBox;
 
 use super::stored_frame::stored_frame;
-use crate::console::{AfterPicking, ConsoleSettings, pick};
 
 /// Whether the program runs in a graphical session, where a browser can be opened.
 pub(super) fn has_display() -> bool {

@@ -8,23 +8,25 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use anyhow::{Result, bail};
+use barrelman_emulators::boat::{EmulatedBoat, Helm};
+use barrelman_emulators::camera_link::CameraLink;
+use barrelman_emulators::emulated_port::EmulatedPort;
+use barrelman_emulators::emulated_vehicle::EmulatedVehicle;
+use barrelman_emulators::emulation_loop::{EMULATOR_FAULTS, Emulator};
+use barrelman_emulators::fotokite_pro::{FotokitePro, GroundStationSettings};
+use barrelman_emulators::fotokite_sigma::{
+    EmulatedSigma, EmulatedSigmaSettings, SIGMA_FAULTS, SigmaSettings,
+};
+use barrelman_emulators::log::StationLog;
+use barrelman_emulators::mavlink_gimbal::{GimbalManagerSettings, Habits, MavlinkGimbal};
+use barrelman_emulators::rtsp_server::RtspServer;
+use barrelman_emulators::simulated_boat::SimulatedBoat;
 
 use crate::cli::{
     BoatName, EmulateArgs, EmulateFotokiteProArgs, EmulateFotokiteSigmaArgs, EmulateGimbalArgs,
     EmulateVesselArgs, HabitsName, StationName, WorldArgs,
 };
-use crate::emulator::boat::{EmulatedBoat, Helm};
-use crate::emulator::emulated_port::EmulatedPort;
-use crate::emulator::emulated_vehicle::EmulatedVehicle;
-use crate::emulator::emulation_loop::{EMULATOR_FAULTS, Emulator};
-use crate::emulator::fotokite_pro::{FotokitePro, GroundStationSettings};
-use crate::emulator::fotokite_sigma::{EmulatedSigma, EmulatedSigmaSettings, SIGMA_FAULTS, SigmaSettings};
-use crate::emulator::log::StationLog;
-use crate::emulator::mavlink_gimbal::{GimbalManagerSettings, Habits, MavlinkGimbal};
-use crate::emulator::rtsp_server::RtspServer;
 use crate::interruption::flag_of_signals;
-use crate::link::CameraLink;
-use crate::link::boat_link::SimulatedBoat;
 use crate::secrets;
 use crate::simulated_source::{LiveWorld, spawn_world};
 use crate::source_url::{SimulatedUrl, SourceUrl};

@@ -11,16 +11,16 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use anyhow::{Context, Result};
+use barrelman_emulators::emulated_port::EmulatedPort;
+use barrelman_emulators::emulation_loop::Emulator;
+use barrelman_emulators::fotokite_pro::{FotokitePro, GroundStationSettings};
+use barrelman_emulators::log::StationLog;
 use barrelman_sim::practice::{FRAMES_PER_SECOND, PracticeClip};
 use barrelman_vocab::{Picture, PictureSize, Timestamp};
 use indicatif::ProgressBar;
 
 use super::run;
 use crate::cli::{ConnectionOptions, ConsoleOptions, DemoArgs, RunArgs};
-use crate::emulator::emulated_port::EmulatedPort;
-use crate::emulator::emulation_loop::Emulator;
-use crate::emulator::fotokite_pro::{FotokitePro, GroundStationSettings};
-use crate::emulator::log::StationLog;
 use crate::live::session::Outputs;
 use barrelman_experiments::law_choice::LawChoice;
 use barrelman_host::clock::Clock;

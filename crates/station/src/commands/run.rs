@@ -4,12 +4,12 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use anyhow::{Context, Result, bail};
+use barrelman_console_server::{AfterPicking, ConsoleSettings};
 use barrelman_pilot::{CommandPath, Pilot, PilotSettings};
 
 use super::draw_selection::{draw_selection, has_display};
 use crate::cli::{CalibrateAxesArgs, RunArgs, UsageError};
 use crate::config::{Configuration, ConsoleConfig, RecordingConfig};
-use crate::console::{AfterPicking, ConsoleSettings};
 use crate::link::url::Endpoint;
 use crate::link::{LinkUrl, command_path, find_guard, vehicle_over_http, video_of_vehicle};
 use crate::live::calibration::LiveCalibration;

@@ -7,6 +7,7 @@ use std::sync::atomic::Ordering;
 use std::time::Duration;
 
 use anyhow::{Context, Result, anyhow, bail};
+use barrelman_console_server::{AfterPicking, ConsoleSettings};
 use barrelman_vision::{Explanation, Tracker};
 use barrelman_vocab::{PixelBox, Track, VehicleProfile, VideoFrame};
 use indicatif::{ProgressBar, ProgressStyle};
@@ -15,7 +16,6 @@ use rustix::time::{ClockId, clock_gettime};
 use super::draw_selection::{draw_selection, has_display};
 use super::track_figures::{TrackTotals, selection_warnings};
 use crate::cli::{TrackArgs, UsageError};
-use crate::console::{AfterPicking, ConsoleSettings};
 use crate::interruption::flag_of_signals;
 use barrelman_experiments::tracker_choice::TrackerSettings;
 use barrelman_host::output::OutputFile;

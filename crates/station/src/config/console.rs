@@ -3,11 +3,11 @@
 use std::path::PathBuf;
 
 use anyhow::Result;
+use barrelman_console_server::OnConsoleLost;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::range::within;
-use crate::console::OnConsoleLost;
 
 /// The operator's console.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema)]

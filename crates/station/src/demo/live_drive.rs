@@ -5,6 +5,9 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError};
 use std::time::Duration;
 
 use anyhow::Result;
+use barrelman_console_server::SessionTime;
+use barrelman_console_server::operator::{Answer, Gateway, SessionRequest, Submitted};
+use barrelman_console_server::snapshot::DriveState;
 use barrelman_experiments::drive::{Drive, DriveSetup, DriveWriter};
 use barrelman_host::clock::Clock;
 use barrelman_pilot::VesselMode;
@@ -12,10 +15,7 @@ use barrelman_vocab::{CameraRequest, OperatorRequest, StopCause, Timestamp, Worl
 
 use super::observers::DriveObservers;
 use super::pacing::Pacing;
-use crate::console::SessionTime;
 use crate::live::event::{Event, QuitCause};
-use crate::operator::{Answer, Gateway, SessionRequest, Submitted};
-use crate::snapshot::DriveState;
 
 /// Interval at which requests are read while the drive is paused.
 const POLL_INTERVAL: Duration = Duration::from_millis(50);

@@ -1,5 +1,8 @@
 //! The step observers of a drive: hash, recording, and what the console shows.
 
+use barrelman_console_server::operator::Answers;
+use barrelman_console_server::snapshot::Publisher;
+use barrelman_console_server::{PictureSlot, VideoRelay};
 use barrelman_experiments::campaign::recording::TrialRecorder;
 use barrelman_experiments::drive::{DriveHasher, DriveObserver};
 use barrelman_pilot::{Input, Outcome};
@@ -7,10 +10,6 @@ use barrelman_sim::Truth;
 use barrelman_trial::campaign::StepObserver;
 use barrelman_trial::target_in_picture::TargetInPicture;
 use barrelman_vocab::{EncodedUnit, LawId, Timestamp, VehicleRates};
-
-use crate::console::{PictureSlot, VideoRelay};
-use crate::operator::Answers;
-use crate::snapshot::Publisher;
 
 /// The step observers of a drive.
 #[derive(Default)]

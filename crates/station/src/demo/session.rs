@@ -6,6 +6,11 @@ use std::sync::mpsc::sync_channel;
 use std::time::Duration;
 
 use anyhow::Result;
+use barrelman_console_server::operator::{Answers, Gateway};
+use barrelman_console_server::snapshot::{LinkStatus, Publisher, RecordingState, VideoSourceState};
+use barrelman_console_server::{
+    ConsoleParts, ConsoleServer, ConsoleSettings, PictureSlot, SessionFacts, SessionTime, VideoRelay,
+};
 use barrelman_experiments::drive::{Drive, DriveSetup, DriveWriter};
 use barrelman_experiments::render_threads::RenderThreads;
 use barrelman_host::clock::Clock;
@@ -14,13 +19,9 @@ use barrelman_host::output::OutputFile;
 use super::live_drive::{DriveEnd, LiveDrive};
 use super::observers::{ConsoleObserver, DriveObservers};
 use super::recording;
-use crate::console::{
-    ConsoleParts, ConsoleServer, ConsoleSettings, PictureSlot, SessionFacts, SessionTime, VideoRelay,
-};
+use crate::live::event::{report_panics, wake_by};
 use crate::live::terminal::Terminal;
 use crate::live::threads::FaultInjector;
-use crate::operator::{Answers, Gateway};
-use crate::snapshot::{LinkStatus, Publisher, RecordingState, VideoSourceState};
 
 /// Capacity of the queue of events.
 const EVENTS: usize = 64;
@@ -53,7 +54,7 @@ impl DriveSession {
         let recording = recording.map_or(RecordingState::Off, RecordingState::On);
         let threads = RenderThreads::new()?;
         let (events, queue) = sync_channel(EVENTS);
-        let gateway = Arc::new(Gateway::new(events.clone()));
+        let gateway = Arc::new(Gateway::new(wake_by(events.clone())));
         let terminal =
             Terminal::watch(Arc::clone(&gateway), events.clone(), clock, FaultInjector::default())?;
         let mut publisher = Publisher::new(&setup.profile, LinkStatus::Simulated, recording);
@@ -73,7 +74,7 @@ impl DriveSession {
             pictures: Arc::clone(&pictures),
             time: time.clone(),
         };
-        let server = ConsoleServer::open(console, parts, events)?;
+        let server = ConsoleServer::open(console, parts, report_panics(events))?;
         print_keys(&setup)?;
 
         let until = max_duration.map(|duration| clock.now().plus(duration));

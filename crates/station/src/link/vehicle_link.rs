@@ -1,10 +1,8 @@
 //! The link of a run: to a port or to a simulated camera.
 
-use barrelman_vocab::{Timestamp, VehicleRates};
-
+use barrelman_emulators::camera_link::CameraLink;
 use barrelman_link::{GuardedLink, LinkHandle};
-
-use super::camera_link::CameraLink;
+use barrelman_vocab::{Timestamp, VehicleRates};
 
 /// Sends camera rates to a vehicle.
 pub trait VehicleLink {

@@ -5,13 +5,13 @@ use std::sync::mpsc::SyncSender;
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
+use barrelman_console_server::operator::Gateway;
 use barrelman_experiments::calibration::CalibrationRecorder;
 use barrelman_pilot::{Input, Mode, Notice};
 use barrelman_vocab::{CameraRequest, OperatorRequest, Timestamp};
 
 use super::event::{Event, QuitCause};
 use super::run_loop::{LiveStep, LiveStepObserver};
-use crate::operator::Gateway;
 
 /// The pilot is asked again after this time while it refuses: the link may still be opening.
 const ASK_INTERVAL: Duration = Duration::from_secs(1);

@@ -1,6 +1,6 @@
 //! Everything that can wake the run loop, and where the loop waits for it.
 
-use std::sync::mpsc::{Receiver, RecvTimeoutError};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender};
 use std::time::Duration;
 
 use barrelman_host::absence::AbsenceWatch;
@@ -38,6 +38,22 @@ pub enum Event {
         /// What happened.
         reason: String,
     },
+}
+
+/// Wakes the loop with [`Event::Operator`]. Where the queue is full, the loop is awake, and looks into the gateway before
+/// its next event.
+pub fn wake_by(events: SyncSender<Event>) -> impl Fn() + Send + Sync + 'static {
+    move || {
+        let _ = events.try_send(Event::Operator);
+    }
+}
+
+/// Reports the panic of a thread with [`Event::ThreadPanicked`].
+pub fn report_panics(events: SyncSender<Event>) -> impl Fn(String) + Clone + Send + 'static {
+    move |thread| {
+        // Without a receiver, the run is ending already.
+        let _ = events.send(Event::ThreadPanicked { thread });
+    }
 }
 
 /// Why the program must end.
@@ -103,5 +119,25 @@ impl EventSource for EventQueue<'_> {
 
     fn suspension(&mut self) -> Option<Duration> {
         self.absence.turn(self.clock.now())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::mpsc::sync_channel;
+
+    use super::*;
+
+    #[test]
+    fn waking_delays_nobody() {
+        let (events, queue) = sync_channel(2);
+        let wake = wake_by(events);
+        for _ in 0..10 {
+            wake();
+        }
+        assert_eq!(queue.try_iter().filter(|event| matches!(event, Event::Operator)).count(), 2);
+        drop(queue);
+        // A loop that has ended delays nobody either.
+        wake();
     }
 }

@@ -12,6 +12,11 @@ use std::sync::Arc;
 use std::sync::mpsc::RecvTimeoutError;
 use std::time::Duration;
 
+use barrelman_console_server::PictureSlot;
+use barrelman_console_server::operator::{Answer, Answers, Gateway, SessionRequest, Submitted};
+use barrelman_console_server::snapshot::{
+    Alarm, Publisher, RecordingState, VideoSourceState, link_state_text,
+};
 use barrelman_host::latest::Latest;
 use barrelman_pilot::{Input, Notice, Outcome, Pilot, Refusal, VesselMode};
 use barrelman_video::VideoState;
@@ -27,8 +32,6 @@ use super::threads::FaultInjector;
 use crate::config::lens::misfit;
 use crate::link::boat_link::BoatLink;
 use crate::link::{LinkReport, VehicleLink};
-use crate::operator::{Answer, Answers, Gateway, SessionRequest, Submitted};
-use crate::snapshot::{Alarm, Publisher, RecordingState, VideoSourceState, link_state_text};
 
 /// The alarms that are also logged: a run without a page must tell them, too.
 const UNASKED: [Alarm; 2] = [Alarm::CameraTurns, Alarm::BoatMoves];
@@ -52,6 +55,15 @@ pub struct LiveStep<'a> {
 pub trait LiveStepObserver {
     /// The pilot made a step. Must not block.
     fn on_step(&mut self, step: &LiveStep<'_>);
+}
+
+/// Passes the video frames on to the pages.
+impl LiveStepObserver for Arc<PictureSlot> {
+    fn on_step(&mut self, step: &LiveStep<'_>) {
+        if let Input::Frame(frame) = step.input {
+            self.put(frame);
+        }
+    }
 }
 
 /// How a run ended.

@@ -12,6 +12,11 @@ use std::sync::Arc;
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 
 use anyhow::{Context as _, Result};
+use barrelman_console_server::operator::Gateway;
+use barrelman_console_server::snapshot::{LinkStatus, Publisher, RecordingState};
+use barrelman_console_server::{
+    ConsoleParts, ConsoleServer, ConsoleSettings, PictureSlot, SessionFacts, SessionTime, VideoRelay,
+};
 use barrelman_host::absence::AbsenceWatch;
 use barrelman_host::clock::Clock;
 use barrelman_host::latest::Latest;
@@ -24,7 +29,7 @@ use barrelman_vocab::telemetry::LinkState;
 use barrelman_vocab::{CameraRequest, OperatorRequest, PixelBox};
 
 use super::calibration::LiveCalibration;
-use super::event::{Event, EventQueue};
+use super::event::{Event, EventQueue, report_panics, wake_by};
 use super::killed_together;
 use super::open_boat::open_boat;
 use super::open_link::{LinkedVehicle, open_link, take_lock};
@@ -42,14 +47,9 @@ use super::threads::FaultInjector;
 use super::video_sink::LiveVideoSink;
 use crate::config::Configuration;
 use crate::config::vessel::SIMULATED;
-use crate::console::{
-    ConsoleParts, ConsoleServer, ConsoleSettings, PictureSlot, SessionFacts, SessionTime, VideoRelay,
-};
 use crate::link::boat_link::{Boat, BoatLink};
 use crate::link::{Link, LinkUrl, VehicleLink};
-use crate::operator::Gateway;
 use crate::secrets;
-use crate::snapshot::{LinkStatus, Publisher, RecordingState};
 use crate::tracking_camera::{CameraParts, TrackingCameraSetup, TrackingCameraThread};
 
 /// Capacity of the event queue. The loop processes thousands of events a second; hundreds arrive.
@@ -122,7 +122,7 @@ impl Session<'_> {
     /// If a part cannot be opened. The parts opened before it are closed.
     pub fn run(self) -> Result<RunEnd> {
         let (events, queue) = sync_channel(EVENT_QUEUE_CAPACITY);
-        let gateway = Arc::new(Gateway::new(events.clone()));
+        let gateway = Arc::new(Gateway::new(wake_by(events.clone())));
         let terminal =
             Terminal::watch(Arc::clone(&gateway), events.clone(), self.clock, self.fault_injector.clone())?;
         let key_file = self.configuration.signing_key_file.as_deref().filter(|_| self.link.is_some());
@@ -263,7 +263,7 @@ impl Session<'_> {
                 pictures: Arc::clone(&pictures),
                 time: SessionTime::new(clock),
             };
-            ConsoleServer::open(settings, parts, events.clone())
+            ConsoleServer::open(settings, parts, report_panics(events.clone()))
         };
         let console = console.zip(relay).map(open_console).transpose()?;
         let open_camera = |setup: TrackingCameraSetup| {

@@ -6,12 +6,11 @@
 
 use std::time::Duration;
 
+use barrelman_console_server::snapshot::{LinkStatus, RecordingState, Snapshot, link_state_text};
 use barrelman_pilot::Mode;
 use barrelman_vocab::acceptance::Acceptance;
 use barrelman_vocab::telemetry::LinkState;
 use barrelman_vocab::{CameraCommand, Named as _, Timestamp, Track};
-
-use crate::snapshot::{LinkStatus, RecordingState, Snapshot, link_state_text};
 
 /// Shows status lines.
 pub trait StatusOutput {

@@ -14,6 +14,7 @@ use std::thread::JoinHandle;
 use std::time::Duration;
 
 use anyhow::Result;
+use barrelman_console_server::operator::Gateway;
 use barrelman_host::clock::Clock;
 use barrelman_vocab::{CameraRequest, OperatorRequest, StopCause};
 use rustix::event::{PollFd, PollFlags, poll};
@@ -22,7 +23,6 @@ use signal_hook::consts::{SIGHUP, SIGINT, SIGQUIT, SIGTERM, SIGTSTP};
 
 use super::event::{Event, QuitCause};
 use super::threads::{self, FaultInjector};
-use crate::operator::Gateway;
 
 const SIGNALS: [(i32, &str); 5] = [
     (SIGINT, "SIGINT"),

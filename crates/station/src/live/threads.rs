@@ -1,6 +1,5 @@
 //! Threads whose panics become events, and deliberate faults in them.
 
-use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::process::Command;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -10,9 +9,10 @@ use std::time::Duration;
 
 use barrelman_vocab::Timestamp;
 
-use super::event::Event;
+use super::event::{Event, report_panics};
 use barrelman_host::fault::{FaultKind, FaultPlan};
 use barrelman_host::fault_lines::PlacedFaults;
+use barrelman_host::threads;
 
 /// Starts a named thread. A panic in the thread sends [`Event::ThreadPanicked`].
 ///
@@ -23,13 +23,7 @@ pub fn spawn(
     events: SyncSender<Event>,
     work: impl FnOnce() + Send + 'static,
 ) -> std::io::Result<JoinHandle<()>> {
-    let thread = name.to_owned();
-    std::thread::Builder::new().name(name.to_owned()).spawn(move || {
-        if catch_unwind(AssertUnwindSafe(work)).is_err() {
-            // Without a receiver, the run is ending already.
-            let _ = events.send(Event::ThreadPanicked { thread });
-        }
-    })
+    threads::spawn(name, report_panics(events), work)
 }
 
 /// Deliberate faults of the program's own threads, to test that each fault ends in zeros.

@@ -3,6 +3,8 @@
 use std::sync::Arc;
 use std::sync::mpsc::SyncSender;
 
+use barrelman_console_server::VideoRelay;
+use barrelman_console_server::operator::Gateway;
 use barrelman_host::latest::Latest;
 use barrelman_video::sender_clock::VideoTiming;
 use barrelman_video::{DecodeError, VideoSink, VideoState};
@@ -10,8 +12,6 @@ use barrelman_vocab::{CameraRequest, EncodedUnit, OperatorRequest, PixelBox, Vid
 
 use super::event::Event;
 use super::recorder::RecorderInput;
-use crate::console::VideoRelay;
-use crate::operator::Gateway;
 
 /// Receives the output of the video thread.
 pub(super) struct LiveVideoSink {

@@ -1,14 +1,13 @@
 //! A simulated world before its start.
 
 use anyhow::{Result, anyhow};
+use barrelman_emulators::camera_link::CameraLink;
+use barrelman_emulators::simulated_boat::SimulatedBoat;
 use barrelman_experiments::render_threads::RenderThreads;
 use barrelman_experiments::scenario::{self, ScenarioOverrides};
 use barrelman_experiments::world_url::WorldUrl;
 use barrelman_sim::{Scenario, World};
 use barrelman_vocab::VehicleProfile;
-
-use crate::link::CameraLink;
-use crate::link::boat_link::SimulatedBoat;
 
 /// A simulated world that has not started.
 #[derive(Debug)]

@@ -3,6 +3,8 @@
 use std::sync::mpsc::sync_channel;
 use std::thread;
 
+use barrelman_emulators::camera_link::{CameraLink, Pointing};
+use barrelman_emulators::simulated_boat::SimulatedBoat;
 use barrelman_host::clock::Clock;
 use barrelman_sim::World;
 use barrelman_sim::boat::HelmCommand;
@@ -16,9 +18,6 @@ use super::delivery::deliver;
 use super::live_world::LiveWorld;
 use super::moments::{Moment, Moments};
 use super::rendering::{Rendering, RenderingSettings};
-use crate::link::CameraLink;
-use crate::link::boat_link::SimulatedBoat;
-use crate::link::camera_link::Pointing;
 
 /// Largest number of pictures between rendering and arrival.
 const MAX_IN_TRANSIT: usize = 128;

@@ -7,6 +7,8 @@ use std::sync::mpsc::SyncSender;
 use std::thread::JoinHandle;
 use std::time::Duration;
 
+use barrelman_console_server::operator::{Answer, Gateway, SessionRequest};
+use barrelman_console_server::snapshot::SharedSnapshot;
 use barrelman_host::clock::Clock;
 use barrelman_link::Waker;
 use barrelman_link::port_io::poll_for;
@@ -22,8 +24,6 @@ use super::view::view;
 use crate::link::port::Port;
 use crate::live::event::Event;
 use crate::live::threads::spawn;
-use crate::operator::{Answer, Gateway, SessionRequest};
-use crate::snapshot::SharedSnapshot;
 
 /// Pause before a port is opened again.
 const REOPEN_PAUSE: Duration = Duration::from_secs(1);

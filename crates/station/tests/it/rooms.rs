@@ -1,4 +1,4 @@
-//! What must not be there: a room that knows the protocol of one vehicle.
+//! What must not be there: a room that knows the protocol of one vehicle; a gateway or a snapshot that knows the server.
 
 use std::fs;
 use std::path::Path;
@@ -16,9 +16,12 @@ fn add_sources(folder: &Path, sources: &mut Vec<(String, String)>) {
 }
 
 #[test]
-fn only_the_emulator_and_two_named_files_name_the_protocol_of_a_vehicle() {
+fn only_the_emulators_and_two_named_files_name_the_protocol_of_a_vehicle() {
+    let crates = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
     let mut sources = Vec::new();
-    add_sources(&Path::new(env!("CARGO_MANIFEST_DIR")).join("src"), &mut sources);
+    for folder in ["station/src", "console-server/src", "emulators/src"] {
+        add_sources(&crates.join(folder), &mut sources);
+    }
     assert!(sources.len() > 100, "only {} files", sources.len());
     let names =
         ["barrelman_wire::fotokite", "Protocol::Fotokite", "barrelman_wire::mavlink", "Protocol::Mavlink"];
@@ -29,12 +32,26 @@ fn only_the_emulator_and_two_named_files_name_the_protocol_of_a_vehicle() {
         let text = without_camera(text);
         names.iter().any(|name| text.contains(name))
     };
-    let (emulator, others): (Vec<_>, Vec<_>) =
-        sources.iter().filter(|(_, text)| knows(text)).partition(|(path, _)| path.contains("/emulator/"));
-    assert!(!emulator.is_empty(), "the test finds what it looks for");
+    let (emulators, others): (Vec<_>, Vec<_>) =
+        sources.iter().filter(|(_, text)| knows(text)).partition(|(path, _)| path.contains("/emulators/"));
+    assert!(!emulators.is_empty(), "the test finds what it looks for");
     // The addresses of a MAVLink link are keys of the configuration, and the check asks a gimbal manager what it has.
     let known = ["config/mavlink.rs", "commands/check_gimbal.rs"];
     let is_known = |path: &str| known.iter().any(|known| path.ends_with(known));
     let others: Vec<&String> = others.iter().map(|(path, _)| path).filter(|path| !is_known(path)).collect();
     assert!(others.is_empty(), "{others:?}");
+}
+
+#[test]
+fn gateway_and_snapshot_do_not_name_the_server() {
+    let console = Path::new(env!("CARGO_MANIFEST_DIR")).join("../console-server/src");
+    let mut sources = Vec::new();
+    for folder in ["operator", "snapshot"] {
+        add_sources(&console.join(folder), &mut sources);
+    }
+    assert!(sources.len() > 15, "only {} files", sources.len());
+    for (path, text) in sources {
+        let others = text.replace("crate::test_scenes", "");
+        assert!(!others.contains("crate::"), "{path}");
+    }
 }

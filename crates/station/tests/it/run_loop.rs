@@ -3,9 +3,11 @@
 use std::cell::{Cell, RefCell};
 use std::collections::VecDeque;
 use std::sync::Arc;
-use std::sync::mpsc::{RecvTimeoutError, sync_channel};
+use std::sync::mpsc::RecvTimeoutError;
 use std::time::Duration;
 
+use barrelman_console_server::operator::Gateway;
+use barrelman_console_server::snapshot::{LinkStatus, Publisher, RecordingState};
 use barrelman_host::latest::Latest;
 use barrelman_pilot::{CommandPath, Input, Mode, Pilot};
 use barrelman_station::link::{LinkReport, VehicleLink};
@@ -13,8 +15,6 @@ use barrelman_station::live::event::{Event, EventSource, QuitCause};
 use barrelman_station::live::run_loop::{LiveStep, LiveStepObserver, RunEnd, RunLoop};
 use barrelman_station::live::status_line::{StatusLine, StatusOutput};
 use barrelman_station::live::threads::FaultInjector;
-use barrelman_station::operator::Gateway;
-use barrelman_station::snapshot::{LinkStatus, Publisher, RecordingState};
 use barrelman_video::{VideoError, VideoState};
 use barrelman_vocab::telemetry::{ControlState, LinkState, Report};
 use barrelman_vocab::{
@@ -191,8 +191,7 @@ fn run_vehicle(
     ends_on_refused_selection: bool,
 ) -> Run {
     let latest = Arc::new(Latest::default());
-    let (events, _queue) = sync_channel(8);
-    let gateway = Arc::new(Gateway::new(events));
+    let gateway = Arc::new(Gateway::new(|| {}));
     let publisher = Publisher::new(&profile, LinkStatus::Link(LinkState::Opening), RecordingState::Off);
     let mut script = Script {
         gateway: Arc::clone(&gateway),

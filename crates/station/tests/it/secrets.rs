@@ -8,7 +8,7 @@ use std::process::{Command, Output};
 use std::sync::mpsc::{Receiver, channel};
 use std::thread;
 
-use barrelman_station::secrets::is_readable_by_others;
+use barrelman_host::input::is_readable_by_others;
 use barrelman_trial::records::{Entry, RecordingReader};
 
 use crate::program::{argument, empty_folder};

@@ -4,13 +4,13 @@ use std::io::{self, Write};
 use std::sync::mpsc::{Receiver, Sender, channel, sync_channel};
 use std::time::Duration;
 
+use barrelman_console_server::snapshot::{LinkStatus, RecordingState, Snapshot};
 use barrelman_control::{Percept, Region};
 use barrelman_host::clock::Clock;
 use barrelman_pilot::{Advice, Mode, Outcome};
 use barrelman_station::live::status_line::{StatusLine, StatusOutput as _};
 use barrelman_station::live::status_writer::{LineStyle, StatusWriter};
 use barrelman_station::live::threads::FaultInjector;
-use barrelman_station::snapshot::{LinkStatus, RecordingState, Snapshot};
 use barrelman_vocab::telemetry::LinkState;
 use barrelman_vocab::{AngularRate, CameraCommand, HoldCause, ImagePoint, StopCause, Track, VehicleProfile};
 

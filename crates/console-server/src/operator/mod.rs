@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! page, program --\                                  /-- accepted
-//! terminal --------> Gateway --(Event::Operator)--> loop --> Pilot::step
+//! terminal --------> Gateway ------(wake)---------> loop --> Pilot::step
 //!   Stop ----------> StopLatch ---------------------/    \-- refused with the reason, or superseded
 //! ```
 //! A request waits in a bounded queue and gets exactly one [`Answer`]. A stop waits in no queue: see [`StopLatch`].

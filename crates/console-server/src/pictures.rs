@@ -5,7 +5,6 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Duration;
 
 use barrelman_host::latest::Latest;
-use barrelman_pilot::Input;
 use barrelman_video::jpeg;
 use barrelman_vocab::VideoFrame;
 use barrelman_vocab::unit::Rotation;
@@ -13,7 +12,6 @@ use bytes::Bytes;
 use tokio::sync::watch;
 
 use super::api::{HEAD_BYTES, VideoHead, VideoKind};
-use crate::live::run_loop::{LiveStep, LiveStepObserver};
 
 /// Interval at which the thread looks for a page that asks for pictures.
 const POLL_INTERVAL: Duration = Duration::from_millis(100);
@@ -80,15 +78,6 @@ impl PictureSlot {
 
     fn has_viewer(&self) -> bool {
         self.viewers.load(Ordering::Relaxed) > 0
-    }
-}
-
-/// Passes the video frames of a live run on.
-impl LiveStepObserver for Arc<PictureSlot> {
-    fn on_step(&mut self, step: &LiveStep<'_>) {
-        if let Input::Frame(frame) = step.input {
-            self.put(frame);
-        }
     }
 }
 

@@ -34,7 +34,7 @@ use barrelman_wire::fotokite_sigma::sigma::{Incoming, View};
 use tokio::sync::oneshot;
 
 use super::sigma_log::SigmaLog;
-use crate::link::camera_link::{CameraLink, Pointing};
+use crate::camera_link::{CameraLink, Pointing};
 
 /// The path before those of the API.
 const BASE_PATH: &str = "/api";

@@ -44,8 +44,13 @@ mod video_relay;
 
 mod links;
 
+pub mod operator;
+pub mod snapshot;
+
 #[cfg(test)]
 mod in_memory;
+#[cfg(test)]
+mod test_scenes;
 
 pub use on_lost::OnConsoleLost;
 pub use picker::{AfterPicking, pick};

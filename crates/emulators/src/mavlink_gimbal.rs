@@ -8,7 +8,7 @@ pub use barrelman_wire::mavlink::gimbal_manager::{GimbalManagerSettings, Habits}
 
 use super::emulated_vehicle::EmulatedVehicle;
 use super::log::VehicleState;
-use crate::link::camera_link::Pointing;
+use crate::camera_link::Pointing;
 
 /// An emulated autopilot with a gimbal.
 #[derive(Debug)]

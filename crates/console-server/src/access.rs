@@ -10,14 +10,13 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use anyhow::{Context, Result, bail};
 use barrelman_host::clock::Clock;
-use barrelman_host::input;
+use barrelman_host::input::{self, is_readable_by_others};
 use barrelman_host::random::random_bytes;
 use barrelman_vocab::Timestamp;
 use base64::Engine as _;
 use base64::engine::general_purpose::URL_SAFE_NO_PAD;
 
 use super::limits::{REQUESTS, RateLimit};
-use crate::secrets::is_readable_by_others;
 
 /// Length of a token that the program makes, and of a cookie, bytes before the encoding.
 const SECRET_BYTES: usize = 16;

@@ -2,13 +2,13 @@
 
 use std::net::{SocketAddr, TcpListener};
 use std::sync::Arc;
-use std::sync::mpsc::SyncSender;
 use std::thread::JoinHandle;
 use std::time::Duration;
 
 use anyhow::{Context, Result};
 use axum::Router;
 use barrelman_host::clock::Clock;
+use barrelman_host::threads;
 use hyper::server::conn::http1;
 use hyper::service::service_fn;
 use hyper_util::rt::{TokioIo, TokioTimer};
@@ -26,8 +26,6 @@ use super::places::{Place, Places};
 use super::routes;
 use super::settings::ConsoleSettings;
 use super::shared::{Console, ConsoleParts};
-use crate::live::event::Event;
-use crate::live::threads;
 
 /// Interval at which seats of lost pages are looked at.
 const SEAT_INTERVAL: Duration = Duration::from_millis(100);
@@ -53,10 +51,15 @@ pub struct ConsoleServer {
 
 impl ConsoleServer {
     /// Starts the server, and the thread that encodes pictures for it, and prints its links.
+    /// `on_panic` receives the name of a thread that panics.
     ///
     /// # Errors
     /// If the system has no more threads, or the socket or the standard output cannot be used.
-    pub fn open(settings: ConsoleSettings, parts: ConsoleParts, events: SyncSender<Event>) -> Result<Self> {
+    pub fn open(
+        settings: ConsoleSettings,
+        parts: ConsoleParts,
+        on_panic: impl Fn(String) + Clone + Send + 'static,
+    ) -> Result<Self> {
         let ConsoleSettings { listener, tokens, token_file, host_names, on_lost } = settings;
         let address = listener.local_addr()?;
         listener.set_nonblocking(true)?;
@@ -66,12 +69,12 @@ impl ConsoleServer {
         let pictures = Arc::clone(&parts.pictures);
         let encoder = {
             let slot = Arc::clone(&pictures);
-            threads::spawn("pictures", events.clone(), move || encode_pictures(&slot))?
+            threads::spawn("pictures", on_panic.clone(), move || encode_pictures(&slot))?
         };
         let console = Arc::new(Console::new(parts, on_lost, access, hosts));
         let runtime = runtime().context("the console's server cannot be started")?;
         let (end, ended) = oneshot::channel::<()>();
-        let thread = threads::spawn("console", events, move || {
+        let thread = threads::spawn("console", on_panic, move || {
             runtime.block_on(async {
                 tokio::select! {
                     served = serve(listener, routes::router(Arc::clone(&console)), clock) => {

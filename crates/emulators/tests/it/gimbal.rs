@@ -5,13 +5,13 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, sync_channel};
 use std::time::Duration;
 
+use barrelman_emulators::emulated_port::EmulatedPort;
+use barrelman_emulators::emulation_loop::Emulator;
+use barrelman_emulators::log::StationLog;
+use barrelman_emulators::mavlink_gimbal::{GimbalManagerSettings, MavlinkGimbal};
 use barrelman_host::clock::Clock;
 use barrelman_host::fault::FaultPlan;
 use barrelman_link::{LinkHandle, LinkReport, LinkUrl};
-use barrelman_station::emulator::emulated_port::EmulatedPort;
-use barrelman_station::emulator::emulation_loop::Emulator;
-use barrelman_station::emulator::log::StationLog;
-use barrelman_station::emulator::mavlink_gimbal::{GimbalManagerSettings, MavlinkGimbal};
 use barrelman_vocab::telemetry::{ControlState, LinkState, Report};
 use barrelman_vocab::{Angle, AngularRate, Timestamp, VehicleProfile, VehicleRates};
 use barrelman_wire::{ByteProtocol, ByteProtocolName, Framing, Signing, SigningKey};

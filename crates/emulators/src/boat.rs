@@ -14,7 +14,7 @@ use barrelman_wire::mavlink::rover::MANUAL;
 use barrelman_wire::mavlink::rover_boat::{HOLD, RoverBoatSettings};
 use serde::Serialize;
 
-use crate::link::boat_link::SimulatedBoat;
+use crate::simulated_boat::SimulatedBoat;
 
 /// Longest wait for a datagram: the resolution of the time-outs.
 const MAX_WAIT: Duration = Duration::from_millis(10);

@@ -1,9 +1,9 @@
-//! The gateway: a bounded queue of requests, the stop latch, whether the controlling page is gone, and the event that
-//! wakes the loop.
+//! The gateway: a bounded queue of requests, the stop latch, whether the controlling page is gone, and how the loop is
+//! woken.
 
 use std::collections::VecDeque;
+use std::fmt;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::mpsc::SyncSender;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use barrelman_pilot::VesselMode;
@@ -12,7 +12,6 @@ use tokio::sync::oneshot;
 
 use super::answer::{Answer, AnswerSlot};
 use super::stop_latch::StopLatch;
-use crate::live::event::Event;
 
 /// Capacity of the queue of requests. The loop empties the queue before each event.
 const CAPACITY: usize = 64;
@@ -36,31 +35,39 @@ pub struct Submitted {
 }
 
 /// Takes requests from any thread.
-#[derive(Debug)]
 pub struct Gateway {
     stop: StopLatch,
     queue: Mutex<VecDeque<Submitted>>,
     is_console_lost: AtomicBool,
     is_boat_left: AtomicBool,
-    events: SyncSender<Event>,
+    wake: Box<dyn Fn() + Send + Sync>,
+}
+
+impl fmt::Debug for Gateway {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Gateway")
+            .field("stop", &self.stop)
+            .field("queue", &self.queue)
+            .finish_non_exhaustive()
+    }
 }
 
 impl Gateway {
-    /// A gateway that wakes the loop through `events`.
-    pub fn new(events: SyncSender<Event>) -> Self {
+    /// A gateway that wakes the loop by `wake`, which must not block.
+    pub fn new(wake: impl Fn() + Send + Sync + 'static) -> Self {
         Self {
             stop: StopLatch::default(),
             queue: Mutex::default(),
             is_console_lost: AtomicBool::new(false),
             is_boat_left: AtomicBool::new(true),
-            events,
+            wake: Box::new(wake),
         }
     }
 
     /// Presses Stop. Cannot be refused. Returns the number of the press.
     pub fn stop(&self) -> u64 {
         let press = self.stop.press();
-        self.wake();
+        (self.wake)();
         press
     }
 
@@ -72,7 +79,7 @@ impl Gateway {
     /// The controlling page is gone, or a page controls again.
     pub fn set_console_lost(&self, is_lost: bool) {
         if self.is_console_lost.swap(is_lost, Ordering::Relaxed) != is_lost {
-            self.wake();
+            (self.wake)();
         }
     }
 
@@ -84,7 +91,7 @@ impl Gateway {
     /// The boat is no longer watched from a page, or is watched again.
     pub fn set_boat_left(&self, is_left: bool) {
         if self.is_boat_left.swap(is_left, Ordering::Relaxed) != is_left {
-            self.wake();
+            (self.wake)();
         }
     }
 
@@ -124,7 +131,7 @@ impl Gateway {
         }
         queue.push_back(Submitted { request, answer });
         drop(queue);
-        self.wake();
+        (self.wake)();
     }
 
     /// The next request, oldest first.
@@ -140,11 +147,6 @@ impl Gateway {
         }
     }
 
-    /// Wakes the loop. Where the queue of events is full, the loop is awake, and looks here before its next event.
-    fn wake(&self) {
-        let _ = self.events.try_send(Event::Operator);
-    }
-
     fn queue(&self) -> MutexGuard<'_, VecDeque<Submitted>> {
         // Each change is one call: a panic elsewhere leaves the queue whole.
         self.queue.lock().unwrap_or_else(PoisonError::into_inner)
@@ -153,7 +155,7 @@ impl Gateway {
 
 #[cfg(test)]
 mod tests {
-    use std::sync::mpsc::sync_channel;
+    use std::sync::mpsc::channel;
 
     use barrelman_vocab::CameraRequest;
 
@@ -163,8 +165,7 @@ mod tests {
 
     #[test]
     fn a_full_queue_refuses_requests_but_never_a_stop() {
-        let (events, _queue) = sync_channel(1);
-        let gateway = Gateway::new(events);
+        let gateway = Gateway::new(|| {});
         for _ in 0..CAPACITY {
             gateway.submit(ENGAGE);
         }
@@ -176,8 +177,7 @@ mod tests {
 
     #[test]
     fn requests_come_out_in_their_order_and_a_stop_supersedes_them() {
-        let (events, queue) = sync_channel(8);
-        let gateway = Gateway::new(events);
+        let gateway = Gateway::new(|| {});
         gateway.submit(ENGAGE);
         let mut second =
             gateway.submit(SessionRequest::Pilot(OperatorRequest::Camera(CameraRequest::Disengage)));
@@ -185,15 +185,13 @@ mod tests {
         gateway.refuse_waiting();
         assert!(matches!(second.try_recv(), Ok(Answer::Superseded(_))));
         assert!(gateway.next_request().is_none());
-        assert!(matches!(queue.try_recv(), Ok(Event::Operator)));
     }
 
     const STOP: SessionRequest = SessionRequest::Pilot(OperatorRequest::Stop(StopCause::Operator));
 
     #[test]
     fn a_stop_is_never_queued_and_is_accepted_at_once() {
-        let (events, _queue) = sync_channel(8);
-        let gateway = Gateway::new(events);
+        let gateway = Gateway::new(|| {});
         for _ in 0..CAPACITY + 1 {
             gateway.submit(ENGAGE);
         }
@@ -206,8 +204,7 @@ mod tests {
 
     #[test]
     fn a_full_queue_has_room_again_after_a_request_was_taken() {
-        let (events, _queue) = sync_channel(1);
-        let gateway = Gateway::new(events);
+        let gateway = Gateway::new(|| {});
         let mut waiting: Vec<_> = (0..CAPACITY).map(|_| gateway.submit(ENGAGE)).collect();
         assert!(waiting.iter_mut().all(|answer| answer.try_recv().is_err()), "none is answered yet");
         let refused = gateway.submit(ENGAGE).try_recv();
@@ -217,26 +214,20 @@ mod tests {
     }
 
     #[test]
-    fn each_request_wakes_the_loop_and_a_full_queue_of_events_delays_nobody() {
-        let (events, queue) = sync_channel(2);
-        let gateway = Gateway::new(events);
+    fn each_request_wakes_the_loop() {
+        let (wakes, woken) = channel();
+        let gateway = Gateway::new(move || wakes.send(()).unwrap());
         gateway.submit(ENGAGE);
         gateway.stop();
-        assert_eq!(queue.try_iter().filter(|event| matches!(event, Event::Operator)).count(), 2);
-        for _ in 0..10 {
-            gateway.submit(ENGAGE);
-            gateway.stop();
-        }
-        assert_eq!(queue.try_iter().count(), 2, "the loop is awake, and finds all requests");
-        assert_eq!(gateway.stop_latch().pending(), Some(11));
-        drop(queue);
-        assert_eq!(gateway.stop(), 12, "a loop that has ended delays nobody either");
+        gateway.set_console_lost(true);
+        gateway.set_console_lost(true);
+        gateway.set_boat_left(false);
+        assert_eq!(woken.try_iter().count(), 4);
     }
 
     #[test]
     fn a_request_whose_reader_is_gone_is_still_taken() {
-        let (events, _queue) = sync_channel(1);
-        let gateway = Gateway::new(events);
+        let gateway = Gateway::new(|| {});
         drop(gateway.submit(ENGAGE));
         let submitted = gateway.next_request().unwrap();
         assert_eq!(submitted.request, ENGAGE);
@@ -245,8 +236,7 @@ mod tests {
 
     #[test]
     fn the_end_of_the_session_ends_every_wait() {
-        let (events, _queue) = sync_channel(1);
-        let gateway = Gateway::new(events);
+        let gateway = Gateway::new(|| {});
         let mut waiting = gateway.submit(ENGAGE);
         gateway.submit_logged(OperatorRequest::Camera(CameraRequest::Disengage));
         drop(gateway);
@@ -255,8 +245,7 @@ mod tests {
 
     #[test]
     fn stops_that_the_program_makes_itself_keep_their_place_and_cause() {
-        let (events, _queue) = sync_channel(1);
-        let gateway = Gateway::new(events);
+        let gateway = Gateway::new(|| {});
         for cause in [StopCause::Ending, StopCause::VideoEnded, StopCause::Fault] {
             gateway.submit_logged(OperatorRequest::Stop(cause));
             let request = gateway.next_request().map(|submitted| submitted.request);

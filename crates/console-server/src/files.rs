@@ -9,7 +9,7 @@ macro_rules! files {
     ($($name:literal),+ $(,)?) => {
         /// Name and content of each file.
         pub(super) const FILES: &[(&str, &str)] =
-            &[$(($name, include_str!(concat!("../../../../console/", $name)))),+];
+            &[$(($name, include_str!(concat!("../../../console/", $name)))),+];
     };
 }
 

@@ -1,4 +1,5 @@
-//! Emulated vehicles: wire's end of the vehicle, a simulated camera mount, a port or a server, and a server of simulated video.
+//! Emulated vehicles: wire's end of the vehicle, a simulated camera mount, a port or a server, and a server of simulated
+//! video. Links to the camera and the boat of a simulated world.
 //!
 //! ```text
 //! port -> GroundStation or GimbalManager (wire) -> rates -> vehicle boundary -> CameraMount (sim) -> attitude -> telemetry -> port
@@ -19,3 +20,6 @@ pub mod emulated_port;
 mod port_link;
 mod rtp_packetiser;
 pub mod rtsp_server;
+
+pub mod camera_link;
+pub mod simulated_boat;

@@ -12,7 +12,7 @@ use barrelman_vocab::{Angle, Timestamp, VehicleRates};
 use super::emulated_port::EmulatedPort;
 use super::emulated_vehicle::EmulatedVehicle;
 use super::log::{Direction, LoggedState, StationLog, VehicleState};
-use crate::link::camera_link::{CameraLink, Pointing};
+use crate::camera_link::{CameraLink, Pointing};
 use barrelman_host::clock::Clock;
 use barrelman_host::fault::{FaultKind, FaultPlan};
 

@@ -4,7 +4,6 @@
 use std::future::Future as _;
 use std::pin::pin;
 use std::sync::Arc;
-use std::sync::mpsc::sync_channel;
 use std::task::{Context, Poll, Waker};
 use std::time::Duration;
 
@@ -67,7 +66,7 @@ impl InMemory {
                 link: None,
                 vehicle: "fotokite-pro".to_owned(),
             },
-            gateway: Arc::new(Gateway::new(sync_channel(1).0)),
+            gateway: Arc::new(Gateway::new(|| {})),
             snapshots: publisher.subscribe(),
             events: publisher.events(),
             relay: Arc::new(VideoRelay::default()),

@@ -5,12 +5,12 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, sync_channel};
 use std::time::Duration;
 
+use barrelman_emulators::fotokite_sigma::{EmulatedSigma, EmulatedSigmaSettings, SigmaSettings};
 use barrelman_host::clock::Clock;
 use barrelman_host::fault::FaultPlan;
 use barrelman_link::url::Endpoint;
 use barrelman_link::{LinkReport, LinkUrl};
 use barrelman_link_http::{Credential, HttpSettings, Inquiry, Trust, open_link};
-use barrelman_station::emulator::fotokite_sigma::{EmulatedSigma, EmulatedSigmaSettings, SigmaSettings};
 use barrelman_vocab::acceptance::Acceptance;
 use barrelman_vocab::telemetry::{FlightState, LinkState, Report};
 use barrelman_vocab::{Angle, AngularRate, Timestamp, VehicleRates};

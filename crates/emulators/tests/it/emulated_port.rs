@@ -8,9 +8,9 @@ use std::os::unix::fs::symlink;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use barrelman_station::emulator::emulated_port::EmulatedPort;
+use barrelman_emulators::emulated_port::EmulatedPort;
 
-use crate::program::empty_folder;
+use crate::empty_folder;
 
 /// A pseudo-terminal that does not exist: the kernel assigns no such numbers.
 const MISSING_TERMINAL: &str = "/dev/pts/999999999";

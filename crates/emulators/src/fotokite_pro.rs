@@ -7,7 +7,7 @@ use barrelman_wire::fotokite_pro::ground_station::{SensorReadings, StationState}
 
 use super::emulated_vehicle::EmulatedVehicle;
 use super::log::VehicleState;
-use crate::link::camera_link::Pointing;
+use crate::camera_link::Pointing;
 
 /// An emulated Fotokite Pro.
 #[derive(Debug)]

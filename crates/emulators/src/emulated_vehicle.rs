@@ -3,7 +3,7 @@
 use barrelman_vocab::{Timestamp, VehicleProfile, VehicleRates};
 
 use super::log::VehicleState;
-use crate::link::camera_link::Pointing;
+use crate::camera_link::Pointing;
 
 /// A vehicle's end of a protocol.
 pub trait EmulatedVehicle {
