@@ -4,10 +4,10 @@ use std::io::{Write as _, stdout};
 use std::process::ExitCode;
 
 use anyhow::Result;
-use barrelman_console_server::api::api_document;
 
 use crate::cli::{ConfigArgs, ConfigCommand};
 use crate::config::{self, ConfigFile, Configuration};
+use barrelman_console_server::api::api_document;
 
 /// Runs the command.
 ///
@@ -15,7 +15,7 @@ use crate::config::{self, ConfigFile, Configuration};
 /// If a file is not usable.
 pub fn run(args: &ConfigArgs) -> Result<ExitCode> {
     let text = match &args.command {
-        ConfigCommand::Example => config::EXAMPLE.to_owned(),
+        ConfigCommand::Example => config::example()?,
         ConfigCommand::Schema => config::schema()? + "\n",
         ConfigCommand::Api => serde_json::to_string_pretty(&api_document())? + "\n",
         ConfigCommand::Print { config: None } => Configuration::resolve(&ConfigFile::default())?.to_toml()?,

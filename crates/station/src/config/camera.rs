@@ -4,38 +4,43 @@ use core::time::Duration;
 use std::path::PathBuf;
 
 use anyhow::{Result, bail};
+use barrelman_pilot::NUDGE_RATE_RAD_PER_S;
 use barrelman_vocab::profile::{AxisDynamics, CameraDynamics};
 use barrelman_vocab::{Angle, AngularRate, Lens};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::lens::{self, LensSection};
-use super::range::within;
 
 /// Focal lengths that differ by less than this share of the picture's width are the same.
 const SAME_FOCAL_SHARE: f64 = 1e-9;
 
-/// Optics and dynamics of the camera. The optimal law predicts with them; with every law, the tracker's motion prior is
-/// computed from them.
+/// Optics and dynamics of the camera. The optimal law predicts with them; with every law, the tracker's
+/// motion prior is computed from them.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct CameraSection {
-    /// Focal length as a share of the picture's width, 0.1 to 20.
+    /// Focal length as a share of the picture's width.
+    #[schemars(range(min = 0.1, max = 20.0))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub focal_share: Option<f64>,
     /// A file with the keys of `camera.lens`. A relative path starts in the current folder.
+    #[schemars(example = "/etc/barrelman/lens.toml")]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub lens_file: Option<PathBuf>,
     /// The calibrated lens, for points on the water; default: a pinhole of `focal_share`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub lens: Option<LensSection>,
     /// Elevation of the camera at the start, radians, without telemetry; negative looks down.
+    #[schemars(range(min = -1.571, max = 1.571))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub first_tilt_rad: Option<f64>,
     /// Lower end stop of the elevation, radians.
+    #[schemars(range(min = -1.571, max = 1.571))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub lowest_tilt_rad: Option<f64>,
     /// Upper end stop of the elevation, radians.
+    #[schemars(range(min = -1.571, max = 1.571))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub highest_tilt_rad: Option<f64>,
     /// The pan axis.
@@ -48,19 +53,25 @@ pub struct CameraSection {
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct AxisSection {
-    /// Dead time of a command that moves, without the video's latency, seconds, 0 to 2.
+    /// Dead time of a command that moves, without the video's latency, seconds.
+    #[schemars(range(min = 0.0, max = 2.0))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub start_dead_time_s: Option<f64>,
-    /// Dead time of a stop command, seconds, 0 to 2, at least `start_dead_time_s`.
+    /// Dead time of a stop command, seconds, at least `start_dead_time_s`.
+    #[schemars(range(min = 0.0, max = 2.0))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub stop_dead_time_s: Option<f64>,
-    /// Time constant of the rate after the dead time, seconds, 0 to 2.
+    /// Time constant of the rate after the dead time, seconds.
+    #[schemars(range(min = 0.0, max = 2.0))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub lag_s: Option<f64>,
-    /// Lowest rate above zero at which the axis turns, rad/s, 0 to 0.2.
+    /// Lowest rate above zero at which the axis turns, rad/s. Nudges and searches turn at 0.1 rad/s, and half of the
+    /// lowest rate and more is raised to it.
+    #[schemars(range(min = 0.0, max = 2.0 * NUDGE_RATE_RAD_PER_S))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub least_rad_per_s: Option<f64>,
-    /// Rate that the axis reaches, divided by the rate that is sent, 0.2 to 5. `barrelman calibrate axes` measures it.
+    /// Rate that the axis reaches, divided by the rate that is sent. `barrelman calibrate axes` measures it.
+    #[schemars(range(min = 0.2, max = 5.0))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub gain: Option<f64>,
 }
@@ -110,8 +121,7 @@ impl CameraSection {
                 "camera.focal_share = {given} is not that of camera.lens, {calibrated} (fx / width): omit camera.focal_share"
             );
         }
-        let (base, unit) = (base.focal_share, "a share of the picture's width");
-        within("camera.focal_share", calibrated.or(self.focal_share), base, 0.1, 20.0, unit)
+        Ok(calibrated.or(self.focal_share).unwrap_or(base.focal_share))
     }
 
     /// The vehicle's camera `base` with the values of the section.
@@ -119,13 +129,9 @@ impl CameraSection {
     /// # Errors
     /// If a value is out of range; the message names the key and the range.
     pub fn apply_to(&self, base: &CameraDynamics) -> Result<CameraDynamics> {
-        let tilt = |key: &str, value: Option<f64>, base: Angle| {
-            within(key, value, base.radians(), -1.571, 1.571, "radians").map(Angle::from_radians)
-        };
-        let stops = (
-            tilt("camera.lowest_tilt_rad", self.lowest_tilt_rad, base.tilt_stops.0)?,
-            tilt("camera.highest_tilt_rad", self.highest_tilt_rad, base.tilt_stops.1)?,
-        );
+        let tilt = |value: Option<f64>, base: Angle| value.map_or(base, Angle::from_radians);
+        let stops =
+            (tilt(self.lowest_tilt_rad, base.tilt_stops.0), tilt(self.highest_tilt_rad, base.tilt_stops.1));
         if stops.0.radians() >= stops.1.radians() {
             bail!("camera.lowest_tilt_rad is not below camera.highest_tilt_rad: correct one of them");
         }
@@ -136,7 +142,7 @@ impl CameraSection {
         Ok(CameraDynamics {
             focal_share: self.focal_share(base, lens.as_ref())?,
             lens,
-            initial_tilt: tilt("camera.first_tilt_rad", self.first_tilt_rad, base.initial_tilt)?,
+            initial_tilt: tilt(self.first_tilt_rad, base.initial_tilt),
             tilt_stops: stops,
             pan: self.pan.apply_to("camera.pan", &base.pan)?,
             tilt: self.tilt.apply_to("camera.tilt", &base.tilt)?,
@@ -146,24 +152,13 @@ impl CameraSection {
 
 impl AxisSection {
     fn apply_to(&self, section: &str, base: &AxisDynamics) -> Result<AxisDynamics> {
-        let duration = |key: &str, value: Option<f64>, base: Duration| {
-            let key = format!("{section}.{key}");
-            within(&key, value, base.as_secs_f64(), 0.0, 2.0, "seconds").map(Duration::from_secs_f64)
-        };
-        let base_min_rate = base.min_rate.radians_per_second();
+        let seconds = |value: Option<f64>, base: Duration| value.map_or(base, Duration::from_secs_f64);
         let axis = AxisDynamics {
-            start_dead_time: duration("start_dead_time_s", self.start_dead_time_s, base.start_dead_time)?,
-            stop_dead_time: duration("stop_dead_time_s", self.stop_dead_time_s, base.stop_dead_time)?,
-            lag: duration("lag_s", self.lag_s, base.lag)?,
-            min_rate: AngularRate::from_radians_per_second(within(
-                &format!("{section}.least_rad_per_s"),
-                self.least_rad_per_s,
-                base_min_rate,
-                0.0,
-                1.0,
-                "rad/s",
-            )?),
-            gain: within(&format!("{section}.gain"), self.gain, base.gain, 0.2, 5.0, "a ratio")?,
+            start_dead_time: seconds(self.start_dead_time_s, base.start_dead_time),
+            stop_dead_time: seconds(self.stop_dead_time_s, base.stop_dead_time),
+            lag: seconds(self.lag_s, base.lag),
+            min_rate: self.least_rad_per_s.map_or(base.min_rate, AngularRate::from_radians_per_second),
+            gain: self.gain.unwrap_or(base.gain),
         };
         if axis.stop_dead_time < axis.start_dead_time {
             bail!("{section}.stop_dead_time_s is less than {section}.start_dead_time_s: correct one of them");

@@ -2,12 +2,10 @@
 
 use std::path::PathBuf;
 
-use anyhow::Result;
-use barrelman_console_server::OnConsoleLost;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::range::within;
+use barrelman_console_server::OnConsoleLost;
 
 /// The operator's console.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
@@ -17,6 +15,7 @@ pub struct ConsoleSection {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub hosts: Option<Vec<String>>,
     /// File with the console's tokens, two lines: control, watch.
+    #[schemars(example = "/etc/barrelman/console-tokens")]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub token_file: Option<PathBuf>,
     /// What happens when the controlling page is gone: closed for 2 s, or silent for 3 s.
@@ -34,10 +33,12 @@ pub struct RecordingSection {
     /// The folder.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub folder: Option<PathBuf>,
-    /// Size of all recordings in the folder, gigabytes, 0.1 to 100000. The oldest make room for a new one.
+    /// Size of all recordings in the folder, gigabytes. The oldest make room for a new one.
+    #[schemars(range(min = 0.1, max = 100_000.0))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub quota_gb: Option<f64>,
-    /// Free space of the disk that a recording leaves, gigabytes, 0 to 100000.
+    /// Free space of the disk that a recording leaves, gigabytes.
+    #[schemars(range(min = 0.0, max = 100_000.0))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub reserve_gb: Option<f64>,
 }
@@ -88,17 +89,13 @@ impl ConsoleSection {
 
 impl RecordingSection {
     /// The effective settings.
-    ///
-    /// # Errors
-    /// If a value is out of range; the message names the key and the range.
-    pub(super) fn resolve(&self) -> Result<RecordingConfig> {
-        let gigabytes = "gigabytes";
-        Ok(RecordingConfig {
+    pub(super) fn resolve(&self) -> RecordingConfig {
+        RecordingConfig {
             enabled: self.enabled.unwrap_or(true),
             folder: self.folder.clone().unwrap_or_else(|| PathBuf::from("recordings")),
-            quota_gb: within("recording.quota_gb", self.quota_gb, 20.0, 0.1, 100_000.0, gigabytes)?,
-            reserve_gb: within("recording.reserve_gb", self.reserve_gb, 2.0, 0.0, 100_000.0, gigabytes)?,
-        })
+            quota_gb: self.quota_gb.unwrap_or(20.0),
+            reserve_gb: self.reserve_gb.unwrap_or(2.0),
+        }
     }
 
     /// A complete section.

@@ -2,6 +2,9 @@
 
 use std::path::PathBuf;
 
+use barrelman_control::OptimalSettings;
+use barrelman_vocab::profile::MAX_COAST_MOTION;
+use barrelman_vocab::{LawName, OptimalMode};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -10,7 +13,6 @@ use super::console::{ConsoleSection, RecordingSection};
 use super::tracker::TrackerSection;
 use super::tracking_camera::TrackingCameraSection;
 use super::vessel::VesselSection;
-use barrelman_vocab::{LawName, OptimalMode};
 
 /// A configuration file.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
@@ -42,15 +44,18 @@ pub struct ConfigFile {
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct LawSection {
-    /// The law's name; default: `optimal`.
+    /// The law's name.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub name: Option<LawName>,
-    /// What the optimal law saves; default: `intermittent`.
+    /// What the optimal law saves.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub mode: Option<OptimalMode>,
-    /// Horizon of the optimal law: the time within which it brings the target back, seconds, 0.5 to 5; default: the mode's.
+    /// Horizon of the optimal law: the time within which it brings the target back, seconds; default: the
+    /// mode's.
+    #[schemars(range(min = *OptimalSettings::HORIZONS_S.start(), max = *OptimalSettings::HORIZONS_S.end()))]
+    #[schemars(example = 1.73)]
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub horizon: Option<f64>,
+    pub horizon_s: Option<f64>,
 }
 
 /// The video source.
@@ -58,25 +63,34 @@ pub struct LawSection {
 #[serde(deny_unknown_fields, default)]
 pub struct VideoSection {
     /// Address: `rtsp://...`, `rtsps://...`, `file:...` or `sim:...`.
+    #[schemars(example = "rtsp://camera.example/live")]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub url: Option<String>,
-    /// File whose first line is the camera's `user:password`, only for `rtsp://` and `rtsps://`. A second line `host HOST:PORT`
-    /// says who alone gets the login: a vehicle that names its video gets none without it.
+    /// File whose first line is the camera's `user:password`, only for `rtsp://` and `rtsps://`. A second
+    /// line `host HOST:PORT` says who alone gets the login: a vehicle that names its video gets none without
+    /// it.
+    #[schemars(example = "/etc/barrelman/camera-login")]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub login_file: Option<PathBuf>,
     /// Name of the environment variable that holds the camera's `user:password`, only for `rtsp://`.
+    #[schemars(example = &"BARRELMAN_CAMERA_LOGIN")]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub login_env: Option<String>,
-    /// Which clock gives the times of capture of a stream at `rtsp://` or `rtsps://`; default: `auto`.
+    /// Which clock gives the times of capture of a stream at `rtsp://` or `rtsps://`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub clock: Option<VideoClock>,
-    /// Whether a password may be sent in clear text (Basic) to a camera without TLS that takes nothing else; default: false.
+    /// Whether a password may be sent in clear text (Basic) to a camera without TLS that takes nothing else:
+    /// everybody on the network can read it then.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub allow_basic_login: Option<bool>,
-    /// SHA-256 fingerprint of the certificate of a camera at `rtsps://`, 64 hexadecimal digits: no other one is accepted.
+    /// SHA-256 fingerprint of the certificate of a camera at `rtsps://`, 64 hexadecimal digits: no other one
+    /// is accepted.
+    #[schemars(example = "0123456789abcdef0123456789abcdef0123456789abcdef0123456789abcdef")]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub certificate_sha256: Option<String>,
-    /// File of authorities (PEM) that sign the certificate of a camera at `rtsps://`; default: the well-known ones.
+    /// File of authorities (PEM) that sign the certificate of a camera at `rtsps://`; default: the well-known
+    /// ones.
+    #[schemars(example = "/etc/barrelman/authority.pem")]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub ca_file: Option<PathBuf>,
 }
@@ -97,42 +111,59 @@ pub enum VideoClock {
 pub struct LinkSection {
     /// Address: `serial:/dev/ttyACM0?baud=115200`, `tcp://host:port`, `udp://host:port`,
     /// `http://host:port/api` or `https://host/api`; without an address: a dry run.
+    #[schemars(example = "serial:/dev/ttyACM0?baud=115200")]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub url: Option<String>,
     /// The guard's program; default: `barrelman-guard` beside the program.
+    #[schemars(example = "/usr/local/bin/barrelman-guard")]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub guard: Option<PathBuf>,
-    /// Whether to run without the guard, also where the vehicle keeps its last rate when the program is gone; default:
-    /// false.
+    /// Whether to run without the guard, also where the vehicle keeps its last rate when the program is gone:
+    /// the camera then goes on turning, and the boat goes on until its own time-out.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub without_guard: Option<bool>,
-    /// File whose first line is the access token of a vehicle at `http://` or `https://`, or `api-key ` and an API key.
+    /// File whose first line is the access token of a vehicle at `http://` or `https://`, or `api-key ` and
+    /// an API key.
+    #[schemars(example = "/etc/barrelman/sigma-token")]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub token_file: Option<PathBuf>,
-    /// SHA-256 fingerprint of the certificate of a vehicle at `https://`, 64 hexadecimal digits: no other one is accepted.
+    /// SHA-256 fingerprint of the certificate of a vehicle at `https://`, 64 hexadecimal digits: no other one
+    /// is accepted.
+    #[schemars(example = "0123456789abcdef0123456789abcdef0123456789abcdef0123456789abcdef")]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub certificate_sha256: Option<String>,
-    /// File of authorities (PEM) that sign the certificate of a vehicle at `https://`; default: the well-known ones.
+    /// File of authorities (PEM) that sign the certificate of a vehicle at `https://`; default: the
+    /// well-known ones.
+    #[schemars(example = "/etc/barrelman/authority.pem")]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub ca_file: Option<PathBuf>,
-    /// The host beside that of `url` on which a vehicle at `http://` or `https://` may name its video; default: none.
+    /// The host beside that of `url` on which a vehicle at `http://` or `https://` may name its video;
+    /// default: none.
+    #[schemars(example = "camera.example")]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub video_host: Option<String>,
     /// Delimiters of a line, where the vehicle takes lines of text (Fotokite Pro).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub line_ending: Option<LineEnding>,
-    /// This program's own system id, 1 to 255; default: 245. Together with the component id no other part of the link may have
-    /// it (MAVLink).
+    /// This program's own system id; default: 245. Together with the component id no other part of the link
+    /// may have it (MAVLink).
+    #[schemars(range(min = 1, max = 255))]
+    #[schemars(example = 245)]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub system_id: Option<u8>,
-    /// This program's own component id, 1 to 255; default: 191, an onboard computer (MAVLink).
+    /// This program's own component id; default: 191, an onboard computer (MAVLink).
+    #[schemars(range(min = 1, max = 255))]
+    #[schemars(example = 191)]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub component_id: Option<u8>,
-    /// System id of the vehicle whose gimbal is moved, 1 to 255; default: the first that has a gimbal (MAVLink).
+    /// System id of the vehicle whose gimbal is moved; default: the first that has a gimbal (MAVLink).
+    #[schemars(range(min = 1, max = 255))]
+    #[schemars(example = 1)]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub vehicle_system: Option<u8>,
-    /// File whose first line is the key of signed packets, 64 hexadecimal digits or a passphrase (MAVLink). With it, packets that
-    /// are not signed with this key are not read; default: packets are not signed.
+    /// File whose first line is the key of signed packets, 64 hexadecimal digits or a passphrase (MAVLink).
+    /// With it, packets that are not signed with this key are not read; default: packets are not signed.
+    #[schemars(example = "/etc/barrelman/mavlink-key")]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub signing_key_file: Option<PathBuf>,
 }
@@ -165,9 +196,11 @@ pub struct VehicleSection {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub profile: Option<String>,
     /// Horizontal semi-axis of the region, share of half the picture's width.
+    #[schemars(range(min = 0.01, max = 1.0))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub region_half_width: Option<f64>,
     /// Vertical semi-axis of the region, share of half the picture's height.
+    #[schemars(range(min = 0.01, max = 1.0))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub region_half_height: Option<f64>,
     /// The motor schema's pan rate, rad/s, 0 to the pan limit.
@@ -176,10 +209,12 @@ pub struct VehicleSection {
     /// The motor schema's tilt rate, rad/s, 0 to the tilt limit.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub schema_tilt_rad_per_s: Option<f64>,
-    /// The largest pan rate that may be sent, rad/s, 0 to 0.4 (Fotokite Pro), 0.436 (Fotokite Sigma) or 0.5 (MAVLink gimbal).
+    /// The largest pan rate that may be sent, rad/s, 0 to 0.4 (Fotokite Pro), 0.436 (Fotokite Sigma) or 0.5
+    /// (MAVLink gimbal).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub limit_pan_rad_per_s: Option<f64>,
-    /// The largest tilt rate that may be sent, rad/s, 0 to 0.3 (Fotokite Pro), 0.436 (Fotokite Sigma) or 0.5 (MAVLink gimbal).
+    /// The largest tilt rate that may be sent, rad/s, 0 to 0.3 (Fotokite Pro), 0.436 (Fotokite Sigma) or 0.5
+    /// (MAVLink gimbal).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub limit_tilt_rad_per_s: Option<f64>,
     /// Sign of the vehicle's yaw rate relative to pan.
@@ -188,30 +223,39 @@ pub struct VehicleSection {
     /// Sign of the vehicle's pitch rate relative to tilt.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub pitch_sign: Option<SignName>,
-    /// Nominal latency of the video, from the sensor to the arrival of a frame, seconds, 0 to 5.
+    /// Nominal latency of the video, from the sensor to the arrival of a frame, seconds.
+    #[schemars(range(min = 0.0, max = 5.0))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub video_latency_s: Option<f64>,
-    /// Latency beyond the nominal latency from which on a video frame counts as stale, seconds, 0 to 5.
+    /// Latency beyond the nominal latency from which on a video frame counts as stale, seconds.
+    #[schemars(range(min = 0.0, max = 5.0))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub stale_after_s: Option<f64>,
-    /// How long a rate may last after the arrival of the last fresh localisation, seconds, 0.05 to 0.5.
+    /// How long a rate may last after the arrival of the last fresh localisation, seconds.
+    #[schemars(range(min = 0.05, max = MAX_COAST_MOTION.as_secs_f64()))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub coast_motion_s: Option<f64>,
-    /// Net yaw from which on the operator is warned that the tether winds up, radians, 0.5 to 100; default: 1.5 turns.
+    /// Net yaw from which on the operator is warned that the tether winds up, radians.
+    #[schemars(range(min = 0.5, max = 100.0))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub net_yaw_warn_rad: Option<f64>,
-    /// Net yaw from which on the vehicle turns back only, radians, 0.5 to 100; default: 3 turns.
+    /// Net yaw from which on the vehicle turns back only, radians.
+    #[schemars(range(min = 0.5, max = 100.0))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub net_yaw_limit_rad: Option<f64>,
-    /// Sense of the yaw in the reported attitude, relative to a turn to the right; without it, the reports are not used.
+    /// Sense of the yaw in the reported attitude, relative to a turn to the right; without it, the reports
+    /// are not used.
+    #[schemars(example = &"opposite")]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub attitude_yaw_sign: Option<SignName>,
-    /// MAVLink gimbal: the number of the gimbal device that is moved, 1 to 6 (154, 171 to 175: a gimbal that is a component of its
-    /// own); 0, the default, is the first one that can pan and tilt.
+    /// MAVLink gimbal: the number of the gimbal device that is moved, 1 to 6 (154, 171 to 175: a gimbal that
+    /// is a component of its own); 0, the default, is the first one that can pan and tilt.
+    #[schemars(range(min = 0, max = 175))]
+    #[schemars(example = 0)]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub gimbal_device: Option<u8>,
-    /// Which angle of the gimbal's reported attitude is the tilt; without it, the reports are not used. `barrelman calibrate
-    /// axes` finds it.
+    /// Which angle of the gimbal's reported attitude is the tilt; without it, the reports are not used.
+    /// `barrelman calibrate axes` finds it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub gimbal_tilt: Option<GimbalTiltSection>,
 }
@@ -221,10 +265,14 @@ pub struct VehicleSection {
 #[serde(deny_unknown_fields)]
 pub struct GimbalTiltSection {
     /// The angle of the reported quaternion.
+    #[schemars(example = &"pitch")]
     pub axis: EulerName,
     /// Sense of that angle, relative to a tilt upwards.
+    #[schemars(example = &"opposite")]
     pub sign: SignName,
-    /// Tilt at which that angle is zero, radians, -1.571 to 1.571.
+    /// Tilt at which that angle is zero, radians.
+    #[schemars(range(min = -1.571, max = 1.571))]
+    #[schemars(example = 0.0)]
     pub zero_rad: f64,
 }
 

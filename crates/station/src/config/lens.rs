@@ -5,7 +5,7 @@
 
 use std::path::Path;
 
-use anyhow::{Context, Result, anyhow, bail};
+use anyhow::{Context, Result, anyhow, bail, ensure};
 use barrelman_control::water::lens_fault::{LensFault, fault_of};
 use barrelman_experiments::toml_message::message_of;
 use barrelman_host::input;
@@ -13,7 +13,7 @@ use barrelman_vocab::{BrownConrady, Distortion, Lens, PictureSize, PixelPoint};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::range::within;
+use super::declared;
 
 /// Offset of our pixel coordinates from those of OpenCV.
 const HALF_PIXEL: f64 = 0.5;
@@ -22,31 +22,44 @@ const HALF_PIXEL: f64 = 0.5;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct LensSection {
-    /// Width of the pictures of the calibration, pixels, 16 to 32768.
+    /// Width of the pictures of the calibration, pixels.
+    #[schemars(range(min = 16, max = 32_768))]
+    #[schemars(example = 1280)]
     pub width: u32,
-    /// Height of the pictures of the calibration, pixels, 16 to 32768.
+    /// Height of the pictures of the calibration, pixels.
+    #[schemars(range(min = 16, max = 32_768))]
+    #[schemars(example = 720)]
     pub height: u32,
     /// Horizontal focal length, pixels, 0.1 to 20 widths.
+    #[schemars(example = 760.2)]
     pub fx: f64,
     /// Vertical focal length, pixels, 0.1 to 20 widths.
+    #[schemars(example = 759.8)]
     pub fy: f64,
     /// Principal point from the left, pixels; the centre of the first pixel is 0.
+    #[schemars(example = 641.3)]
     pub cx: f64,
     /// Principal point from the top, pixels; the centre of the first pixel is 0.
+    #[schemars(example = 355.9)]
     pub cy: f64,
-    /// Radial distortion, second order; default: 0.
+    /// Radial distortion, second order.
+    #[schemars(example = -0.09)]
     #[serde(default)]
     pub k1: f64,
-    /// Radial distortion, fourth order; default: 0.
+    /// Radial distortion, fourth order.
+    #[schemars(example = 0.012)]
     #[serde(default)]
     pub k2: f64,
-    /// Tangential distortion along y; default: 0.
+    /// Tangential distortion along y.
+    #[schemars(example = 0.0011)]
     #[serde(default)]
     pub p1: f64,
-    /// Tangential distortion along x; default: 0.
+    /// Tangential distortion along x.
+    #[schemars(example = -0.0007)]
     #[serde(default)]
     pub p2: f64,
-    /// Radial distortion, sixth order; default: 0.
+    /// Radial distortion, sixth order.
+    #[schemars(example = -0.001)]
     #[serde(default)]
     pub k3: f64,
 }
@@ -60,6 +73,7 @@ pub(super) fn read(path: &Path) -> Result<LensSection> {
     let parsed = text.and_then(|text| {
         let section: LensSection =
             toml::from_str(&text).map_err(|error| anyhow!("{}", message_of(&error)))?;
+        declared::check(&section, "camera.lens")?;
         section.to_lens()?;
         Ok(section)
     });
@@ -84,13 +98,12 @@ impl LensSection {
     /// If the lens cannot be used; the message names the key.
     pub(super) fn to_lens(&self) -> Result<Lens> {
         let Self { width, height, fx, fy, cx, cy, k1, k2, p1, p2, k3 } = *self;
-        for (key, value) in [("width", width), ("height", height)] {
-            let value = Some(f64::from(value));
-            within(&format!("camera.lens.{key}"), value, 0.0, 16.0, 32_768.0, "pixels")?;
-        }
         for (key, value) in [("fx", fx), ("fy", fy)] {
             let (min, max) = (0.1 * f64::from(width), 20.0 * f64::from(width));
-            within(&format!("camera.lens.{key}"), Some(value), 0.0, min, max, "pixels")?;
+            ensure!(
+                (min..=max).contains(&value),
+                "camera.lens.{key} = {value}: use pixels from {min} to {max}"
+            );
         }
         let lens = Lens {
             picture: PictureSize::new(width, height),

@@ -5,12 +5,11 @@ use barrelman_vocab::mavlink::{Address, MavlinkPeers, SystemId};
 use barrelman_vocab::profile::Protocol;
 
 use super::file::LinkSection;
-use super::range::ensure_names_one;
 
 /// The protocol between the peers of a file; without keys, between those of the profile.
 ///
 /// # Errors
-/// If an id is 0, or a key is given for a vehicle of another protocol.
+/// If a key is given for a vehicle of another protocol.
 pub(super) fn between_peers(protocol: Protocol, link: &LinkSection) -> Result<Protocol> {
     let ids = [
         ("system_id", link.system_id),
@@ -29,9 +28,6 @@ pub(super) fn between_peers(protocol: Protocol, link: &LinkSection) -> Result<Pr
             None => Ok(protocol),
         };
     };
-    for (key, id) in ids {
-        id.map_or(Ok(()), |id| ensure_names_one(&format!("link.{key}"), id))?;
-    }
     let system = link.system_id.unwrap_or(own.system.0);
     let component = link.component_id.unwrap_or(own.component.0);
     let vehicle = link.vehicle_system.map(SystemId).or(vehicle);

@@ -1,7 +1,8 @@
 //! The configuration: a TOML file ([`ConfigFile`]) and the effective configuration ([`Configuration`]).
 //!
-//! Unknown keys are rejected. Every key has a unit, a range and a default, documented in
-//! `config/barrelman.example.toml`; defaults come from the vehicle's profile. The complete effective configuration is part
+//! Unknown keys are rejected. A key is declared once, in its section's type ([`file`]): words with the
+//! unit, range, example. Schema, check of ranges and `config/barrelman.example.toml` follow from that; defaults come from the
+//! vehicle's profile. The complete effective configuration is part
 //! of the first message of every recording.
 
 pub mod file;
@@ -15,8 +16,9 @@ pub mod vessel;
 
 pub mod resolve;
 
+mod declared;
+mod field_names;
 mod mavlink;
-mod range;
 mod turning;
 
 use std::path::Path;
@@ -33,7 +35,12 @@ pub use resolve::Configuration;
 pub use tracking_camera::TrackingCameraConfig;
 
 /// The documented example.
-pub const EXAMPLE: &str = include_str!("../../../../config/barrelman.example.toml");
+///
+/// # Errors
+/// Never in practice: the defaults are usable.
+pub fn example() -> Result<String> {
+    declared::example()
+}
 
 /// Reads a configuration file, with the lens file that it names.
 ///
@@ -62,5 +69,5 @@ pub fn parse(text: &str) -> Result<ConfigFile> {
 /// # Errors
 /// Never in practice: the schema is plain data.
 pub fn schema() -> Result<String> {
-    Ok(serde_json::to_string_pretty(&schemars::schema_for!(ConfigFile))?)
+    Ok(serde_json::to_string_pretty(&declared::schema_of::<ConfigFile>())?)
 }

@@ -1,23 +1,21 @@
 //! The effective configuration: from a file with defaults filled in, and back to a complete file.
 
-use std::ops::RangeInclusive;
 use std::path::PathBuf;
 use std::time::Duration;
 
 use anyhow::{Context, Result, bail};
-use barrelman_pilot::NUDGE_RATE_RAD_PER_S;
 use barrelman_video::sender_clock::ClockChoice;
-use barrelman_vocab::profile::{AxisRates, AxisSigns, MAX_COAST_MOTION, RegionShares, Sign};
+use barrelman_vocab::profile::{AxisRates, AxisSigns, RegionShares, Sign};
 use barrelman_vocab::{AngularRate, VehicleProfile};
 use barrelman_wire::Framing;
 
 use super::camera::CameraSection;
 use super::console::{ConsoleConfig, ConsoleSection, RecordingConfig, RecordingSection};
+use super::declared;
 use super::file::{
     ConfigFile, LawSection, LineEnding, LinkSection, SignName, VehicleSection, VideoClock, VideoSection,
 };
 use super::mavlink;
-use super::range::within;
 use super::tracker::TrackerSection;
 use super::tracking_camera::{TrackingCameraConfig, TrackingCameraSection};
 use super::turning::{gimbal_tilt, net_yaw_limits, section_of};
@@ -76,9 +74,6 @@ pub struct GuardChoice {
 
 /// The largest rate of a simulated vehicle, rad/s.
 const MAX_SIMULATED_RAD_PER_S: f64 = 3.0;
-/// The range of `coast_motion_s`, seconds: in less than the first, a picture may not follow the one before in time, and the camera
-/// would never move.
-const COAST_MOTION_S: RangeInclusive<f64> = 0.05..=MAX_COAST_MOTION.as_secs_f64();
 
 /// The built-in profile of a name.
 ///
@@ -113,6 +108,7 @@ impl Configuration {
     }
 
     fn resolve_within(file: &ConfigFile, rate_limits: impl Fn(&VehicleProfile) -> AxisRates) -> Result<Self> {
+        declared::check(file, "")?;
         let vehicle = &file.vehicle;
         let base = profile_named(vehicle.profile.as_deref().unwrap_or(VehicleProfile::NAMES[0]))
             .context("vehicle.profile")?;
@@ -158,13 +154,13 @@ impl Configuration {
                 Some(LineEnding::Lf) => Framing::LineFeed,
             },
             profile,
-            law: GivenLaw { name: file.law.name, mode: file.law.mode, horizon_s: file.law.horizon }
+            law: GivenLaw { name: file.law.name, mode: file.law.mode, horizon_s: file.law.horizon_s }
                 .or(LawChoice::OPTIMAL, "law.")?,
             tracker: file.tracker.settings().validated()?,
-            tracking_camera: file.tracking_camera.resolve()?,
+            tracking_camera: file.tracking_camera.resolve(),
             vessel: file.vessel.resolve()?,
             console: file.console.resolve(),
-            recording: file.recording.resolve()?,
+            recording: file.recording.resolve(),
         })
     }
 
@@ -245,7 +241,7 @@ impl Configuration {
             law: LawSection {
                 name: Some(self.law.law.name()),
                 mode: self.law.law.mode(),
-                horizon: self.law.horizon_s,
+                horizon_s: self.law.horizon_s,
             },
             tracker: TrackerSection::from_settings(&self.tracker),
             tracking_camera: TrackingCameraSection::from_config(&self.tracking_camera),
@@ -298,14 +294,6 @@ fn ensure_axes_turn(profile: &VehicleProfile) -> Result<()> {
                  camera.{axis}.gain = {reached}: lower it, or correct the others"
             );
         }
-        // Half of the least rate and more is raised to it; less is no motion.
-        let most = 2.0 * NUDGE_RATE_RAD_PER_S;
-        if least > most {
-            bail!(
-                "camera.{axis}.least_rad_per_s = {least}: use rad/s from 0 to {most}; nudges and searches turn at \
-                 {NUDGE_RATE_RAD_PER_S} rad/s, and would not move this axis"
-            );
-        }
     }
     Ok(())
 }
@@ -321,7 +309,6 @@ fn login_source(video: &VideoSection) -> Result<Option<LoginSource>> {
 
 /// The profile `base` with the values of a file. Limits are at most `max`, motor schema rates at most their axis' limit.
 fn overridden(base: VehicleProfile, vehicle: &VehicleSection, max: AxisRates) -> Result<VehicleProfile> {
-    let share = |key: &str, value: Option<f64>, base: f64| ranged(key, value, base, 0.01, 1.0, "a share");
     let vehicle_limit = "the limit of the vehicle";
     let (pan, tilt) = (vehicle.limit_pan_rad_per_s, vehicle.limit_tilt_rad_per_s);
     let limits = AxisRates {
@@ -334,10 +321,7 @@ fn overridden(base: VehicleProfile, vehicle: &VehicleSection, max: AxisRates) ->
         pan: rate("schema_pan_rad_per_s", pan, base.motor_schema_rates.pan, limits.pan, pan_limit)?,
         tilt: rate("schema_tilt_rad_per_s", tilt, base.motor_schema_rates.tilt, limits.tilt, tilt_limit)?,
     };
-    let duration = |key: &str, value: Option<f64>, base: Duration, range: RangeInclusive<f64>| {
-        ranged(key, value, base.as_secs_f64(), *range.start(), *range.end(), "seconds")
-            .map(Duration::from_secs_f64)
-    };
+    let seconds = |value: Option<f64>, base: Duration| value.map_or(base, Duration::from_secs_f64);
     let sign = |value: Option<SignName>, base: Sign| match value {
         Some(SignName::Same) => Sign::Same,
         Some(SignName::Opposite) => Sign::Opposite,
@@ -345,8 +329,8 @@ fn overridden(base: VehicleProfile, vehicle: &VehicleSection, max: AxisRates) ->
     };
     Ok(VehicleProfile {
         region: RegionShares {
-            half_width: share("region_half_width", vehicle.region_half_width, base.region.half_width)?,
-            half_height: share("region_half_height", vehicle.region_half_height, base.region.half_height)?,
+            half_width: vehicle.region_half_width.unwrap_or(base.region.half_width),
+            half_height: vehicle.region_half_height.unwrap_or(base.region.half_height),
         },
         motor_schema_rates,
         limits,
@@ -354,15 +338,15 @@ fn overridden(base: VehicleProfile, vehicle: &VehicleSection, max: AxisRates) ->
             yaw: sign(vehicle.yaw_sign, base.signs.yaw),
             pitch: sign(vehicle.pitch_sign, base.signs.pitch),
         },
-        video_latency: duration("video_latency_s", vehicle.video_latency_s, base.video_latency, 0.0..=5.0)?,
-        stale_after: duration("stale_after_s", vehicle.stale_after_s, base.stale_after, 0.0..=5.0)?,
-        coast_motion: duration("coast_motion_s", vehicle.coast_motion_s, base.coast_motion, COAST_MOTION_S)?,
+        video_latency: seconds(vehicle.video_latency_s, base.video_latency),
+        stale_after: seconds(vehicle.stale_after_s, base.stale_after),
+        coast_motion: seconds(vehicle.coast_motion_s, base.coast_motion),
         net_yaw: net_yaw_limits(vehicle, base.net_yaw)?,
         attitude_yaw: vehicle
             .attitude_yaw_sign
             .map(|name| sign(Some(name), Sign::Same))
             .or(base.attitude_yaw),
-        gimbal_tilt: vehicle.gimbal_tilt.as_ref().map(gimbal_tilt).transpose()?.or(base.gimbal_tilt),
+        gimbal_tilt: vehicle.gimbal_tilt.as_ref().map(gimbal_tilt).or(base.gimbal_tilt),
         ..base
     })
 }
@@ -381,8 +365,4 @@ fn rate(
     } else {
         bail!("vehicle.{key} = {value}: use rad/s from 0 to {max}, {limited_by}")
     }
-}
-
-fn ranged(key: &str, value: Option<f64>, base: f64, min: f64, max: f64, unit: &str) -> Result<f64> {
-    within(&format!("vehicle.{key}"), value, base, min, max, unit)
 }

@@ -6,20 +6,15 @@ use barrelman_vocab::profile::{GimbalTilt, NetYawLimits, Sign};
 use barrelman_vocab::telemetry::EulerAxis;
 
 use super::file::{EulerName, GimbalTiltSection, SignName, VehicleSection};
-use super::range::within;
 
 /// The limits of the net yaw.
 ///
 /// # Errors
-/// If a limit is out of range, or the warning comes after the refusal.
+/// If the warning comes after the refusal.
 pub(super) fn net_yaw_limits(vehicle: &VehicleSection, base: NetYawLimits) -> Result<NetYawLimits> {
-    let angle = |key: &str, value: Option<f64>, base: Angle| {
-        let key = format!("vehicle.{key}");
-        within(&key, value, base.radians(), 0.5, 100.0, "radians").map(Angle::from_radians)
-    };
     let limits = NetYawLimits {
-        warn: angle("net_yaw_warn_rad", vehicle.net_yaw_warn_rad, base.warn)?,
-        refuse: angle("net_yaw_limit_rad", vehicle.net_yaw_limit_rad, base.refuse)?,
+        warn: vehicle.net_yaw_warn_rad.map_or(base.warn, Angle::from_radians),
+        refuse: vehicle.net_yaw_limit_rad.map_or(base.refuse, Angle::from_radians),
     };
     if limits.warn > limits.refuse {
         bail!("vehicle.net_yaw_warn_rad is above vehicle.net_yaw_limit_rad: correct one of them");
@@ -28,12 +23,8 @@ pub(super) fn net_yaw_limits(vehicle: &VehicleSection, base: NetYawLimits) -> Re
 }
 
 /// The tilt in the gimbal's reports.
-///
-/// # Errors
-/// If the zero is out of range.
-pub(super) fn gimbal_tilt(section: &GimbalTiltSection) -> Result<GimbalTilt> {
-    let key = "vehicle.gimbal_tilt.zero_rad";
-    Ok(GimbalTilt {
+pub(super) const fn gimbal_tilt(section: &GimbalTiltSection) -> GimbalTilt {
+    GimbalTilt {
         axis: match section.axis {
             EulerName::Roll => EulerAxis::X,
             EulerName::Pitch => EulerAxis::Y,
@@ -43,8 +34,8 @@ pub(super) fn gimbal_tilt(section: &GimbalTiltSection) -> Result<GimbalTilt> {
             SignName::Same => Sign::Same,
             SignName::Opposite => Sign::Opposite,
         },
-        zero: Angle::from_radians(within(key, Some(section.zero_rad), 0.0, -1.571, 1.571, "radians")?),
-    })
+        zero: Angle::from_radians(section.zero_rad),
+    }
 }
 
 /// The section of a convention.

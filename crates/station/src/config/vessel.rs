@@ -12,8 +12,6 @@ use clap::ValueEnum;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::range::{ensure_names_one, within};
-
 /// Address of the boat of a simulated world.
 pub const SIMULATED: &str = "sim:";
 
@@ -25,42 +23,56 @@ pub struct VesselSection {
     /// (both of MAVLink), or `sim:`, the boat of a simulated world; without an address no boat is commanded.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub url: Option<String>,
-    /// Name of the profile: `mavlink-rover` (in GUIDED), `mavlink-rover-manual` (MANUAL_CONTROL), `lab-udp` or `simulator`; default:
-    /// `simulator` at `sim:`, else `mavlink-rover`.
+    /// Name of the profile: `mavlink-rover` (in GUIDED), `mavlink-rover-manual` (MANUAL_CONTROL), `lab-udp`
+    /// or `simulator`; default: `simulator` at `sim:`, else `mavlink-rover`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub profile: Option<String>,
-    /// The boat's MAVLink system, 1 to 255; default: the first boat that is heard.
+    /// The boat's MAVLink system; default: the first boat that is heard.
+    #[schemars(range(min = 1, max = 255))]
+    #[schemars(example = 2)]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub vehicle_system: Option<u8>,
-    /// How the boat goes to a mark; default: `los`.
+    /// How the boat goes to a mark.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub guidance: Option<GuidanceName>,
-    /// Largest throttle of the guidance ahead, 0 to 1; default: 0.6.
+    /// Largest throttle of the guidance ahead.
+    #[schemars(range(min = 0.0, max = 1.0))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub throttle_ahead: Option<f64>,
-    /// Largest throttle of the guidance astern, 0 (the boat cannot go astern) to 1; default: 0.6.
+    /// Largest throttle of the guidance astern (0: the boat cannot go astern).
+    #[schemars(range(min = 0.0, max = 1.0))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub throttle_astern: Option<f64>,
-    /// Largest throttle by hand, 0 to 1; default: 1.
+    /// Largest throttle by hand.
+    #[schemars(range(min = 0.0, max = 1.0))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub throttle_by_hand: Option<f64>,
-    /// Largest growth of the throttle, 1/s, 0.1 to 20; default: 2. Less throttle takes effect at once.
+    /// Largest growth of the throttle, 1/s. Less throttle takes effect at once.
+    #[schemars(range(min = 0.1, max = 20.0))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub throttle_rise_per_s: Option<f64>,
-    /// Largest speed of the guidance, m/s, 0.2 to 20; default: that of the throttle.
+    /// Largest speed of the guidance, m/s; default: that of the throttle.
+    #[schemars(range(min = 0.2, max = 20.0))]
+    #[schemars(example = 2.0)]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub speed_m_per_s: Option<f64>,
-    /// Distance that the boat keeps from the person that it goes to, metres, 0.5 to 50; default: 2.
+    /// Distance that the boat keeps from the person that it goes to, metres.
+    #[schemars(range(min = 0.5, max = 50.0))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub stand_off_m: Option<f64>,
-    /// Distance that the boat keeps from every other marked person, metres, 0.5 to 50; default: 3.
+    /// Distance that the boat keeps from every other marked person, metres.
+    #[schemars(range(min = 0.5, max = 50.0))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub keep_out_m: Option<f64>,
-    /// Throttle ahead, rudder amidships, with which a boat that goes by itself keeps way when it is not seen any more, 0 (neutral
-    /// at once) to 0.3; default: 0.
+    /// Throttle ahead, rudder amidships, with which a boat that goes by itself keeps way when it is not seen
+    /// any more (0: neutral at once). For surf, which rolls over a boat without way;
+    /// docs/safety.md#a-boat-that-keeps-way says what that gives up.
+    #[schemars(range(min = 0.0, max = KeepWay::MAX_THROTTLE))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub keep_way_throttle: Option<f64>,
-    /// For how long the boat keeps way, seconds, 0.1 to 3; default: 2.
+    /// For how long the boat keeps way, seconds.
+    #[schemars(range(min = 0.1, max = KeepWay::MAX_LASTS.as_secs_f64()))]
+    #[schemars(example = KEEP_WAY_S)]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub keep_way_s: Option<f64>,
 }
@@ -72,7 +84,8 @@ const KEEP_WAY_S: f64 = 2.0;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema, ValueEnum)]
 #[serde(rename_all = "kebab-case")]
 pub enum GuidanceName {
-    /// Along a line over the water; in the picture, by the laboratory's law, where height or tilt are not known.
+    /// Along a line over the water; in the picture, by the laboratory's law, where height or tilt are not
+    /// known.
     Los,
     /// The law of the paper's laboratory, in the picture.
     Lab,
@@ -125,7 +138,8 @@ impl VesselConfig {
 }
 
 impl VesselSection {
-    /// The effective settings; `None`: no boat is commanded, as there is no address. The values are checked nevertheless.
+    /// The effective settings; `None`: no boat is commanded, as there is no address. The values are checked
+    /// nevertheless.
     ///
     /// # Errors
     /// If there is no such profile, or a value is out of range; the message names the key and the range.
@@ -137,35 +151,18 @@ impl VesselSection {
             let names = VesselProfile::NAMES.join(", ");
             format!("vessel.profile: there is no vessel profile {name:?}: use one of {names}")
         })?;
-        let share = |key: &str, value: Option<f64>, base: f64| {
-            within(&format!("vessel.{key}"), value, base, 0.0, 1.0, "a share")
-        };
-        let metres = |key: &str, value: Option<f64>, base: f64| {
-            within(&format!("vessel.{key}"), value, base, 0.5, 50.0, "metres")
-        };
-        let speed = self.speed_m_per_s;
-        let speed_m_per_s =
-            speed.map(|_| within("vessel.speed_m_per_s", speed, 1.0, 0.2, 20.0, "m/s")).transpose()?;
-        let rise = self.throttle_rise_per_s;
         let profile = VesselProfile {
             limits: VesselLimits {
-                ahead: share("throttle_ahead", self.throttle_ahead, base.limits.ahead)?,
-                astern: share("throttle_astern", self.throttle_astern, base.limits.astern)?,
-                speed_m_per_s,
+                ahead: self.throttle_ahead.unwrap_or(base.limits.ahead),
+                astern: self.throttle_astern.unwrap_or(base.limits.astern),
+                speed_m_per_s: self.speed_m_per_s,
                 ..base.limits
             },
-            hand_throttle: share("throttle_by_hand", self.throttle_by_hand, base.hand_throttle)?,
-            throttle_rise_per_s: within(
-                "vessel.throttle_rise_per_s",
-                rise,
-                base.throttle_rise_per_s,
-                0.1,
-                20.0,
-                "1/s",
-            )?,
-            stand_off_m: metres("stand_off_m", self.stand_off_m, base.stand_off_m)?,
-            keep_out_m: metres("keep_out_m", self.keep_out_m, base.keep_out_m)?,
-            fail_safe: self.fail_safe()?,
+            hand_throttle: self.throttle_by_hand.unwrap_or(base.hand_throttle),
+            throttle_rise_per_s: self.throttle_rise_per_s.unwrap_or(base.throttle_rise_per_s),
+            stand_off_m: self.stand_off_m.unwrap_or(base.stand_off_m),
+            keep_out_m: self.keep_out_m.unwrap_or(base.keep_out_m),
+            fail_safe: self.fail_safe(),
             ..base
         };
         let vehicle = self.vehicle(name)?;
@@ -175,7 +172,6 @@ impl VesselSection {
 
     fn vehicle(&self, profile: &str) -> Result<Option<SystemId>> {
         let Some(system) = self.vehicle_system else { return Ok(None) };
-        ensure_names_one("vessel.vehicle_system", system)?;
         ensure!(
             VesselProtocol::of_profile(profile).is_some_and(VesselProtocol::has_systems),
             "vessel.vehicle_system has no effect on the boat {profile}: omit it, or use vessel.profile = \"mavlink-rover\""
@@ -183,15 +179,14 @@ impl VesselSection {
         Ok(Some(SystemId(system)))
     }
 
-    fn fail_safe(&self) -> Result<FailSafe> {
-        let (throttle, max) = (self.keep_way_throttle, KeepWay::MAX_THROTTLE);
-        let throttle = within("vessel.keep_way_throttle", throttle, 0.0, 0.0, max, "a share")?;
-        let max_s = KeepWay::MAX_LASTS.as_secs_f64();
-        let lasts_s = within("vessel.keep_way_s", self.keep_way_s, KEEP_WAY_S, 0.1, max_s, "seconds")?;
-        if throttle == 0.0 {
-            return Ok(FailSafe::Neutral);
+    fn fail_safe(&self) -> FailSafe {
+        match self.keep_way_throttle {
+            None | Some(0.0) => FailSafe::Neutral,
+            Some(throttle) => FailSafe::KeepWay(KeepWay {
+                throttle,
+                lasts: Duration::from_secs_f64(self.keep_way_s.unwrap_or(KEEP_WAY_S)),
+            }),
         }
-        Ok(FailSafe::KeepWay(KeepWay { throttle, lasts: Duration::from_secs_f64(lasts_s) }))
     }
 
     /// A complete section.
@@ -253,17 +248,12 @@ mod tests {
     }
 
     #[test]
-    fn values_out_of_range_and_unknown_profiles_are_named() {
+    fn unknown_profiles_and_idle_keys_are_named() {
         let at = |section: VesselSection| {
             VesselSection { url: Some(SIMULATED.to_owned()), ..section }.resolve().unwrap_err().to_string()
         };
         let none = VesselSection::default;
-        assert!(at(VesselSection { throttle_ahead: Some(1.1), ..none() }).contains("vessel.throttle_ahead"));
-        assert!(at(VesselSection { keep_way_throttle: Some(0.4), ..none() }).contains("from 0 to 0.3"));
-        assert!(at(VesselSection { keep_way_s: Some(4.0), ..none() }).contains("vessel.keep_way_s"));
-        assert!(at(VesselSection { stand_off_m: Some(0.0), ..none() }).contains("vessel.stand_off_m"));
         assert!(at(VesselSection { vehicle_system: Some(3), ..none() }).contains("the boat simulator"));
-        assert!(at(VesselSection { vehicle_system: Some(0), ..none() }).contains("1 to 255"));
         assert!(at(VesselSection { profile: Some("raft".to_owned()), ..none() }).contains("lab-udp"));
     }
 }
