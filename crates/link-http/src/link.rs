@@ -29,7 +29,6 @@ pub fn open_link(
     let io = HttpIo { settings, clock, mailbox: Arc::clone(&mailbox) };
     let port = io.open()?;
     let worker: Worker<FotokiteSigmaSession, _, _> = Worker {
-        faults,
         persistence: Duration::ZERO,
         mailbox,
         io,
@@ -37,5 +36,5 @@ pub fn open_link(
         open_session: Arc::new(|now| Box::new(FotokiteSigmaSession::open(now))),
         report,
     };
-    Ok(LinkHandle::start(worker, port)?)
+    Ok(LinkHandle::start_with_faults(worker, port, &faults)?)
 }

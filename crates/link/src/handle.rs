@@ -6,6 +6,7 @@ use std::thread::JoinHandle;
 use std::time::Duration;
 
 use barrelman_host::clock::Clock;
+use barrelman_host::fault::FaultPlan;
 use barrelman_vocab::{LinkCommand, Timestamp, VehicleRates};
 use barrelman_wire::{ByteSession, LinkHistory, OpenSession, Session};
 
@@ -51,7 +52,7 @@ impl<C: LinkCommand> LinkHandle<C> {
         report: impl Fn(LinkReport) -> bool + Send + 'static,
     ) -> Result<Self, LinkError> {
         let (worker, port) = Self::worker(url, protocol, clock, report)?;
-        Ok(Self::start(worker, port)?)
+        Ok(Self::start_with_faults(worker, port, &url.faults)?)
     }
 
     /// Stops a vehicle that a link before may have left moving: zeros and stop, once.
@@ -65,7 +66,7 @@ impl<C: LinkCommand> LinkHandle<C> {
         history: LinkHistory,
     ) -> Result<bool, LinkError> {
         let (worker, port) = Self::worker(url, protocol, clock, |_| true)?;
-        Ok(Self::start(Worker { history, ..worker }, port)?.close())
+        Ok(Self::start_with_faults(Worker { history, ..worker }, port, &url.faults)?.close())
     }
 
     fn worker<R: Fn(LinkReport) -> bool>(
@@ -78,7 +79,6 @@ impl<C: LinkCommand> LinkHandle<C> {
         let io = MachineIo { endpoint: url.endpoint.clone(), clock, mailbox: Arc::clone(&mailbox) };
         let port = io.open()?;
         let worker = Worker {
-            faults: url.faults.clone(),
             persistence: Duration::ZERO,
             mailbox: Arc::clone(&mailbox),
             io,
@@ -87,6 +87,28 @@ impl<C: LinkCommand> LinkHandle<C> {
             report,
         };
         Ok((worker, port))
+    }
+
+    /// Starts the thread of a worker on its open port, which has these deliberate faults from now on, if there are any.
+    ///
+    /// # Errors
+    /// As [`Self::start`].
+    pub fn start_with_faults<S, I, R>(
+        worker: Worker<S, I, R>,
+        port: I::Port,
+        faults: &FaultPlan,
+    ) -> io::Result<Self>
+    where
+        S: Session<Command = C> + ?Sized + 'static,
+        I: PortIo<Sent = S::Sent, Received = S::Received> + Send + 'static,
+        I::Port: Send,
+        R: Fn(LinkReport) -> bool + Send + 'static,
+    {
+        if faults.is_empty() {
+            Self::start(worker, port)
+        } else {
+            Self::start(worker.with_faults(faults.clone()), port)
+        }
     }
 
     /// Starts the thread of a worker on its open port: for vehicles of any packets.

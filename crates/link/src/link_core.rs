@@ -13,7 +13,6 @@
 
 use std::time::Duration;
 
-use barrelman_host::fault::{FaultKind, FaultPlan};
 use barrelman_vocab::telemetry::{LinkState, Report};
 use barrelman_vocab::{LinkCommand, Telemetry, Timestamp};
 use barrelman_wire::{LinkHistory, NextAction, Session, WillStep};
@@ -25,7 +24,7 @@ use crate::report::LinkReport;
 pub const REOPEN_INTERVAL: Duration = Duration::from_millis(100);
 /// A session that ended earlier than this is no reason to reopen the port at once.
 const SHORT_SESSION: Duration = Duration::from_secs(1);
-/// Longest wait: a deliberate fault begins at most this late.
+/// Longest wait: a report that found no room is made again at most this late.
 const MAX_WAIT: Duration = Duration::from_millis(100);
 /// Longest time from the request to close to `stop`. The link then ends without `stop`.
 const CLOSING_TIMEOUT: Duration = Duration::from_secs(5);
@@ -58,7 +57,6 @@ pub enum LinkAction {
 /// A link's state.
 pub struct LinkCore<S: Session + ?Sized> {
     open_session: SessionOpener<S>,
-    faults: FaultPlan,
     /// How long a link that is closing goes on trying to reach its vehicle.
     persistence: Duration,
     requested: RequestedCommand<S::Command>,
@@ -90,10 +88,9 @@ struct Closing {
 impl<S: Session + ?Sized> LinkCore<S> {
     /// A link without an open port. A link that is closed without a port tries once more to reach its vehicle, and goes on
     /// trying for `persistence`.
-    pub fn new(open_session: SessionOpener<S>, faults: FaultPlan, persistence: Duration) -> Self {
+    pub fn new(open_session: SessionOpener<S>, persistence: Duration) -> Self {
         Self {
             open_session,
-            faults,
             persistence,
             requested: RequestedCommand::default(),
             switch: DeadMansSwitch::default(),
@@ -184,7 +181,7 @@ impl<S: Session + ?Sized> LinkCore<S> {
 
     /// Passes a received packet to the session.
     pub fn received(&mut self, packet: &S::Received, now: Timestamp, report: ReportSink<'_>) {
-        if let Some(open) = self.session.as_mut().filter(|_| !self.faults.is_active(FaultKind::Stall, now)) {
+        if let Some(open) = &mut self.session {
             open.session.received(packet, now, &mut |telemetry| {
                 report(LinkReport::Telemetry(telemetry));
             });
@@ -193,21 +190,12 @@ impl<S: Session + ?Sized> LinkCore<S> {
 
     /// Appends the packets that are due now to `out`, and returns what to do after they were sent.
     pub fn poll(&mut self, now: Timestamp, out: &mut Vec<S::Sent>, report: ReportSink<'_>) -> LinkAction {
-        #[allow(clippy::panic, reason = "requested on the command line, to test the emergency stop")]
-        if self.faults.is_active(FaultKind::Panic, now) {
-            panic!("the link thread panics on purpose");
-        }
         let command = self.switch.command_in_force(&self.requested, now, || {
             report(LinkReport::HeldUp);
         });
-        let is_disconnected = self.faults.is_active(FaultKind::Disconnect, now);
         let Some(open) = &mut self.session else {
-            return self.poll_without_port(is_disconnected, now, report);
+            return self.poll_without_port(now, report);
         };
-        if is_disconnected {
-            self.port_lost("disconnected on purpose".to_owned(), now, report);
-            return LinkAction::ClosePort;
-        }
         open.session.request(command, self.requested.renew_by.filter(|_| !command.is_rest()));
         if let Some(closing) = self.closing {
             if !open.is_closing {
@@ -220,9 +208,6 @@ impl<S: Session + ?Sized> LinkCore<S> {
             }
         }
         let next = open.session.poll(now, out);
-        if [FaultKind::Drop, FaultKind::Stall].iter().any(|kind| self.faults.is_active(*kind, now)) {
-            out.clear();
-        }
         let (state, evidence) = (open.session.link_state(), open.session.rest_evidence(now));
         let is_anothers = open.session.is_anothers();
         self.history.may_be_turning &= state != LinkState::Up;
@@ -247,12 +232,7 @@ impl<S: Session + ?Sized> LinkCore<S> {
         }
     }
 
-    fn poll_without_port(
-        &mut self,
-        is_disconnected: bool,
-        now: Timestamp,
-        report: ReportSink<'_>,
-    ) -> LinkAction {
+    fn poll_without_port(&mut self, now: Timestamp, report: ReportSink<'_>) -> LinkAction {
         self.report_state(LinkState::Opening, now, report);
         if let Some(closing) = self.closing
             && closing.has_tried
@@ -265,10 +245,6 @@ impl<S: Session + ?Sized> LinkCore<S> {
         }
         if let Some(closing) = &mut self.closing {
             closing.has_tried = true;
-        }
-        if is_disconnected {
-            self.open_failed(now);
-            return LinkAction::Wait { until: self.reopen_at };
         }
         LinkAction::Open
     }
@@ -345,7 +321,7 @@ mod tests {
     }
 
     fn core_without_port() -> LinkCore<NoSession> {
-        LinkCore::new(Box::new(|_| Box::new(NoSession::default())), FaultPlan::default(), Duration::ZERO)
+        LinkCore::new(Box::new(|_| Box::new(NoSession::default())), Duration::ZERO)
     }
 
     #[test]
@@ -420,8 +396,7 @@ mod tests {
     #[test]
     fn a_link_that_closes_without_a_port_waits_between_its_attempts() {
         let persistence = Duration::from_secs(10);
-        let mut core =
-            LinkCore::new(Box::new(|_| Box::new(NoSession::default())), FaultPlan::default(), persistence);
+        let mut core = LinkCore::new(Box::new(|_| Box::new(NoSession::default())), persistence);
         let (mut now, mut attempts) = (Timestamp::from_secs_f64(5.0), 0);
         loop {
             // The worker says so each time.

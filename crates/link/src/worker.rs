@@ -8,6 +8,7 @@ use std::time::Duration;
 use barrelman_host::fault::FaultPlan;
 use barrelman_wire::{LinkHistory, Session, WillStep};
 
+use crate::faulty_io::FaultyIo;
 use crate::link_core::{LinkAction, LinkCore, SessionOpener};
 use crate::mailbox::Mailbox;
 use crate::port_io::PortIo;
@@ -25,8 +26,6 @@ const REPORT_ATTEMPTS: u32 = 500;
 
 /// The work of a link's thread, or of the guard.
 pub struct Worker<S: Session + ?Sized, I, R> {
-    /// Deliberate faults of the link.
-    pub faults: FaultPlan,
     /// How long a link that is closing goes on trying to reach its vehicle.
     pub persistence: Duration,
     /// The program's requests.
@@ -47,12 +46,19 @@ where
     I: PortIo<Sent = S::Sent, Received = S::Received>,
     R: Fn(LinkReport) -> bool,
 {
+    /// The same worker at a port that has these deliberate faults.
+    pub fn with_faults(self, plan: FaultPlan) -> Worker<S, FaultyIo<I>, R> {
+        let Self { persistence, mailbox, io, history, open_session, report } = self;
+        let io = FaultyIo::new(io, plan);
+        Worker { persistence, mailbox, io, history, open_session, report }
+    }
+
     /// Serves the port until the link is closed. A panic sends the emergency stop.
     pub fn run(self, mut port: Option<I::Port>) {
         let open_session = Arc::clone(&self.open_session);
         let opener: SessionOpener<S> = Box::new(move |now| open_session(now));
         // Port and core are outside of the code that may panic: the emergency stop needs them.
-        let mut core = LinkCore::new(opener, self.faults.clone(), self.persistence);
+        let mut core = LinkCore::new(opener, self.persistence);
         let served = catch_unwind(AssertUnwindSafe(|| self.serve(&mut core, &mut port)));
         let is_stop_sent = served.unwrap_or_else(|_| {
             let is_sent = port.as_mut().is_some_and(|port| self.stop_after_panic(&core, port));

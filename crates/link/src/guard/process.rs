@@ -106,7 +106,6 @@ impl Parts<'_> {
         };
         let reports = Arc::clone(&pipe);
         let worker: Worker<ByteSession<P::Command>, _, _> = Worker {
-            faults: url.faults.clone(),
             persistence: PERSISTENCE,
             mailbox: Arc::clone(&mailbox),
             io: PipeIo {
@@ -122,7 +121,11 @@ impl Parts<'_> {
             open_session: Arc::new(move |now| protocol.open(now)),
             report: move |report| message_of(report).is_none_or(|message| reports.send(&message.encode())),
         };
-        worker.run(port);
+        if url.faults.is_empty() {
+            worker.run(port);
+        } else {
+            worker.with_faults(url.faults).run(port);
+        }
         let is_stop_sent = mailbox.is_stop_sent();
         pipe.send(&FromGuard::Ended { is_stop_sent }.encode());
         Ok(is_stop_sent)

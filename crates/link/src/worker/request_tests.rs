@@ -173,7 +173,6 @@ fn serve(status: u16, faults: &str) -> (bool, Vec<(Timestamp, Turn)>, Vec<LinkRe
         Box::new(closed)
     };
     let worker: Worker<RequestSession, _, _> = Worker {
-        faults: FaultPlan::parse(faults).unwrap(),
         persistence: Duration::ZERO,
         mailbox: Arc::clone(&mailbox),
         io: &vehicle,
@@ -184,7 +183,7 @@ fn serve(status: u16, faults: &str) -> (bool, Vec<(Timestamp, Turn)>, Vec<LinkRe
             true
         },
     };
-    worker.run(Some(()));
+    worker.with_faults(FaultPlan::parse(faults).unwrap()).run(Some(()));
     (mailbox.is_stop_sent(), vehicle.turns.take(), reports.take())
 }
 

@@ -215,7 +215,6 @@ fn serve_with_room(faults: &str, script: &[(u64, Action)], room_from_ms: Option<
         baud: 115_200,
     };
     let worker: Worker<ByteSession, _, _> = Worker {
-        faults: FaultPlan::parse(faults).unwrap(),
         persistence: Duration::ZERO,
         history: LinkHistory::default(),
         open_session: Arc::new(move |now| protocol.open(now)),
@@ -238,7 +237,7 @@ fn serve_with_room(faults: &str, script: &[(u64, Action)], room_from_ms: Option<
             is_taken
         },
     };
-    worker.run(Some(BenchPort));
+    worker.with_faults(FaultPlan::parse(faults).unwrap()).run(Some(BenchPort));
     Served {
         is_stop_sent: mailbox.is_stop_sent(),
         lines: bench.lines.take(),
@@ -369,4 +368,26 @@ fn a_line_that_stalls_for_long_ends_the_session() {
     let lost = "lost: the ground station does not answer";
     assert_eq!(served.reports[..5], ["Starting", "Up", "Silent", lost, "Opening"]);
     assert_eq!(served.reports[7..], ["Starting", "Up", "Closing", "Closed"], "the second attempt is heard");
+}
+
+#[test]
+fn a_port_that_is_disconnected_on_purpose_is_lost_and_opened_again() {
+    let script = [(UP_MS, Request(MOVING, 60_000)), (12_000, Close)];
+    let served = serve("disconnect@5+1", &script);
+    let lost = "lost: disconnected on purpose";
+    assert_eq!(served.reports, ["Starting", "Up", lost, "Opening", "Starting", "Up", "Closing", "Closed"]);
+    let during = |time: &Timestamp| *time >= at(5_000) && *time < at(6_000);
+    assert!(!served.lines.iter().any(|(time, _)| during(time)), "{:?}", served.lines);
+    assert!(served.rates.iter().any(|(time, rates)| *time > at(6_000) && *rates == MOVING));
+    served.check_ends_with_zeros_and_stop();
+}
+
+#[test]
+fn dropped_packets_are_not_sent_while_the_vehicle_is_heard() {
+    let script = [(UP_MS, Request(MOVING, 5_000)), (9_000, Close)];
+    let served = serve("drop@4.5+2", &script);
+    let during = |time: &Timestamp| *time >= at(4_500) && *time < at(6_500);
+    assert!(!served.lines.iter().any(|(time, _)| during(time)), "{:?}", served.lines);
+    assert_eq!(served.reports, ["Starting", "Up", "Closing", "Closed"]);
+    served.check_ends_with_zeros_and_stop();
 }

@@ -5,7 +5,6 @@ use std::collections::VecDeque;
 use std::sync::Arc;
 use std::time::Duration;
 
-use barrelman_host::fault::FaultPlan;
 use barrelman_link::guard::Gate;
 use barrelman_link::guard::gate::GuardedCommand;
 use barrelman_link::guard::message::ToGuard;
@@ -53,7 +52,7 @@ impl<C: GuardedCommand> LinkHost<C> {
         let has_guard = plan.guard_limits.is_some();
         let persistence = if has_guard { PERSISTENCE } else { Duration::ZERO };
         let open = Box::new(move |now| open_session(now));
-        let mut core = LinkCore::new(open, FaultPlan::default(), persistence);
+        let mut core = LinkCore::new(open, persistence);
         core.resume(history);
         Self {
             core,
