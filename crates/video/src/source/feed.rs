@@ -1,4 +1,4 @@
-//! Passes the units of a source through deliberate faults and the decoder, and the signal that stops a source.
+//! Passes the units of a source to the decoder, and the signal that stops a source.
 
 use std::collections::VecDeque;
 use std::sync::{Condvar, Mutex, PoisonError};
@@ -7,9 +7,10 @@ use std::time::Instant;
 use barrelman_vocab::unit::EncodedUnit;
 use barrelman_vocab::video::VideoFrame;
 
-use super::fault_filter::FaultFilter;
+use super::faulty_path::FaultyPath;
 use super::sender_clock::TimingSettings;
 use super::sink::{VideoSink, VideoState};
+use super::unit_path::{DirectPath, UnitPath};
 use crate::codec::decoder::{DecodeMode, UnitDecoder};
 use crate::error::{DecodeError, VideoError};
 use barrelman_host::clock::Clock;
@@ -48,7 +49,7 @@ impl StopSignal {
 pub struct FeedSettings {
     /// The address of the source, without a password, for error messages.
     pub address: String,
-    /// The deliberate faults of the source.
+    /// The deliberate faults of the source. Their times count from the program's start.
     pub faults: FaultPlan,
     /// Whether the decoder delivers each picture at once or in the order of display.
     pub mode: DecodeMode,
@@ -56,14 +57,14 @@ pub struct FeedSettings {
     pub timing: TimingSettings,
 }
 
-/// Passes units through the deliberate faults and the decoder to the sink.
+/// Passes units through the decoder to the sink.
 pub struct Feed<S> {
     /// Receives units, frames and the state of the source.
     pub sink: S,
     /// The program's clock.
     pub clock: Clock,
     pub(super) address: String,
-    pub(super) faults: FaultFilter,
+    pub(super) path: Box<dyn UnitPath>,
     pub(super) decoder: UnitDecoder,
     pub(super) timing: TimingSettings,
 }
@@ -71,7 +72,7 @@ pub struct Feed<S> {
 /// The result of one call of [`Feed::decode`].
 #[derive(Debug, Default)]
 pub struct DecodedUnits {
-    /// The units that passed the faults, in the order of decoding.
+    /// The units that came to the decoder, in the order of decoding.
     pub units: Vec<EncodedUnit>,
     /// Frames that are ready, in the order of display.
     pub frames: VecDeque<VideoFrame>,
@@ -83,20 +84,16 @@ impl<S: VideoSink> Feed<S> {
     /// A feed that starts now.
     pub fn new(settings: FeedSettings, clock: Clock, sink: S) -> Self {
         let FeedSettings { address, faults, mode, timing } = settings;
-        let faults = FaultFilter::new(faults);
-        Self { sink, clock, address, faults, decoder: UnitDecoder::new(mode), timing }
+        let path: Box<dyn UnitPath> =
+            if faults.is_empty() { Box::new(DirectPath) } else { Box::new(FaultyPath::new(faults)) };
+        Self { sink, clock, address, path, decoder: UnitDecoder::new(mode), timing }
     }
 
-    /// Passes a unit through the faults and decodes what is left. Without a unit: decodes the delayed units that are
-    /// due. The times of faults count from the program's start.
+    /// Decodes what comes of a unit on its way. Without a unit: decodes the delayed units that are due.
     pub fn decode(&mut self, unit: Option<EncodedUnit>) -> DecodedUnits {
         let at = self.clock.now();
-        self.faults.panic_if_planned(at);
         let mut decoded = DecodedUnits::default();
-        match unit {
-            Some(unit) => self.faults.pass(unit, at, &mut |unit| decoded.units.push(unit)),
-            None => self.faults.release(at, &mut |unit| decoded.units.push(unit)),
-        }
+        self.path.pass(unit, at, &mut |unit| decoded.units.push(unit));
         for unit in &decoded.units {
             let result = self.decoder.decode(unit, &mut |frame| decoded.frames.push_back(frame));
             if let Err(error) = result {

@@ -30,7 +30,7 @@ use barrelman_host::clock::Clock;
 use barrelman_host::suspend::SuspendWatch;
 use barrelman_vocab::unit::{EncodedUnit, Rotation, UnitCodec};
 
-/// Interval of the checks for the stop signal and for due faults.
+/// Interval of the checks for the stop signal, a cut line and delayed units.
 const POLL_INTERVAL: Duration = Duration::from_millis(50);
 
 /// Time for the session to send its TEARDOWN to the server.
@@ -138,12 +138,11 @@ impl<S: VideoSink> Receiver<'_, S> {
             if self.stop.is_raised() {
                 return End::Stopped;
             }
-            let is_disconnected = self.feed.faults.is_disconnected(self.feed.clock.now());
+            if let Some(reason) = self.feed.path.cut(self.feed.clock.now()) {
+                self.notify(Event::Broken);
+                return End::Lost(reason.to_owned());
+            }
             let action = match event {
-                _ if is_disconnected => {
-                    self.notify(Event::Broken);
-                    return End::Lost("the connection is cut on purpose".to_owned());
-                }
                 ConnectionEvent::Timeout => match self.deliver(None) {
                     Ok(()) => self.notify(Event::Tick),
                     Err(end) => return end,
@@ -217,7 +216,7 @@ impl<S: VideoSink> Receiver<'_, S> {
         }
     }
 
-    /// Passes a unit, or the delayed units that are due, through faults and decoder to the sink.
+    /// Passes a unit, or the delayed units that are due, through the decoder to the sink.
     fn deliver(&mut self, unit: Option<EncodedUnit>) -> Result<(), End> {
         let decoded = self.feed.decode(unit);
         for unit in &decoded.units {

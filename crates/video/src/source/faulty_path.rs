@@ -1,15 +1,15 @@
-//! Applies a [`FaultPlan`] to the units of a video source on their way to the decoder.
+//! Deliberate faults of a video source: the [`UnitPath`] that applies a [`FaultPlan`] to the units on their way.
 //!
 //! | kind | effect |
 //! |---|---|
-//! | stall, drop, disconnect | units are lost |
+//! | stall, drop | units are lost |
+//! | disconnect | the line is cut, and units are lost |
 //! | delay | units are delivered [`DELAY`] late, in order |
 //! | duplicate | each unit is delivered twice |
 //! | corrupt | some bytes of each unit are changed, by a seeded generator of random numbers |
 //! | panic | the thread panics, once |
 //!
-//! The source itself refuses connections during a disconnect and reports the silence of a stall. `reboot` has no effect
-//! on a video.
+//! A network source reports the silence of a stall. `reboot` has no effect on a video.
 
 use std::collections::VecDeque;
 use std::time::Duration;
@@ -17,16 +17,17 @@ use std::time::Duration;
 use barrelman_vocab::time::Timestamp;
 use bytes::Bytes;
 
+use super::unit_path::UnitPath;
 use barrelman_host::fault::{FaultKind, FaultPlan};
 use barrelman_vocab::rng::SplitMix64;
 use barrelman_vocab::unit::EncodedUnit;
 
 /// The delay of a delayed unit.
-pub(super) const DELAY: Duration = Duration::from_millis(500);
+const DELAY: Duration = Duration::from_millis(500);
 
-/// Applies the planned faults to the units of one source. Times count from the program's start.
+/// The way of the units of one source with its planned faults. Times count from the program's start.
 #[derive(Debug)]
-pub(super) struct FaultFilter {
+pub(super) struct FaultyPath {
     plan: FaultPlan,
     delayed: VecDeque<(Timestamp, EncodedUnit)>,
     rng: SplitMix64,
@@ -34,32 +35,21 @@ pub(super) struct FaultFilter {
     last_check: Option<Timestamp>,
 }
 
-impl FaultFilter {
-    /// A filter whose random numbers are the same in each run.
+impl FaultyPath {
+    /// A way whose random numbers are the same in each run.
     pub(super) const fn new(plan: FaultPlan) -> Self {
         Self { plan, delayed: VecDeque::new(), rng: SplitMix64::new(0x5eed), last_check: None }
     }
 
-    /// Whether a disconnect is active.
-    pub(super) fn is_disconnected(&self, at: Timestamp) -> bool {
-        self.plan.is_active(FaultKind::Disconnect, at)
-    }
-
     /// Panics if the plan says so.
-    pub(super) fn panic_if_planned(&mut self, at: Timestamp) {
-        if !self.plan.is_empty() {
-            let is_due = self.plan.count_started(FaultKind::Panic, self.last_check, at) > 0;
-            self.last_check = Some(at);
-            assert!(!is_due, "the video thread panics because ?fault=panic asked for it");
-        }
+    fn panic_if_planned(&mut self, at: Timestamp) {
+        let is_due = self.plan.count_started(FaultKind::Panic, self.last_check, at) > 0;
+        self.last_check = Some(at);
+        assert!(!is_due, "the video thread panics because ?fault=panic asked for it");
     }
 
-    /// Takes a unit that arrived at `at`, and passes the units to deliver to `out`.
-    pub(super) fn pass(&mut self, unit: EncodedUnit, at: Timestamp, out: &mut impl FnMut(EncodedUnit)) {
-        if self.plan.is_empty() {
-            return out(unit);
-        }
-        self.release(at, out);
+    /// Passes on what the faults leave of a unit that arrived at `at`.
+    fn pass_arrived(&mut self, unit: EncodedUnit, at: Timestamp, out: &mut dyn FnMut(EncodedUnit)) {
         let is_active = |kind| self.plan.is_active(kind, at);
         if [FaultKind::Stall, FaultKind::Drop, FaultKind::Disconnect].into_iter().any(is_active) {
             return;
@@ -81,7 +71,7 @@ impl FaultFilter {
     }
 
     /// Passes the delayed units that are due to `out`.
-    pub(super) fn release(&mut self, at: Timestamp, out: &mut impl FnMut(EncodedUnit)) {
+    fn release(&mut self, at: Timestamp, out: &mut dyn FnMut(EncodedUnit)) {
         while self.delayed.front().is_some_and(|(due, _)| *due <= at) {
             if let Some((_, unit)) = self.delayed.pop_front() {
                 out(unit);
@@ -99,6 +89,20 @@ impl FaultFilter {
         }
         unit.payload = Bytes::from(bytes);
         unit
+    }
+}
+
+impl UnitPath for FaultyPath {
+    fn cut(&self, at: Timestamp) -> Option<&'static str> {
+        self.plan.is_active(FaultKind::Disconnect, at).then_some("the connection is cut on purpose")
+    }
+
+    fn pass(&mut self, unit: Option<EncodedUnit>, at: Timestamp, out: &mut dyn FnMut(EncodedUnit)) {
+        self.panic_if_planned(at);
+        self.release(at, out);
+        if let Some(unit) = unit {
+            self.pass_arrived(unit, at, out);
+        }
     }
 }
 
@@ -124,11 +128,11 @@ mod tests {
 
     /// Ten units, one each 0.1 s from 0 on; the plan leaves these.
     fn check(plan: &str, expected: &[u64]) {
-        let mut filter = FaultFilter::new(FaultPlan::parse(plan).unwrap());
+        let mut path = FaultyPath::new(FaultPlan::parse(plan).unwrap());
         let mut passed = Vec::new();
         for index in 0..10 {
             let at = Timestamp::from_nanos(index * 100_000_000);
-            filter.pass(unit(index), at, &mut |unit| passed.push(unit.index));
+            path.pass(Some(unit(index)), at, &mut |unit| passed.push(unit.index));
         }
         assert_eq!(passed, expected, "{plan}");
     }
@@ -148,9 +152,9 @@ mod tests {
     #[test]
     fn corruption_is_the_same_each_time() {
         let corrupted = || {
-            let mut filter = FaultFilter::new(FaultPlan::parse("corrupt@0").unwrap());
+            let mut path = FaultyPath::new(FaultPlan::parse("corrupt@0").unwrap());
             let mut passed = Vec::new();
-            filter.pass(unit(0), Timestamp::ZERO, &mut |unit| passed.push(unit.payload));
+            path.pass(Some(unit(0)), Timestamp::ZERO, &mut |unit| passed.push(unit.payload));
             passed
         };
         assert_eq!(corrupted(), corrupted());
@@ -159,11 +163,11 @@ mod tests {
 
     #[test]
     fn any_byte_can_be_damaged() {
-        let mut filter = FaultFilter::new(FaultPlan::parse("corrupt@0").unwrap());
+        let mut path = FaultyPath::new(FaultPlan::parse("corrupt@0").unwrap());
         let whole = unit(0).payload;
         let mut damaged = vec![false; whole.len()];
         for _ in 0..20_000 {
-            filter.pass(unit(0), Timestamp::ZERO, &mut |unit| {
+            path.pass(Some(unit(0)), Timestamp::ZERO, &mut |unit| {
                 for (damaged, (before, after)) in
                     damaged.iter_mut().zip(whole.iter().zip(unit.payload.iter()))
                 {
@@ -177,8 +181,8 @@ mod tests {
     #[test]
     #[should_panic(expected = "?fault=panic")]
     fn a_planned_panic_happens() {
-        let mut filter = FaultFilter::new(FaultPlan::parse("panic@1").unwrap());
-        filter.panic_if_planned(Timestamp::ZERO);
-        filter.panic_if_planned(Timestamp::from_nanos(2_000_000_000));
+        let mut path = FaultyPath::new(FaultPlan::parse("panic@1").unwrap());
+        path.pass(None, Timestamp::ZERO, &mut |_| {});
+        path.pass(None, Timestamp::from_nanos(2_000_000_000), &mut |_| {});
     }
 }
