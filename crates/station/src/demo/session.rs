@@ -20,8 +20,8 @@ use super::live_drive::{DriveEnd, LiveDrive};
 use super::observers::{ConsoleObserver, DriveObservers};
 use super::recording;
 use crate::live::event::{report_panics, wake_by};
+use crate::live::faults::FaultInjector;
 use crate::live::terminal::Terminal;
-use crate::live::threads::FaultInjector;
 
 /// Capacity of the queue of events.
 const EVENTS: usize = 64;

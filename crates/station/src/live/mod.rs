@@ -30,3 +30,6 @@ pub mod status_line;
 pub mod status_writer;
 pub mod terminal;
 pub mod threads;
+
+pub mod faults;
+mod inbox;

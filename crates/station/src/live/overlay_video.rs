@@ -15,8 +15,10 @@ use barrelman_vocab::profile::RegionShares;
 use barrelman_vocab::{VehicleRates, VideoFrame};
 
 use super::event::Event;
+use super::faults::FaultInjector;
+use super::inbox::{FOREVER, Inbox};
 use super::run_loop::{LiveStep, LiveStepObserver};
-use super::threads::{self, FaultInjector};
+use super::threads;
 
 /// Capacity of the queue of frames to render.
 const QUEUE_CAPACITY: usize = 8;
@@ -56,9 +58,8 @@ impl OverlayVideo {
         let (frames, queue) = sync_channel::<Option<Box<OverlayFrame>>>(QUEUE_CAPACITY);
         let (send_result, result) = sync_channel(1);
         let thread = threads::spawn("overlay", events, move || {
-            let _ = send_result.send(write(Film::new(file, shares), &queue, || {
-                fault_injector.apply_faults("overlay", clock.now())
-            }));
+            let mut queue = fault_injector.inbox("overlay", clock, queue);
+            let _ = send_result.send(write(Film::new(file, shares), &mut *queue));
         })?;
         Ok(Self { frames, thread, result })
     }
@@ -97,9 +98,8 @@ impl Drop for OverlayInput {
     }
 }
 
-fn write(mut film: Film, queue: &Receiver<Option<Box<OverlayFrame>>>, apply_faults: impl Fn()) -> Result<()> {
-    while let Ok(Some(step)) = queue.recv() {
-        apply_faults();
+fn write(mut film: Film, queue: &mut dyn Inbox<Option<Box<OverlayFrame>>>) -> Result<()> {
+    while let Ok(Some(step)) = queue.next(FOREVER) {
         film.add_outcome(&step.frame, &step.outcome, step.rates)?;
     }
     film.finish()

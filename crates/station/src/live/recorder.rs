@@ -6,7 +6,7 @@
 use std::io::{BufWriter, Write};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, TrySendError, sync_channel};
+use std::sync::mpsc::{RecvTimeoutError, SyncSender, TrySendError, sync_channel};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
@@ -18,9 +18,11 @@ use barrelman_trial::records::{
 use barrelman_vocab::{EncodedUnit, Timestamp, VideoFrame};
 
 use super::event::Event;
+use super::faults::FaultInjector;
+use super::inbox::Inbox;
 use super::recording_folder::DiskReserve;
 use super::run_loop::{LiveStep, LiveStepObserver};
-use super::threads::{self, FaultInjector};
+use super::threads;
 
 /// Capacity of the queue of entries: some ten seconds of a run.
 const QUEUE_CAPACITY: usize = 2048;
@@ -112,8 +114,8 @@ impl Recorder {
         let input = RecorderInput { items, events: events.clone(), has_failed: Arc::clone(&has_failed) };
         let alarm = events.clone();
         let thread = threads::spawn("recorder", events, move || {
-            let apply_faults = || fault_injector.apply_faults("recorder", clock.now());
-            if let Err(error) = write(&queue, writer, apply_faults, reserve.as_ref()) {
+            let mut queue = fault_injector.inbox("recorder", clock, queue);
+            if let Err(error) = write(&mut *queue, writer, reserve.as_ref()) {
                 has_failed.store(true, Ordering::Relaxed);
                 let reason = format!("{error:#}");
                 let _ = alarm.send(Event::RecordingFailed { reason });
@@ -136,15 +138,13 @@ impl Recorder {
 }
 
 fn write<W: Write>(
-    queue: &Receiver<Item>,
+    queue: &mut dyn Inbox<Item>,
     mut writer: RecordingWriter<W>,
-    apply_faults: impl Fn(),
     reserve: Option<&DiskReserve>,
 ) -> Result<()> {
     let mut flush_at = Instant::now() + FLUSH_INTERVAL;
     loop {
-        apply_faults();
-        match queue.recv_timeout(flush_at.saturating_duration_since(Instant::now())) {
+        match queue.next(flush_at.saturating_duration_since(Instant::now())) {
             Ok(Item::End) | Err(RecvTimeoutError::Disconnected) => return Ok(writer.finish()?),
             Ok(Item::Unit(unit)) => writer.write(&Entry::Unit(unit))?,
             Ok(Item::Frame { step, now, frame }) => {

@@ -28,7 +28,6 @@ use barrelman_vocab::{
 
 use super::event::{Event, EventSource};
 use super::status_line::{StatusLine, StatusOutput};
-use super::threads::FaultInjector;
 use crate::config::lens::misfit;
 use crate::link::boat_link::BoatLink;
 use crate::link::{LinkReport, VehicleLink};
@@ -105,8 +104,6 @@ pub struct RunLoop<'a> {
     pub ends_on_refused_selection: bool,
     /// Further observers: the annotated video, the pictures of the console.
     pub observers: Vec<Box<dyn LiveStepObserver + 'a>>,
-    /// Deliberate faults.
-    pub fault_injector: FaultInjector,
 }
 
 /// The state of the loop between events.
@@ -155,7 +152,6 @@ impl RunLoop<'_> {
     /// handles it.
     fn wait_and_handle(&mut self, state: &mut LoopState) -> Option<Ending> {
         let now = self.events.now();
-        self.fault_injector.apply_faults("pilot", now);
         if let Some(gap) = self.events.suspension() {
             self.on_suspension(state, gap);
         }

@@ -30,6 +30,7 @@ use barrelman_vocab::{CameraRequest, OperatorRequest, PixelBox};
 
 use super::calibration::LiveCalibration;
 use super::event::{Event, EventQueue, report_panics, wake_by};
+use super::faults::FaultInjector;
 use super::killed_together;
 use super::open_boat::open_boat;
 use super::open_link::{LinkedVehicle, open_link, take_lock};
@@ -43,7 +44,6 @@ use super::source::Source;
 use super::status_line::StatusLine;
 use super::status_writer::{LineStyle, StatusWriter};
 use super::terminal::{KEYS, Terminal};
-use super::threads::FaultInjector;
 use super::video_sink::LiveVideoSink;
 use crate::config::Configuration;
 use crate::config::vessel::SIMULATED;
@@ -289,10 +289,12 @@ impl Session<'_> {
             observers.push(observer(calibration.observer(Arc::clone(&gateway), events)));
         }
         let requests = first_requests(self.selection, self.engage);
+        let queue = EventQueue { queue, clock, absence: AbsenceWatch::start(clock.now()) };
+        let mut events = fault_injector.events(clock, queue);
         let run_loop = RunLoop {
             pilot,
             profile: profile.clone(),
-            events: &mut EventQueue { queue, clock, absence: AbsenceWatch::start(clock.now()) },
+            events: &mut *events,
             gateway,
             publisher,
             latest,
@@ -303,7 +305,6 @@ impl Session<'_> {
             status_output: Box::new(status_output),
             ends_on_refused_selection: is_headless,
             observers,
-            fault_injector,
         };
         // A panic in the pilot must not unwind past the link's shutdown.
         let end = catch_unwind(AssertUnwindSafe(|| run_loop.run(&requests)))

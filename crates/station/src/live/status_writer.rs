@@ -4,15 +4,17 @@
 //! in time is dropped; the next line replaces it.
 
 use std::io::{IsTerminal as _, Write, stdout};
-use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
+use std::sync::mpsc::{SyncSender, sync_channel};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use barrelman_host::clock::Clock;
 
 use super::event::Event;
+use super::faults::FaultInjector;
+use super::inbox::{FOREVER, Inbox};
 use super::status_line::StatusOutput;
-use super::threads::{self, FaultInjector};
+use super::threads;
 
 /// Interval between lines on a terminal.
 const TERMINAL_INTERVAL: Duration = Duration::from_millis(200);
@@ -68,9 +70,9 @@ impl StatusWriter {
         events: SyncSender<Event>,
     ) -> std::io::Result<Self> {
         let (lines, queue) = sync_channel(1);
-        let apply_faults = move || fault_injector.apply_faults("status", clock.now());
-        let thread =
-            threads::spawn("status", events, move || write_lines(&queue, output, style, apply_faults))?;
+        let thread = threads::spawn("status", events, move || {
+            write_lines(&mut *fault_injector.inbox("status", clock, queue), output, style);
+        })?;
         Ok(Self { lines: Some(lines), thread: Some(thread) })
     }
 }
@@ -111,10 +113,9 @@ fn cut_to(line: String, columns: Option<usize>) -> String {
     }
 }
 
-fn write_lines(queue: &Receiver<String>, mut output: impl Write, style: LineStyle, apply_faults: impl Fn()) {
+fn write_lines(queue: &mut dyn Inbox<String>, mut output: impl Write, style: LineStyle) {
     let mut is_line_open = false;
-    while let Ok(line) = queue.recv() {
-        apply_faults();
+    while let Ok(line) = queue.next(FOREVER) {
         // The terminal thread reports a closed output; here a line that cannot be written is ignored.
         let _ = match style {
             LineStyle::Overwritten { columns } => {

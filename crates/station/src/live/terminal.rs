@@ -9,7 +9,7 @@ use std::os::fd::{AsFd, BorrowedFd};
 use std::os::unix::net::UnixStream;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::mpsc::SyncSender;
+use std::sync::mpsc::{RecvTimeoutError, SyncSender};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
@@ -22,7 +22,9 @@ use rustix::termios::{LocalModes, OptionalActions, Termios, tcgetattr, tcsetattr
 use signal_hook::consts::{SIGHUP, SIGINT, SIGQUIT, SIGTERM, SIGTSTP};
 
 use super::event::{Event, QuitCause};
-use super::threads::{self, FaultInjector};
+use super::faults::FaultInjector;
+use super::inbox::Inbox;
+use super::threads;
 
 const SIGNALS: [(i32, &str); 5] = [
     (SIGINT, "SIGINT"),
@@ -72,13 +74,15 @@ impl Terminal {
         let thread = threads::spawn("terminal", events, move || {
             let (stdin, stdout) = (std::io::stdin(), std::io::stdout());
             let keys = watches_keys.then(|| stdin.as_fd());
-            let mut watcher = TerminalPoll { signals: &signals, keys, output: Some(stdout.as_fd()) };
+            let watcher = TerminalPoll { signals: &signals, keys, output: Some(stdout.as_fd()) };
+            let mut inputs = fault_injector.inbox("terminal", clock, watcher);
             while !end.load(Ordering::Relaxed) {
-                fault_injector.apply_faults("terminal", clock.now());
-                watcher.poll(POLL_INTERVAL, |input| match input {
-                    TerminalInput::Request(request) => gateway.submit_logged(request),
-                    TerminalInput::Quit(cause) => drop(to_loop.send(Event::Quit(cause))),
-                });
+                for input in inputs.next(POLL_INTERVAL).unwrap_or_default() {
+                    match input {
+                        TerminalInput::Request(request) => gateway.submit_logged(request),
+                        TerminalInput::Quit(cause) => drop(to_loop.send(Event::Quit(cause))),
+                    }
+                }
             }
         })?;
         Ok(Self { is_ending, thread: Some(thread), raw })
@@ -112,6 +116,14 @@ struct TerminalPoll<'a> {
     keys: Option<BorrowedFd<'a>>,
     /// The output, until its reader closes it.
     output: Option<BorrowedFd<'a>>,
+}
+
+impl Inbox<Vec<TerminalInput>> for TerminalPoll<'_> {
+    fn next(&mut self, wait: Duration) -> Result<Vec<TerminalInput>, RecvTimeoutError> {
+        let mut inputs = Vec::new();
+        self.poll(wait, |input| inputs.push(input));
+        Ok(inputs)
+    }
 }
 
 impl TerminalPoll<'_> {

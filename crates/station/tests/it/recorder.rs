@@ -8,9 +8,9 @@ use barrelman_host::clock::Clock;
 use barrelman_pilot::CommandPath;
 use barrelman_pilot::{Input, Pilot};
 use barrelman_station::live::event::Event;
+use barrelman_station::live::faults::FaultInjector;
 use barrelman_station::live::recorder::{Recorder, RecorderInput};
 use barrelman_station::live::run_loop::{LiveStep, LiveStepObserver as _};
-use barrelman_station::live::threads::FaultInjector;
 use barrelman_trial::records::{
     Entry, FrameFingerprint, RecordedInput, RecordedOutcome, RecordingReader, RecordingStart,
 };

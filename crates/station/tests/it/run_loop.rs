@@ -14,7 +14,6 @@ use barrelman_station::link::{LinkReport, VehicleLink};
 use barrelman_station::live::event::{Event, EventSource, QuitCause};
 use barrelman_station::live::run_loop::{LiveStep, LiveStepObserver, RunEnd, RunLoop};
 use barrelman_station::live::status_line::{StatusLine, StatusOutput};
-use barrelman_station::live::threads::FaultInjector;
 use barrelman_video::{VideoError, VideoState};
 use barrelman_vocab::telemetry::{ControlState, LinkState, Report};
 use barrelman_vocab::{
@@ -217,7 +216,6 @@ fn run_vehicle(
         status_output: Box::new(&status),
         ends_on_refused_selection,
         observers: vec![Box::new(&overlay)],
-        fault_injector: FaultInjector::default(),
     }
     .run(requests);
     Run {

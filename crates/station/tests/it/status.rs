@@ -8,9 +8,9 @@ use barrelman_console_server::snapshot::{LinkStatus, RecordingState, Snapshot};
 use barrelman_control::{Percept, Region};
 use barrelman_host::clock::Clock;
 use barrelman_pilot::{Advice, Mode, Outcome};
+use barrelman_station::live::faults::FaultInjector;
 use barrelman_station::live::status_line::{StatusLine, StatusOutput as _};
 use barrelman_station::live::status_writer::{LineStyle, StatusWriter};
-use barrelman_station::live::threads::FaultInjector;
 use barrelman_vocab::telemetry::LinkState;
 use barrelman_vocab::{AngularRate, CameraCommand, HoldCause, ImagePoint, StopCause, Track, VehicleProfile};
 
