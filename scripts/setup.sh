@@ -2,8 +2,9 @@
 # Installs the system packages that a step needs, and nothing else. Safe to run again: it asks dpkg first.
 #
 #   scripts/setup.sh build      a C++ compiler, and nasm (halves the cost of H.264)
-#   scripts/setup.sh test       what the tests talk to, and what makes the fixtures anew: an RTSP server (GStreamer),
-#                               FFmpeg, Python with OpenCV and mcap, and Chromium for the page
+#   scripts/setup.sh test       what the tests talk to, and what makes the fixtures anew: an RTSP server
+#                               (GStreamer), FFmpeg, Chromium for the page, and Python with OpenCV, mcap,
+#                               pytest, ruff and mypy
 #
 # Packages come from Debian (as root, or through sudo) and, for Python, from PyPI into .venv beside this tree.
 set -euo pipefail

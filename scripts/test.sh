@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Sets up whatever the tests need, and runs all of them: the crates' own, and the program as a whole against an
+# Sets up whatever the tests need, and runs them: the crates' own, and the program as a whole against an
 # emulated ground station, a real RTSP server, OpenCV and Python's readers. Needs no network after the set-up.
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -15,61 +15,22 @@ fi
 
 # Of the whole workspace: with the features of the tests, so that nothing is compiled again.
 cargo build --workspace --bin barrelman --bin barrelman-guard
-program=target/debug/barrelman
-# One practice clip for all of them.
-clip=$(mktemp -d)
-# The process group of what runs beside the script, while it runs.
-beside=
-clean_up() {
-  [[ -z $beside ]] || kill -- "-$beside" 2>/dev/null || true
-  rm -rf "$clip"
-}
-trap clean_up EXIT
-"$program" demo --clip --draw-only --force --output "$clip"
-with_clip="--clip $clip"
+# One practice clip for all of them, and what they printed.
+folder=$(mktemp -d)
+trap 'rm -rf "$folder"' EXIT
 
-# Runs acceptance scripts, each given with its options, one after the other; stops at the first that fails.
-run_in_order() {
-  local script name
-  for script in "$@"; do
-    # shellcheck disable=SC2086  # the words after a script's name are its options
-    set -- $script
-    name=$1; shift
-    printf '\n== scripts/acceptance/%s.py %s\n' "$name" "$*"
-    .venv/bin/python "scripts/acceptance/$name.py" --barrelman "$program" "$@" || return
-  done
+# Runs the acceptance tests with a mark, several at a time.
+accept() {
+  local marks=$1
+  shift
+  .venv/bin/pytest scripts/acceptance -q --barrelman target/debug/barrelman --clip "$folder/practice" \
+    --durations=15 -m "$marks and not strict and not long" "$@" | tee -a "$folder/printed"
 }
 
-# Starts acceptance scripts that run beside those of the next `run_in_front`.
-start_beside() {
-  # A process group of its own (job control): its programs obey SIGINT, and it ends with this script.
-  set -m
-  run_in_order "$@" >"$clip/beside.txt" 2>&1 &
-  beside=$!
-  set +m
-}
-
-# Runs acceptance scripts, and waits for those beside them.
-run_in_front() {
-  local in_front=0 at_once=0
-  run_in_order "$@" || in_front=$?
-  wait "$beside" || at_once=$?
-  beside=
-  cat "$clip/beside.txt"
-  ((in_front == 0 && at_once == 0))
-}
-
-# What needs one core and no exact times runs beside what mostly waits.
-start_beside "first_hour"
-run_in_front "law" "rule $with_clip" "bad_input $with_clip" "kills --count 3 $with_clip" "live --restarts 2" "rtsps" "hostile_servers" \
-  "camshift $with_clip" "tracking_camera" "api" "reconnect" "campaigns --trials 100"
-# What measures times that leave little room, alone.
-run_in_order "guard --few $with_clip" "stops $with_clip"
-# Vehicles: these mostly wait, ...
-start_beside "mavlink_gimbal"
-run_in_front "sigma" "mavlink_boat"
-# ... and these give the machine half a second where they measure times.
-start_beside "vessel"
-run_in_front "drive"
-# What needs both cores.
-run_in_order "floods --short" "console" "console_cost --seconds 4"
+# Most tests mostly wait, ...
+accept "not quiet and not alone" -n 4 --dist loadgroup
+# ... some measure times that leave little room, ...
+accept "quiet" -n 2 --dist loadgroup
+# ... and some need both cores.
+accept "alone"
+echo "not judged, as the machine stood still: $(grep -c ': not judged: ' "$folder/printed" || true)"

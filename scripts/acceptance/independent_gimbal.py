@@ -1,9 +1,12 @@
-"""A gimbal manager that is written with pymavlink, an independent reading of the protocol, which judges every message.
+"""A gimbal manager that judges every message, written with pymavlink, an independent reading of the protocol.
 
-It behaves as ArduPilot was measured to: it obeys rates of anybody and keeps a rate for ever, says who has the control at changes
-and on request, and reports the attitude only after it was asked to. It judges the CRC and the signature (pymavlink refuses a
-wrong one), the sender, the target, the flags, the angles (NaN), the rates, who has the control, and what may be sent at all.
+It behaves as ArduPilot was measured to: it obeys rates of anybody and keeps a rate for ever, says who has the
+control at changes and on request, and reports the attitude only after it was asked to. It judges the CRC and
+the signature (pymavlink refuses a wrong one), the sender, the target, the flags, the angles (NaN), the rates,
+who has the control, and what may be sent at all.
 """
+
+import contextlib
 import hashlib
 import math
 import os
@@ -11,28 +14,44 @@ import random
 import socket
 import threading
 import time
+from collections.abc import Iterator
+from typing import Any
 
 os.environ["MAVLINK20"] = "1"
 
-from pymavlink.dialects.v20 import common as mavlink  # noqa: E402
+from pymavlink.dialects.v20 import common as mavlink
 
+Who = tuple[int, int]
 OWN = (245, 191)
 OTHER = (255, 190)
 NOBODY = (0, 0)
+CLAIM = 1001
 LIMIT = 0.5 + 1e-6
 # A packet that was under way when the control was taken.
 UNDER_WAY = 0.1
-MAY_BE_ASKED_FOR = {mavlink.MAV_CMD_REQUEST_MESSAGE: (280, 281), mavlink.MAV_CMD_SET_MESSAGE_INTERVAL: (281, 285, 33, 30)}
+MAY_BE_ASKED_FOR = {
+    mavlink.MAV_CMD_REQUEST_MESSAGE: (280, 281),
+    mavlink.MAV_CMD_SET_MESSAGE_INTERVAL: (281, 285, 33, 30),
+}
 
 
 class GimbalManager:
     """An autopilot with a gimbal at a UDP port of loopback.
 
-    loss: share of the packets that get lost, both ways. held: another commander has the control from the start. withholds: no
-    answer to requests for 280. denies: claims are denied. drops: number of claims that get lost. passphrase: packets are signed.
+    loss: share of the packets that get lost, both ways. held: another commander has the control from the
+    start. withholds: no answer to requests for 280. denies: claims are denied. drops: number of claims that
+    get lost. passphrase: packets are signed.
     """
 
-    def __init__(self, loss=0.0, held=False, withholds=False, denies=False, drops=0, passphrase=None):
+    def __init__(
+        self,
+        loss: float = 0.0,
+        held: bool = False,
+        withholds: bool = False,
+        denies: bool = False,
+        drops: int = 0,
+        passphrase: str | None = None,
+    ) -> None:
         self.socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         self.socket.bind(("127.0.0.1", 0))
         self.socket.settimeout(0.01)
@@ -46,42 +65,42 @@ class GimbalManager:
             self.out.signing.sign_outgoing = True
         self.loss, self.withholds, self.denies, self.drops = loss, withholds, denies, drops
         self.random = random.Random(7)
-        self.client = None
+        self.client: Any = None
         self.booted = time.monotonic()
         self.angles = [0.0, -0.4]
-        self.rates = (0.0, 0.0)
-        self.primary = OTHER if held else NOBODY
-        self.taken_at = self.booted if held else None
-        self.attitude_interval = None
-        self.denied_at = None
+        self.rates: tuple[float, float] = (0.0, 0.0)
+        self.primary: Who = OTHER if held else NOBODY
+        self.taken_at: float | None = self.booted if held else None
+        self.attitude_interval: float | None = None
+        self.denied_at: float | None = None
         self.is_silent = False
         # Commands get lost, and reports arrive.
         self.is_deaf = False
         self.may_be_turning = False
-        self.messages = []
-        self.faults = []
+        self.messages: list[tuple[float, Any]] = []
+        self.faults: list[str] = []
         self.is_over = False
         self.lock = threading.Lock()
         self.thread = threading.Thread(target=self._run, daemon=True)
         self.thread.start()
 
     @property
-    def url(self):
+    def url(self) -> str:
         return f"udp://127.0.0.1:{self.socket.getsockname()[1]}"
 
-    def _is_lost(self):
+    def _is_lost(self) -> bool:
         return self.random.random() < self.loss
 
-    def _send(self, message):
+    def _send(self, message: Any) -> None:
         packet = message.pack(self.out)
         self.out.seq = (self.out.seq + 1) % 256
         if self.client and not self.is_silent and not self._is_lost():
             self.socket.sendto(packet, self.client)
 
-    def _ms(self):
+    def _ms(self) -> int:
         return int((time.monotonic() - self.booted) * 1e3)
 
-    def _run(self):
+    def _run(self) -> None:
         heartbeat_at = attitude_at = last = time.monotonic()
         while not self.is_over:
             try:
@@ -93,7 +112,9 @@ class GimbalManager:
                 pass
             now = time.monotonic()
             with self.lock:
-                self.angles = [angle + rate * (now - last) for angle, rate in zip(self.angles, self.rates)]
+                self.angles = [
+                    angle + rate * (now - last) for angle, rate in zip(self.angles, self.rates, strict=True)
+                ]
                 last = now
                 if now >= heartbeat_at:
                     heartbeat_at = now + 1.0
@@ -102,19 +123,26 @@ class GimbalManager:
                     attitude_at = now + self.attitude_interval
                     self._send(self._attitude())
 
-    def _attitude(self):
+    def _attitude(self) -> Any:
         yaw, pitch = (angle / 2 for angle in self.angles)
-        q = [math.cos(yaw) * math.cos(pitch), -math.sin(yaw) * math.sin(pitch), math.cos(yaw) * math.sin(pitch), math.sin(yaw) * math.cos(pitch)]
-        return mavlink.MAVLink_gimbal_device_attitude_status_message(0, 0, self._ms(), 44, q, math.nan, math.nan, math.nan, 0, math.nan, math.nan, 0)
+        q = [
+            math.cos(yaw) * math.cos(pitch),
+            -math.sin(yaw) * math.sin(pitch),
+            math.cos(yaw) * math.sin(pitch),
+            math.sin(yaw) * math.cos(pitch),
+        ]
+        return mavlink.MAVLink_gimbal_device_attitude_status_message(
+            0, 0, self._ms(), 44, q, math.nan, math.nan, math.nan, 0, math.nan, math.nan, 0
+        )
 
-    def _status(self):
+    def _status(self) -> None:
         self._send(mavlink.MAVLink_gimbal_manager_status_message(self._ms(), 12, 1, *self.primary, 0, 0))
 
-    def _fault(self, text):
+    def _fault(self, text: str) -> None:
         if len(self.faults) < 20:
             self.faults.append(text)
 
-    def _take(self, datagram, sender):
+    def _take(self, datagram: bytes, sender: Any) -> None:
         self.client = sender
         try:
             messages = self.parser.parse_buffer(datagram) or []
@@ -126,7 +154,7 @@ class GimbalManager:
         for message in messages:
             self._judge(message)
 
-    def _judge(self, message):
+    def _judge(self, message: Any) -> None:
         now = time.monotonic()
         if (message.get_srcSystem(), message.get_srcComponent()) != OWN:
             self._fault(f"from {message.get_srcSystem()}/{message.get_srcComponent()}")
@@ -145,7 +173,7 @@ class GimbalManager:
         else:
             self._fault(f"{kind} must not leave")
 
-    def _judge_rates(self, message, now):
+    def _judge_rates(self, message: Any, now: float) -> None:
         rates = (message.yaw_rate, message.pitch_rate)
         if message.flags != 12:
             self._fault(f"flags {message.flags}")
@@ -153,7 +181,11 @@ class GimbalManager:
             self._fault("an angle")
         if not all(math.isfinite(rate) and abs(rate) <= LIMIT for rate in rates):
             self._fault(f"rates {rates}")
-        if any(rates) and (message.target_system, message.target_component, message.gimbal_device_id) != (1, 1, 1):
+        if any(rates) and (message.target_system, message.target_component, message.gimbal_device_id) != (
+            1,
+            1,
+            1,
+        ):
             self._fault("motion that is not for the gimbal alone")
         is_under_way = self.taken_at is not None and now <= self.taken_at + UNDER_WAY
         if self.primary != OWN and not is_under_way and (any(rates) or not self.may_be_turning):
@@ -162,7 +194,7 @@ class GimbalManager:
             self.may_be_turning = False
         self.rates = rates
 
-    def _command(self, message):
+    def _command(self, message: Any) -> None:
         number = message.command
         asked = int(message.param1)
         result = mavlink.MAV_RESULT_ACCEPTED
@@ -171,7 +203,11 @@ class GimbalManager:
         if number == mavlink.MAV_CMD_REQUEST_MESSAGE and asked == 280:
             if self.withholds:
                 return
-            self._send(mavlink.MAVLink_gimbal_manager_information_message(self._ms(), 32 + 256, 1, 0, 0, -math.pi / 2, 0.35, -math.pi, math.pi))
+            self._send(
+                mavlink.MAVLink_gimbal_manager_information_message(
+                    self._ms(), 32 + 256, 1, 0, 0, -math.pi / 2, 0.35, -math.pi, math.pi
+                )
+            )
         elif number == mavlink.MAV_CMD_REQUEST_MESSAGE:
             self._status()
         elif number == mavlink.MAV_CMD_SET_MESSAGE_INTERVAL and asked == 285:
@@ -182,12 +218,14 @@ class GimbalManager:
             if self.drops:
                 self.drops -= 1
                 return
-            result = self._configure((int(message.param1), int(message.param2)), (message.param3, message.param4), message.param7)
+            result = self._configure(
+                (int(message.param1), int(message.param2)), (message.param3, message.param4), message.param7
+            )
         else:
             self._fault(f"command {number} must not leave")
         self._send(mavlink.MAVLink_command_ack_message(number, result, 0, 0, *OWN))
 
-    def _configure(self, claim, secondary, device):
+    def _configure(self, claim: Who, secondary: tuple[float, float], device: float) -> Any:
         if secondary != (-1, -1) or device not in (0, 1):
             self._fault(f"secondary control {secondary}, device {device}")
         before = self.primary
@@ -212,32 +250,51 @@ class GimbalManager:
     # Whether the operator has asked for the control of another client's gimbal.
     may_be_claimed = False
 
-    def take(self):
+    def take(self) -> float:
         """Another commander takes the control in mid-motion."""
         with self.lock:
             self.primary, self.taken_at = OTHER, time.monotonic()
             self._status()
-            return self.taken_at
+            return self.taken_at or 0.0
 
-    def give_back(self):
+    def give_back(self) -> None:
         """The other commander gives the control back."""
         with self.lock:
             self.primary = NOBODY
             self._status()
 
-    def rates_since(self, at):
+    def rates_since(self, at: float) -> list[tuple[float, tuple[float, float]]]:
+        kind = "GIMBAL_MANAGER_SET_PITCHYAW"
         with self.lock:
-            return [(when, (message.yaw_rate, message.pitch_rate)) for when, message in self.messages if when >= at and message.get_type() == "GIMBAL_MANAGER_SET_PITCHYAW"]
+            return [
+                (when, (message.yaw_rate, message.pitch_rate))
+                for when, message in self.messages
+                if when >= at and message.get_type() == kind
+            ]
 
-    def commands(self, number):
+    def commands(self, number: int) -> list[tuple[float, Any]]:
         """The commands of this number, with their times."""
         with self.lock:
-            return [(when, message) for when, message in self.messages if message.get_type() == "COMMAND_LONG" and message.command == number]
+            return [
+                (when, message)
+                for when, message in self.messages
+                if message.get_type() == "COMMAND_LONG" and message.command == number
+            ]
 
-    def is_turning(self):
+    def is_turning(self) -> bool:
         return any(self.rates)
 
-    def close(self):
+    def close(self) -> None:
         self.is_over = True
         self.thread.join()
         self.socket.close()
+
+
+@contextlib.contextmanager
+def judging(**options: Any) -> Iterator[GimbalManager]:
+    """A gimbal whose every message must have kept the rules at the end."""
+    manager = GimbalManager(**options)
+    yield manager
+    faults = sorted(set(manager.faults))
+    manager.close()
+    assert not faults, "; ".join(faults)

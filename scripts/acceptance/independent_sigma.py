@@ -1,24 +1,38 @@
 """A Fotokite Sigma written from its API document, which judges every request. Only the standard library.
 
-Each request is kept with its time; what breaks a rule is a violation. Motion ends with the duration of its command.
+Each request is kept with its time; what breaks a rule is a violation. Motion ends with the duration of its
+command.
 """
+
 import base64
 import hashlib
 import http.server
 import json
+import pathlib
 import socketserver
 import ssl
 import struct
 import threading
 import time
+from typing import Any
 
 TOKEN = "acceptance-token"
 LEAST, LARGEST = 2.0, 25.0
 ALLOWED = {
-    ("GET", "/v1/health"), ("GET", "/v1/camera/info"), ("GET", "/v1/camera/state"), ("GET", "/v1/camera/state/subscribe"),
-    ("GET", "/v1/videostreams"), ("GET", "/v1/videostreams/zoom/state"), ("GET", "/v1/flight/state"),
-    ("GET", "/v1/system/state"), ("GET", "/v1/handoff/state"), ("GET", "/v1/notifications/state"), ("POST", "/v1/handoff/control/request"),
-    ("POST", "/v1/handoff/control/release"), ("POST", "/v1/camera/control/rotate_with_speed"), ("POST", "/v1/auth/plugin/update"),
+    ("GET", "/v1/health"),
+    ("GET", "/v1/camera/info"),
+    ("GET", "/v1/camera/state"),
+    ("GET", "/v1/camera/state/subscribe"),
+    ("GET", "/v1/videostreams"),
+    ("GET", "/v1/videostreams/zoom/state"),
+    ("GET", "/v1/flight/state"),
+    ("GET", "/v1/system/state"),
+    ("GET", "/v1/handoff/state"),
+    ("GET", "/v1/notifications/state"),
+    ("POST", "/v1/handoff/control/request"),
+    ("POST", "/v1/handoff/control/release"),
+    ("POST", "/v1/camera/control/rotate_with_speed"),
+    ("POST", "/v1/auth/plugin/update"),
 }
 COMMAND = "/v1/camera/control/rotate_with_speed"
 
@@ -26,16 +40,24 @@ COMMAND = "/v1/camera/control/rotate_with_speed"
 class Sigma:
     """The vehicle: who controls, what turns until when, and what was asked."""
 
-    def __init__(self, certificate=None, token=TOKEN, websocket=True):
+    def __init__(
+        self,
+        certificate: tuple[pathlib.Path, pathlib.Path] | None = None,
+        token: str = TOKEN,
+        websocket: bool = True,
+    ) -> None:
         self.lock = threading.RLock()
         self.token, self.websocket = token, websocket
-        self.requests, self.violations, self.motions = [], [], []
+        self.requests: list[tuple[float, str, str, bytes]] = []
+        self.violations: list[str] = []
+        # When, the speeds, and whether the camera was moving.
+        self.motions: list[tuple[float, tuple[float, float], bool]] = []
         self.ours_until = 0.0
         self.other_controls = False
-        self.taken_at = None
+        self.taken_at: float | None = None
         self.speeds, self.until = (0.0, 0.0), 0.0
         self.hangs = threading.Event()
-        self.status = None
+        self.status: int | None = None
         self.sockets = 0
         self.shown = ""
         self.pan, self.tilt, self.moved_at = 10.0, 24.0, time.monotonic()
@@ -47,20 +69,20 @@ class Sigma:
             wbufsize = -1
             disable_nagle_algorithm = True
 
-            def log_message(self, *_):
+            def log_message(self, *_: object) -> None:
                 pass
 
-            def do_GET(self):
+            def do_GET(self) -> None:
                 vehicle.serve(self, "GET")
 
-            def do_POST(self):
+            def do_POST(self) -> None:
                 vehicle.serve(self, "POST")
 
         class Server(socketserver.ThreadingMixIn, http.server.HTTPServer):
             daemon_threads = True
             request_queue_size = 32
 
-            def handle_error(self, *_):
+            def handle_error(self, *_: object) -> None:
                 pass
 
         self.server = Server(("127.0.0.1", 0), Handler)
@@ -73,14 +95,14 @@ class Sigma:
         threading.Thread(target=self.server.serve_forever, daemon=True).start()
 
     @property
-    def url(self):
+    def url(self) -> str:
         return f"{self.scheme}://127.0.0.1:{self.server.server_address[1]}/api"
 
-    def close(self):
+    def close(self) -> None:
         self.server.shutdown()
         self.server.server_close()
 
-    def serve(self, handler, method):
+    def serve(self, handler: http.server.BaseHTTPRequestHandler, method: str) -> None:
         body = handler.rfile.read(int(handler.headers.get("Content-Length") or 0))
         if self.hangs.is_set():
             # The request is never carried out.
@@ -89,7 +111,11 @@ class Sigma:
             handler.close_connection = True
             return
         path = handler.path.removeprefix("/api")
-        if path == "/v1/camera/state/subscribe" and self.websocket and "websocket" in handler.headers.get("Upgrade", "").lower():
+        if (
+            path == "/v1/camera/state/subscribe"
+            and self.websocket
+            and "websocket" in handler.headers.get("Upgrade", "").lower()
+        ):
             self.note(method, path, body)
             if handler.headers.get("Authorization") == f"Bearer {self.token}":
                 self.speak(handler)
@@ -101,16 +127,16 @@ class Sigma:
         handler.end_headers()
         handler.wfile.write(data)
 
-    def note(self, method, path, body):
+    def note(self, method: str, path: str, body: bytes) -> None:
         with self.lock:
             self.requests.append((time.monotonic(), method, path, body))
             if (method, path) not in ALLOWED:
                 self.violations.append(f"forbidden path {method} {path}")
 
-    def violate(self, text):
+    def violate(self, text: str) -> None:
         self.violations.append(text)
 
-    def answer(self, method, path, authorization, body):
+    def answer(self, method: str, path: str, authorization: str | None, body: bytes) -> tuple[int, Any]:
         now = time.monotonic()
         self.note(method, path, body)
         with self.lock:
@@ -121,7 +147,19 @@ class Sigma:
             if self.status and (method == "POST") and path != "/v1/auth/plugin/update":
                 return self.status, {"code": "x", "message": "refused on purpose"}
             if path == "/v1/camera/info":
-                return 200, {"model": "x", "pan_speed_min": LEAST, "pan_speed_max": LARGEST, "tilt_speed_min": LEAST, "tilt_speed_max": LARGEST, "tilt_min": -11, "tilt_max": 80, "roll_min": -1, "roll_max": 1}
+                speeds = {
+                    f"{axis}_speed_{end}": speed
+                    for axis in ("pan", "tilt")
+                    for end, speed in (("min", LEAST), ("max", LARGEST))
+                }
+                return 200, {
+                    "model": "x",
+                    **speeds,
+                    "tilt_min": -11,
+                    "tilt_max": 80,
+                    "roll_min": -1,
+                    "roll_max": 1,
+                }
             if path == "/v1/camera/state":
                 return 200, self.camera()
             if path == "/v1/flight/state":
@@ -129,17 +167,39 @@ class Sigma:
             if path == "/v1/system/state":
                 return 200, {"kite_battery_level": 88, "gs_battery_level": 91.5}
             if path == "/v1/notifications/state":
-                return 200, [{"severity": "Info", "code": "hello", "message": "x", "begin_time": "2026-01-01T00:00:00Z"}]
+                return 200, [
+                    {
+                        "severity": "Info",
+                        "code": "hello",
+                        "message": "x",
+                        "begin_time": "2026-01-01T00:00:00Z",
+                    }
+                ]
             if path == "/v1/videostreams":
                 return 200, [{"stream_id": "zoom", "type": "Color", "rtsp_url": "rtsp://127.0.0.1:1/zoom"}]
             if path == "/v1/videostreams/zoom/state":
-                return 200, {"stream_id": "zoom", "is_streaming": True, "fov_horizontal": 63.7, "zoom_level": 1}
+                return 200, {
+                    "stream_id": "zoom",
+                    "is_streaming": True,
+                    "fov_horizontal": 63.7,
+                    "zoom_level": 1,
+                }
             if path == "/v1/handoff/state":
-                return 200, {"controlling_client": {"plugin_id": "2", "operator_name": "the tablet"} if self.other_controls else None, "requesting_clients": []}
+                return 200, {
+                    "controlling_client": {"plugin_id": "2", "operator_name": "the tablet"}
+                    if self.other_controls
+                    else None,
+                    "requesting_clients": [],
+                }
             if path == "/v1/auth/plugin/update":
                 update = json.loads(body)
                 self.shown = update["self_status_text"]
-                if len(self.shown) > 160 or update["self_status"] not in ("None", "Connected", "Warning", "Error"):
+                if len(self.shown) > 160 or update["self_status"] not in (
+                    "None",
+                    "Connected",
+                    "Warning",
+                    "Error",
+                ):
                     self.violate(f"plugin update {update}")
                 return 204, None
             if path == "/v1/handoff/control/request":
@@ -156,7 +216,7 @@ class Sigma:
                 return self.command(json.loads(body), now)
             return 404, {"code": "not_found", "message": path}
 
-    def command(self, body, now):
+    def command(self, body: dict[str, Any], now: float) -> tuple[int, Any]:
         pan, tilt, duration = body.get("pan_speed", 0.0), body.get("tilt_speed", 0.0), body.get("duration")
         for speed in (pan, tilt):
             if speed != 0 and not LEAST <= abs(speed) <= LARGEST:
@@ -173,43 +233,49 @@ class Sigma:
         self.settle(now)
         is_moving = any(self.speeds) and now < self.until
         self.motions.append((now, (pan, tilt), is_moving))
-        self.speeds, self.until = (pan, tilt), now + duration
+        self.speeds, self.until = (pan, tilt), now + (duration or 0.0)
         return 202, {}
 
-    def settle(self, now):
+    def settle(self, now: float) -> None:
         """Turns the camera by what was in force until now."""
         seconds = max(0.0, min(now, self.until) - self.moved_at)
         self.pan += self.speeds[0] * seconds
         self.tilt += self.speeds[1] * seconds
         self.moved_at = now
 
-    def camera(self):
+    def camera(self) -> dict[str, Any]:
         self.settle(time.monotonic())
-        return {"online_state": "Online", "pan_ned": (self.pan + 180) % 360 - 180, "tilt_ned": self.tilt, "roll_ned": 0.0}
+        return {
+            "online_state": "Online",
+            "pan_ned": (self.pan + 180) % 360 - 180,
+            "tilt_ned": self.tilt,
+            "roll_ned": 0.0,
+        }
 
-    def is_turning(self, at=None):
+    def is_turning(self) -> bool:
         with self.lock:
-            return any(self.speeds) and (at or time.monotonic()) < self.until
+            return any(self.speeds) and time.monotonic() < self.until
 
-    def take(self):
+    def take(self) -> None:
         with self.lock:
             self.other_controls, self.taken_at = True, time.monotonic()
             self.speeds = (0.0, 0.0)
 
-    def give_back(self):
+    def give_back(self) -> None:
         with self.lock:
             self.other_controls, self.taken_at, self.ours_until = False, None, 0.0
 
-    def commands_since(self, at):
+    def commands_since(self, at: float) -> list[tuple[float, bytes]]:
         with self.lock:
             return [(when, body) for when, _, path, body in self.requests if when > at and path == COMMAND]
 
-    def speak(self, handler):
+    def speak(self, handler: http.server.BaseHTTPRequestHandler) -> None:
         """The WebSocket of the camera's state: ten messages a second, until the client is gone."""
         key = handler.headers["Sec-WebSocket-Key"] + "258EAFA5-E914-47DA-95CA-C5AB0DC85B11"
         accept = base64.b64encode(hashlib.sha1(key.encode()).digest()).decode()
         handler.close_connection = True
-        handler.wfile.write(f"HTTP/1.1 101 Switching Protocols\r\nUpgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Accept: {accept}\r\n\r\n".encode())
+        upgrade = "HTTP/1.1 101 Switching Protocols\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n"
+        handler.wfile.write(f"{upgrade}Sec-WebSocket-Accept: {accept}\r\n\r\n".encode())
         handler.wfile.flush()
         self.sockets += 1
         try:
@@ -217,7 +283,11 @@ class Sigma:
                 if not self.hangs.is_set():
                     with self.lock:
                         data = json.dumps(self.camera()).encode()
-                    head = bytes([0x81, len(data)]) if len(data) < 126 else b"\x81\x7e" + struct.pack(">H", len(data))
+                    head = (
+                        bytes([0x81, len(data)])
+                        if len(data) < 126
+                        else b"\x81\x7e" + struct.pack(">H", len(data))
+                    )
                     handler.wfile.write(head + data)
                     handler.wfile.flush()
                 time.sleep(0.1)

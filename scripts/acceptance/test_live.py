@@ -1,0 +1,143 @@
+"""Live video from an RTSP server on loopback: the latency up to the localisation, and restarts of the server.
+
+The server draws CLOCK_MONOTONIC into every picture, so that the latency covers the encoder, the network, the
+decoder and the tracker.
+"""
+
+import dataclasses
+import functools
+import pathlib
+import time
+from collections.abc import Iterator
+
+import cv2
+import pytest
+from camera import FPS, HEIGHT, SELECTION, WIDTH, Camera
+from conftest import Check
+from machine import Delay, lost, median, percentile, took, wait_until
+from process import Lines, end, memory_mb, spawn, threads_of
+from recording import Recording
+
+SECONDS = 12.0
+LATENCY_LIMIT_MS = 10
+BACK_WITHIN = 3.0
+GROWS_AT_MOST_MB = 4.0
+BIT_ROWS = HEIGHT // 16
+UP = "video: up"
+
+
+@pytest.fixture(scope="module")
+def camera() -> Iterator[Camera]:
+    with Camera() as camera:
+        yield camera
+
+
+def read_codes(stream: pathlib.Path) -> list[int]:
+    """The time code of every picture, in milliseconds of CLOCK_MONOTONIC (its lower 32 bits)."""
+    capture = cv2.VideoCapture(str(stream))
+    codes: list[int] = []
+    while True:
+        there, picture = capture.read()
+        if not there:
+            return codes
+        grey = cv2.cvtColor(picture[: BIT_ROWS - 8], cv2.COLOR_BGR2GRAY)
+        bits = [
+            grey[8:, bit * WIDTH // 32 + 8 : (bit + 1) * WIDTH // 32 - 8].mean() > 128 for bit in range(32)
+        ]
+        codes.append(sum(1 << (31 - bit) for bit, one in enumerate(bits) if one))
+
+
+@dataclasses.dataclass
+class Latency:
+    """`to_localisation_ms`: from the time code to the localisation, without the first second, which starts
+    encoder and decoder."""
+
+    frames: int
+    tracked: int
+    seconds: float
+    to_localisation_ms: list[float]
+
+
+@pytest.fixture(scope="module")
+def latency(barrelman: pathlib.Path, camera: Camera, tmp_path_factory: pytest.TempPathFactory) -> Latency:
+    folder = tmp_path_factory.mktemp("latency")
+    record = folder / "latency.mcap"
+    child = spawn(
+        [barrelman, "run", "--headless", "--video", camera.url, "--select", SELECTION, "--record", record]
+    )
+    Lines(child.stderr).wait_for(UP)
+    time.sleep(1.0)
+    began, cpu = time.monotonic(), sum(threads_of(child).values())
+    time.sleep(SECONDS)
+    seconds, cpu = took(began, time.monotonic()), (sum(threads_of(child).values()) - cpu) / SECONDS
+    end(child)
+    recording = Recording(record)
+    codes, units = read_codes(recording.stream(folder / "stream.h264")), recording["/video/unit"]
+    code_of = {unit.captured_ns: code for unit, code in zip(units, codes, strict=True)}
+    outcomes = {outcome.step: outcome for outcome in recording.outcomes}
+    found = []
+    for frame in recording.frames:
+        at_ms = recording.at(outcomes[frame.step].now_ns) * 1e3
+        found.append((at_ms - code_of[frame.captured_ns] + 2**31) % 2**32 - 2**31)
+    tracked = sum(outcomes[frame.step].track.state == 1 for frame in recording.frames)
+    middle, worst = median(found[FPS:]), percentile(found[FPS:], 0.95)
+    print(f"{cpu:.2f} of a core; time code to localisation: {middle:.1f} ms, {worst:.1f} ms")
+    return Latency(len(found), tracked, seconds, found[FPS:])
+
+
+def test_nearly_every_frame_is_localised(latency: Latency) -> None:
+    assert latency.tracked > 0.95 * latency.frames
+
+
+def test_nearly_every_frame_is_looked_at(latency: Latency) -> None:
+    assert latency.frames >= 0.9 * FPS * latency.seconds
+
+
+@pytest.mark.strict
+def test_localisation_is_at_most_10_ms_behind_the_time_code(latency: Latency) -> None:
+    assert median(latency.to_localisation_ms) <= LATENCY_LIMIT_MS
+
+
+def is_up_again(errors: Lines, ups: int) -> bool:
+    return errors.count(UP) > ups
+
+
+@pytest.mark.parametrize("restarts", [2, pytest.param(10, marks=pytest.mark.long)])
+def test_video_returns_after_each_restart_of_the_server(
+    barrelman: pathlib.Path, camera: Camera, tmp_path: pathlib.Path, check: Check, restarts: int
+) -> None:
+    record = tmp_path / "restarts.mcap"
+    child = spawn([barrelman, "run", "--headless", "--video", camera.url, "--record", record])
+    errors = Lines(child.stderr)
+    errors.wait_for(UP)
+    returns, memory = [], []
+    for restart in range(restarts):
+        time.sleep(1.0)
+        ups = errors.count(UP)
+        camera.kill()
+        time.sleep(0.5 + 0.3 * (restart % 4))
+        returns.append(camera.start())
+        wait_until(functools.partial(is_up_again, errors, ups), UP)
+        time.sleep(1.5)
+        memory.append(memory_mb(child))
+    # A server that hangs without a word: nothing closes the connection.
+    camera.child.send_signal(19)
+    hung = time.monotonic()
+    wait_until(
+        lambda: any(at > hung and "lost" in line for at, line in errors.lines), "the loss of the video"
+    )
+    time.sleep(max(0.0, hung + 3.5 - time.monotonic()))
+    camera.child.send_signal(18)
+    resumed = time.monotonic()
+    time.sleep(3.5 + lost(hung, resumed))
+    code = end(child)
+    recording = Recording(record)
+    times = [recording.at(frame.now_ns) for frame in recording.frames]
+    for number, back in enumerate([*returns, resumed]):
+        delay = Delay.between(back, next((at for at in times if at > back), float("inf")), processes=3)
+        name = f"restart {number + 1}" if number < restarts else "a server that hung"
+        check.in_time(f"frames flow again after {name}", delay, BACK_WITHIN)
+    check(
+        "memory does not grow from the second restart on", memory[-1] - memory[1] <= GROWS_AT_MOST_MB, memory
+    )
+    check("the run ends with exit 0", code == 0, code)
