@@ -1,15 +1,16 @@
 #!/usr/bin/python3
-"""An RTSP server for tests of Barrelman: a test pattern or a file, as H.264, or as H.265, which Barrelman refuses.
+"""An RTSP server for tests: a test pattern or a file, as H.264, or as H.265, which Barrelman refuses.
 
     /usr/bin/python3 scripts/rtsp_server.py --port 8554 --pattern timecode --size 1280x720 --fps 30
     /usr/bin/python3 scripts/rtsp_server.py --file clip.mp4
 
-Serves rtsp://127.0.0.1:PORT/video and prints that address when the server listens (--port 0: a free port). Needs
-gir1.2-gst-rtsp-server-1.0, python3-gi and GStreamer's good, bad and ugly plugins; --check only checks that they are
-installed. The server ends when its standard input ends, so that it does not outlive the test that started it.
+Serves rtsp://127.0.0.1:PORT/video and prints that address when the server listens (--port 0: a free port).
+Needs gir1.2-gst-rtsp-server-1.0, python3-gi and GStreamer's good, bad and ugly plugins; --check only checks
+that they are installed. The server ends when its standard input ends, so that it does not outlive the test
+that started it.
 """
 import argparse
-import os
+import pathlib
 import sys
 import threading
 import time
@@ -30,8 +31,9 @@ ENCODERS = {
 def pipeline(args):
     width, height = args.size.split("x")
     if args.file:
-        path = os.path.abspath(args.file).replace('"', '\\"')
-        return f'( filesrc location="{path}" ! qtdemux ! h264parse config-interval=-1 ! rtph264pay name=pay0 pt=96 )'
+        path = str(pathlib.Path(args.file).absolute()).replace('"', '\\"')
+        stream = "qtdemux ! h264parse config-interval=-1 ! rtph264pay name=pay0 pt=96"
+        return f'( filesrc location="{path}" ! {stream} )'
     encoder = ENCODERS[args.codec].format(fps=args.fps)
     caps = f"video/x-raw,format=I420,width={width},height={height},framerate={args.fps}/1"
     if args.pattern == "timecode":
@@ -40,8 +42,10 @@ def pipeline(args):
 
 
 def timecode(width, height):
-    """A grey I420 picture. Its top rows show CLOCK_MONOTONIC in milliseconds as 32 black or white blocks, the highest
-    bit on the left."""
+    """A grey I420 picture. Its top rows show CLOCK_MONOTONIC in milliseconds.
+
+    The 32 bits are black or white blocks, the highest bit on the left.
+    """
     millis = int(time.monotonic() * 1000) & 0xFFFFFFFF
     block = width // 32
     row = b"".join((b"\xeb" if millis >> (31 - bit) & 1 else b"\x10") * block for bit in range(32))
@@ -55,23 +59,27 @@ def feed_timecode(media, args):
     width, height = map(int, args.size.split("x"))
 
     def push():
-        return source.emit("push-buffer", Gst.Buffer.new_wrapped(timecode(width, height))) == Gst.FlowReturn.OK
+        picture = Gst.Buffer.new_wrapped(timecode(width, height))
+        return source.emit("push-buffer", picture) == Gst.FlowReturn.OK
 
     GLib.timeout_add(1000 // args.fps, push)
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    form = argparse.RawDescriptionHelpFormatter
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=form)
     parser.add_argument("--port", default="8554")
     parser.add_argument("--file", help="MP4 file with H.264, served as it is")
-    parser.add_argument("--pattern", default="timecode", help="timecode (blocks that show the time at which the picture was made), or a pattern of videotestsrc")
+    patterns = "timecode (blocks that show the time of the picture), or a pattern of videotestsrc"
+    parser.add_argument("--pattern", default="timecode", help=patterns)
     parser.add_argument("--size", default="640x360")
     parser.add_argument("--fps", default=30, type=int)
     parser.add_argument("--codec", default="h264", choices=sorted(ENCODERS))
     parser.add_argument("--check", action="store_true", help="only tell whether everything is there")
     args = parser.parse_args()
     Gst.init(None)
-    missing = [name for name in ("appsrc", "x264enc", "x265enc", "rtph264pay", "h264parse") if not Gst.ElementFactory.find(name)]
+    needed = ("appsrc", "x264enc", "x265enc", "rtph264pay", "h264parse")
+    missing = [name for name in needed if not Gst.ElementFactory.find(name)]
     if missing:
         sys.exit(f"GStreamer lacks {', '.join(missing)}")
     if args.check:

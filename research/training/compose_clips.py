@@ -26,7 +26,6 @@ import subprocess
 import cv2
 import imageio_ffmpeg
 import numpy as np
-
 from recordings import COMPOSED, STILL, recording_of
 from stills import Stills, smooth_steps
 
