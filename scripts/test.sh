@@ -1,8 +1,17 @@
 #!/usr/bin/env bash
 # Sets up whatever the tests need, and runs them: the crates' own, and the program as a whole against an
 # emulated ground station, a real RTSP server, OpenCV and Python's readers. Needs no network after the set-up.
+#
+#   scripts/test.sh          all but the long ones
+#   scripts/test.sh --all    the long ones, too: each case in all its variants
 set -euo pipefail
 cd "$(dirname "$0")/.."
+# Of the acceptance tests, by their marks (pyproject.toml).
+case "$*" in
+  "") chosen="not strict and not long" ;;
+  --all) chosen="not strict" ;;
+  *) sed -n '2,6p' "$0" >&2; exit 2 ;;
+esac
 scripts/setup.sh test
 
 if cargo nextest --version >/dev/null 2>&1; then
@@ -24,7 +33,7 @@ accept() {
   local marks=$1
   shift
   .venv/bin/pytest scripts/acceptance -q --barrelman target/debug/barrelman --clip "$folder/practice" \
-    --durations=15 -m "$marks and not strict and not long" "$@" | tee -a "$folder/printed"
+    --durations=15 -m "$marks and $chosen" "$@" | tee -a "$folder/printed"
 }
 
 # Most tests mostly wait, ...
