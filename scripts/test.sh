@@ -37,7 +37,7 @@ accept() {
 }
 
 # Most tests mostly wait, ...
-accept "not quiet and not alone" -n 4 --dist loadgroup
+accept "not quiet and not alone" -n 3 --dist loadgroup
 # ... some measure times that leave little room, ...
 accept "quiet" -n 2 --dist loadgroup
 # ... and some need both cores.
