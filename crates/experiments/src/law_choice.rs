@@ -29,19 +29,33 @@ pub struct GivenLaw {
     pub horizon_s: Option<f64>,
 }
 
+/// What mode and horizon are called where they are given.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct LawKeys {
+    mode: &'static str,
+    horizon: &'static str,
+}
+
+impl LawKeys {
+    /// On the command line.
+    pub const OPTIONS: Self = Self { mode: "--mode", horizon: "--horizon" };
+    /// In a file.
+    pub const FILE: Self = Self { mode: "law.mode", horizon: "law.horizon_s" };
+}
+
 impl GivenLaw {
-    /// The law that is given; what is left open is `base`'s. `prefix` is put before the key in an error.
+    /// The law that is given; what is left open is `base`'s. `keys` names mode and horizon in an error.
     ///
     /// # Errors
     /// A mode or a horizon for another law than the optimal law, or a horizon out of its range.
-    pub fn or(self, base: LawChoice, prefix: &str) -> Result<LawChoice> {
+    pub fn or(self, base: LawChoice, keys: LawKeys) -> Result<LawChoice> {
         let name = self.name.unwrap_or(base.law.name());
         if name != LawName::Optimal && self.mode.is_some() {
-            bail!("{}", for_optimal_alone(prefix, "mode", name));
+            bail!("{}", for_optimal_alone(keys.mode, name));
         }
         let kept = if name == base.law.name() { base } else { LawChoice::new(name) };
         let law = LawId::new(name, self.mode.or(kept.law.mode()).unwrap_or_default());
-        LawChoice { law, horizon_s: self.horizon_s.or(kept.horizon_s) }.validated(prefix)
+        LawChoice { law, horizon_s: self.horizon_s.or(kept.horizon_s) }.validated(keys)
     }
 }
 
@@ -60,17 +74,17 @@ impl LawChoice {
         Self::of(LawId::new(name, OptimalMode::default()))
     }
 
-    /// The choice, if its horizon is in its range and a law has it. `prefix` is put before the key in an error.
+    /// The choice, if its horizon is in its range and the law has one.
     ///
     /// # Errors
     /// A horizon for another law than the optimal law, or out of its range.
-    pub fn validated(self, prefix: &str) -> Result<Self> {
+    pub fn validated(self, keys: LawKeys) -> Result<Self> {
         if self.horizon_s.is_some() && self.law.name() != LawName::Optimal {
-            bail!("{}", for_optimal_alone(prefix, "horizon", self.law.name()));
+            bail!("{}", for_optimal_alone(keys.horizon, self.law.name()));
         }
         let range = OptimalSettings::HORIZONS_S;
         if let Some(horizon) = self.horizon_s.filter(|horizon| !range.contains(horizon)) {
-            bail!("{prefix}horizon {horizon}: use seconds from {} to {}", range.start(), range.end());
+            bail!("{} = {horizon}: use seconds from {} to {}", keys.horizon, range.start(), range.end());
         }
         Ok(self)
     }
@@ -86,9 +100,9 @@ impl LawChoice {
     }
 }
 
-fn for_optimal_alone(prefix: &str, key: &str, name: LawName) -> String {
+fn for_optimal_alone(key: &str, name: LawName) -> String {
     format!(
-        "{prefix}{key} is for the law \"optimal\" alone: leave it out, or choose that law instead of {:?}",
+        "{key} is for the law \"optimal\" alone: leave it out, or choose that law instead of {:?}",
         name.key()
     )
 }

@@ -220,7 +220,7 @@ impl Publisher {
     /// The state of the recording.
     pub fn set_recording(&mut self, recording: RecordingState, now: Timestamp) {
         if let RecordingState::Failed(reason) = &recording {
-            let text = format!("the recording has stopped: {reason}");
+            let text = format!("{}: {reason}", Alarm::RecordingFailed.text());
             self.events.add(now, Level::Alarm, "recording-failed", text);
         }
         self.state.recording = recording;

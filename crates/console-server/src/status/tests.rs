@@ -6,11 +6,11 @@ use std::time::Duration;
 use barrelman_control::{Percept, Region};
 use barrelman_pilot::Advice;
 use barrelman_video::sender_clock::VideoTiming;
-use barrelman_vocab::LawId;
 use barrelman_vocab::earth::{GeoPoint, WaterOnEarth};
 use barrelman_vocab::telemetry::{ControlState, LinkState};
 use barrelman_vocab::track::Shape;
-use barrelman_vocab::{AngularRate, HoldCause, ImagePoint, VehicleRates};
+use barrelman_vocab::{AngularRate, HoldCause, ImagePoint, LawId, StopCause, VehicleRates};
+
 use serde_json::{Value, json};
 
 use super::*;

@@ -19,7 +19,7 @@ use barrelman_vocab::{OperatorRequest, PictureSize};
 use serde::{Deserialize, Serialize};
 
 use super::setup::{DriveSetup, MAX_DRIVE_S};
-use crate::law_choice::LawChoice;
+use crate::law_choice::{LawChoice, LawKeys};
 use crate::tracker_choice::TrackerName;
 use crate::world_url::WorldUrl;
 use barrelman_host::input;
@@ -143,7 +143,7 @@ impl StoredDrive {
         let header: Header = serde_json::from_str(first).context("its first line is no drive's")?;
         let size = header.size.map(|(width, height)| PictureSize::new(width, height));
         let url = WorldUrl { scenario: header.drive, seed: header.seed, size };
-        let law = header.law.validated("law.")?;
+        let law = header.law.validated(LawKeys::FILE)?;
         let setup = DriveSetup::new(url, header.tracker, law, header.encoded)?;
         let setup = DriveSetup { hands_on: header.hands_on, ..setup };
         if format!("{:016x}", setup.loaded.hash) != header.scenario_hash {

@@ -41,7 +41,7 @@ pub struct ScenarioFile {
     pub marks: bool,
     /// Objects beside the target.
     #[serde(default)]
-    pub thing: Vec<SceneObjectSection>,
+    pub object: Vec<SceneObjectSection>,
     /// Localisations without pixels.
     pub sensing: SensingSection,
 }

@@ -176,26 +176,26 @@ const OPTIONAL: [OptionalKey; 39] = [
         "Limits of |x| and |y|, pixels: a target beyond is reported there. Without them it is lost.",
     ),
     with_default(
-        "thing",
+        "object",
         "jitter_m",
         "0.0",
         "Standard deviation of the position from trial to trial, metres.",
     ),
-    with_default("thing", "heading_deg", "0.0", "Heading, degrees: 0 along x, anticlockwise."),
-    with_default("thing", "velocity_m_per_s", "[0.0, 0.0]", "Velocity along x and y, m/s."),
+    with_default("object", "heading_deg", "0.0", "Heading, degrees: 0 along x, anticlockwise."),
+    with_default("object", "velocity_m_per_s", "[0.0, 0.0]", "Velocity along x and y, m/s."),
     without_default(
-        "thing",
+        "object",
         "turns_after_s",
         "10",
         "Time after which it reverses its velocity, again and again, seconds. Without it, never.",
     ),
     with_default(
-        "thing",
+        "object",
         "drifts",
         "false",
         "Whether it drifts with the current, the waves and a little with the wind.",
     ),
-    without_default("thing", "size_m", "[12, 2]", "Length and breadth of a pier, metres."),
+    without_default("object", "size_m", "[12, 2]", "Length and breadth of a pier, metres."),
     with_default("water", "current_m_per_s", "[0.0, 0.0]", "Steady current along x and y, m/s."),
     // The wind has a default that depends on the sea: see `wind_of`.
     without_default(
@@ -231,10 +231,10 @@ const TARGET: &str = "
 # A scenario has a driven [boat] or a moved [target]: `barrelman scenarios lab1`
 # shows every key of [target].
 ";
-const THING: &str = "
+const OBJECT: &str = "
 # Things beside the target: kind buoy, life-jacket, swimmer, red-craft, pier or
 # shore. `barrelman scenarios distractors` and `pier` show some.
-# [[thing]]
+# [[object]]
 # kind = \"buoy\"
 # at = [4, 30]
 ";
@@ -256,7 +256,7 @@ pub fn complete(text: &str) -> String {
     let mut completed = out.join("\n") + "\n";
     let has = |path: &str| find(&table, path).is_some();
     for (path, words) in
-        [("camera.loss", LOSS), ("water", WATER), ("boat", BOAT), ("target", TARGET), ("thing", THING)]
+        [("camera.loss", LOSS), ("water", WATER), ("boat", BOAT), ("target", TARGET), ("object", OBJECT)]
     {
         // A scenario without a boat has a target.
         if !has(path) {
@@ -289,7 +289,7 @@ fn wind_of(water: &Table) -> Option<String> {
     Some(format!("{:?}", state.wind_mps()))
 }
 
-/// A section by its path; of several things the first.
+/// A section by its path; of several objects the first.
 fn find<'t>(table: &'t Table, path: &str) -> Option<&'t Table> {
     path.split('.').try_fold(table, |table, name| {
         let value = table.get(name)?;
@@ -311,7 +311,7 @@ impl Sections {
             let line = line.trim();
             if let Some(name) = header_of(line) {
                 ends.extend(open.take());
-                // Of several things the first is completed.
+                // Of several objects the first is completed.
                 open = seen.insert(name.to_owned()).then(|| (name.to_owned(), index));
             } else if !line.is_empty()
                 && !line.starts_with('#')

@@ -152,12 +152,12 @@ fn a_stored_drive_is_read_as_it_was_written() {
     writer.finish(120, "0123456789abcdef".to_owned()).unwrap();
     let whole = StoredDrive::read(&path).unwrap();
     let text = std::fs::read_to_string(&path).unwrap();
-    let key = r#""law":{"name":"optimal","mode":"eco","horizon_s":1.5},"#;
-    std::fs::write(&path, text.replace("optimal", "schema")).unwrap();
+    let key = r#""law":{"law":"eco","horizon_s":1.5},"#;
+    std::fs::write(&path, text.replace("\"eco\"", "\"schema\"")).unwrap();
     let contradicts = format!("{:#}", StoredDrive::read(&path).unwrap_err());
     std::fs::remove_file(&path).unwrap();
     assert!(text.contains(key), "{text}");
-    assert!(contradicts.contains("law.mode is for the law"), "{contradicts}");
+    assert!(contradicts.contains("law.horizon_s is for the law"), "{contradicts}");
     assert_eq!((cut.end, cut.requests.len()), (None, 2));
     assert_eq!(whole.requests, [(0, ENGAGE), (30, AHEAD)]);
     assert_eq!(whole.end, Some((120, "0123456789abcdef".to_owned())));

@@ -101,7 +101,7 @@ fn a_mistake_is_shown_with_its_line() {
         "kind = \"buoy\"",
         "kind = \"buoy\"\njitter_m = -4",
         "jitter_m = -4",
-        "thing.4.jitter_m",
+        "object.4.jitter_m",
     );
     check("lab1", "noise_px = 0.6", "noise = 0.6", "noise = 0.6", "there is no key `noise`");
     check("open", "[kite.tether]", "[kite.other]", "setting = \"tether\"", "use one of calm, other");
@@ -148,10 +148,10 @@ fn a_printed_scenario_holds_every_key() {
         let headers: Vec<&str> =
             printed.lines().filter(|line| line.starts_with('[') && line.ends_with(']')).collect();
         assert!(headers.len() > 8, "{}: {headers:?}", built_in.name);
-        let mut things = 0;
+        let mut objects = 0;
         for header in headers {
-            things += usize::from(header == "[[thing]]");
-            if header == "[[thing]]" && things > 1 {
+            objects += usize::from(header == "[[object]]");
+            if header == "[[object]]" && objects > 1 {
                 continue;
             }
             let start = printed.find(&format!("\n{header}\n")).unwrap() + header.len() + 2;
@@ -167,7 +167,7 @@ fn a_printed_scenario_holds_every_key() {
                 assert!(is_there || is_section, "{}: {header} has no {key}\n{section}", built_in.name);
             }
         }
-        for section in ["camera.loss", "water", "boat", "target", "thing"] {
+        for section in ["camera.loss", "water", "boat", "target", "object"] {
             assert!(printed.contains(&format!("[{section}]")), "{}: {section}", built_in.name);
         }
     }

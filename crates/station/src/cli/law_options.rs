@@ -1,7 +1,7 @@
 //! The options `--law`, `--mode` and `--horizon`, which several commands share.
 
 use anyhow::Result;
-use barrelman_experiments::law_choice::{GivenLaw, LawChoice, named_values};
+use barrelman_experiments::law_choice::{GivenLaw, LawChoice, LawKeys, named_values};
 use barrelman_vocab::{LawName, OptimalMode};
 use clap::Args;
 
@@ -29,7 +29,7 @@ impl LawOptions {
     /// If the options contradict each other, or the horizon is out of range.
     pub fn resolve(self, base: LawChoice) -> Result<LawChoice> {
         GivenLaw { name: self.law, mode: self.mode, horizon_s: self.horizon }
-            .or(base, "--")
+            .or(base, LawKeys::OPTIONS)
             .map_err(|error| UsageError(error.to_string()).into())
     }
 }

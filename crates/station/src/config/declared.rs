@@ -1,5 +1,5 @@
-//! What follows from the declarations of the keys in the section types: the JSON schema, the check of ranges, and the
-//! example. A key is declared once: its type, its words, its range and an example of what has no default.
+//! What follows from the declarations of the keys in the section types: the JSON schema and the check of ranges. A key is
+//! declared once: its type, its words, its range and an example of what has no default.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -9,13 +9,6 @@ use barrelman_vision::FusedConfig;
 use schemars::JsonSchema;
 use serde::Serialize;
 use serde_json::{Value, json};
-
-use super::field_names::field_names;
-use super::file::ConfigFile;
-use super::resolve::Configuration;
-
-/// The width to which the example's comments are wrapped.
-const COLUMNS: usize = 100;
 
 /// The JSON schema of a type of the configuration. The fused tracker's ranges are those of its own settings.
 pub(super) fn schema_of<T: JsonSchema>() -> Value {
@@ -76,76 +69,16 @@ fn unit_of(key: &str) -> Option<&'static str> {
     UNITS.iter().find(|(ending, _)| key.ends_with(ending)).map(|(_, unit)| *unit)
 }
 
-/// The example: every section and every key with its words. A key with a value that holds without it shows that value.
-///
-/// # Errors
-/// Never in practice: the defaults are usable.
-pub(super) fn example() -> Result<String> {
-    let mut file = ConfigFile::default();
-    file.vessel.url = Some("udp://boat.example:14550".to_owned());
-    let effective = toml::Table::try_from(Configuration::resolve(&file)?.to_file())?;
-    let schema = schema_of::<ConfigFile>();
-    let mut text = String::new();
-    comment(
-        &mut text,
-        "Barrelman's configuration. Every key is optional. A line that is commented out shows the value that holds \
-         without it, those of [vehicle] and [camera] for a Fotokite Pro, or an example where nothing holds. \
-         `barrelman config print FILE` prints the effective configuration, `barrelman config schema` the JSON schema \
-         for editors. Relative paths start in the current folder.",
-    );
-    write_keys(&mut text, &Node::root(&schema), Some(&effective), "");
-    Ok(text)
-}
-
-fn write_keys(text: &mut String, node: &Node<'_>, effective: Option<&toml::Table>, section: &str) {
-    let order = field_names();
-    let names = node.keys(order.get(node.name).copied().unwrap_or_default());
-    let (sections, keys): (Vec<_>, Vec<_>) =
-        names.into_iter().partition(|(_, declared)| declared.is_section());
-    for (key, declared) in keys {
-        let range = declared.range().map_or(String::new(), |(min, max)| format!(" Range: {min} to {max}."));
-        comment(text, &format!("{}{range}", declared.words()));
-        let value = effective.and_then(|table| table.get(key)).map(ToString::to_string);
-        let value = value.or_else(|| declared.example()).unwrap_or_else(|| "0.0".to_owned());
-        let _ = writeln!(text, "# {key} = {value}");
-    }
-    for (key, declared) in sections {
-        let path = joined(section, key);
-        text.push('\n');
-        comment(text, &declared.words());
-        // A table whose keys are all needed stands in a comment as a whole.
-        let mark = if declared.is_complete() { "# " } else { "" };
-        let _ = writeln!(text, "{mark}[{path}]");
-        let effective = effective.and_then(|table| table.get(key)?.as_table());
-        write_keys(text, &declared, effective, &path);
-    }
-}
-
-fn joined(section: &str, key: &str) -> String {
+/// The name of a key in a section.
+pub(super) fn joined(section: &str, key: &str) -> String {
     if section.is_empty() { key.to_owned() } else { format!("{section}.{key}") }
 }
 
-/// Adds words as lines of a comment.
-fn comment(text: &mut String, words: &str) {
-    let mut line = "#".to_owned();
-    for word in words.split_whitespace() {
-        if line.len() + 1 + word.len() > COLUMNS {
-            text.push_str(&line);
-            text.push('\n');
-            "#".clone_into(&mut line);
-        }
-        line.push(' ');
-        line.push_str(word);
-    }
-    text.push_str(&line);
-    text.push('\n');
-}
-
 /// A place in the JSON schema: a section, or a key.
-struct Node<'a> {
+pub(super) struct Node<'a> {
     definitions: Option<&'a Value>,
     /// The name of the type, where it has one.
-    name: &'a str,
+    pub(super) name: &'a str,
     /// What stands at the key itself.
     own: &'a Value,
     /// What stands at its type.
@@ -153,7 +86,7 @@ struct Node<'a> {
 }
 
 impl<'a> Node<'a> {
-    fn root(schema: &'a Value) -> Self {
+    pub(super) fn root(schema: &'a Value) -> Self {
         let name = schema["title"].as_str().unwrap_or_default();
         Self { definitions: schema.get("$defs"), name, own: schema, of_type: schema }
     }
@@ -168,25 +101,25 @@ impl<'a> Node<'a> {
     }
 
     /// The keys, in this order.
-    fn keys(&self, order: &'static [&'static str]) -> Vec<(&'static str, Self)> {
+    pub(super) fn keys(&self, order: &'static [&'static str]) -> Vec<(&'static str, Self)> {
         order.iter().filter_map(|key| Some((*key, self.key(key)?))).collect()
     }
 
-    fn is_section(&self) -> bool {
+    pub(super) fn is_section(&self) -> bool {
         self.of_type.get("properties").is_some()
     }
 
     /// Whether some of its keys have to be given.
-    fn is_complete(&self) -> bool {
+    pub(super) fn is_complete(&self) -> bool {
         self.of_type["required"].as_array().is_some_and(|keys| !keys.is_empty())
     }
 
-    fn range(&self) -> Option<(f64, f64)> {
+    pub(super) fn range(&self) -> Option<(f64, f64)> {
         Some((self.own["minimum"].as_f64()?, self.own["maximum"].as_f64()?))
     }
 
     /// The words of the key, and those of the names that it can have.
-    fn words(&self) -> String {
+    pub(super) fn words(&self) -> String {
         let words = self.own["description"].as_str().or(self.of_type["description"].as_str());
         let mut words = words.unwrap_or_default().replace('\n', " ");
         let names: BTreeMap<_, _> = (self.of_type["oneOf"].as_array().into_iter().flatten().enumerate())
@@ -202,7 +135,7 @@ impl<'a> Node<'a> {
     }
 
     /// An example of its value, in TOML.
-    fn example(&self) -> Option<String> {
+    pub(super) fn example(&self) -> Option<String> {
         let example = self.own["examples"].get(0)?;
         Some(match example {
             Value::String(text) => format!("{text:?}"),

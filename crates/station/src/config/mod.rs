@@ -17,6 +17,7 @@ pub mod vessel;
 pub mod resolve;
 
 mod declared;
+mod example;
 mod field_names;
 mod mavlink;
 mod turning;
@@ -39,7 +40,7 @@ pub use tracking_camera::TrackingCameraConfig;
 /// # Errors
 /// Never in practice: the defaults are usable.
 pub fn example() -> Result<String> {
-    declared::example()
+    example::example()
 }
 
 /// Reads a configuration file, with the lens file that it names.

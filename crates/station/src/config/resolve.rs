@@ -21,7 +21,7 @@ use super::tracking_camera::{TrackingCameraConfig, TrackingCameraSection};
 use super::turning::{gimbal_tilt, net_yaw_limits, section_of};
 use super::vessel::{VesselConfig, VesselSection};
 use crate::secrets::{LinkAccess, LoginSource, TrustFiles, VideoLogin};
-use barrelman_experiments::law_choice::{GivenLaw, LawChoice};
+use barrelman_experiments::law_choice::{GivenLaw, LawChoice, LawKeys};
 use barrelman_experiments::tracker_choice::{TrackerName, TrackerSettings};
 
 /// The effective configuration.
@@ -155,7 +155,7 @@ impl Configuration {
             },
             profile,
             law: GivenLaw { name: file.law.name, mode: file.law.mode, horizon_s: file.law.horizon_s }
-                .or(LawChoice::OPTIMAL, "law.")?,
+                .or(LawChoice::OPTIMAL, LawKeys::FILE)?,
             tracker: file.tracker.settings().validated()?,
             tracking_camera: file.tracking_camera.resolve(),
             vessel: file.vessel.resolve()?,

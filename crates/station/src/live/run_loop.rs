@@ -255,7 +255,10 @@ impl RunLoop<'_> {
             Event::Quit(cause) => return Some((StopCause::Ending, RunEnd::Requested(cause.to_string()))),
             Event::ThreadPanicked { thread } => return Some(failed(format!("the {thread} thread panicked"))),
             Event::RecordingFailed { reason } => {
-                tracing::error!("the recording has stopped: {reason}; the run goes on without a recording");
+                tracing::error!(
+                    "{}: {reason}; the run goes on without a recording",
+                    Alarm::RecordingFailed.text()
+                );
                 self.publisher.set_recording(RecordingState::Failed(reason), self.events.now());
                 self.recorder = None;
             }

@@ -6,7 +6,7 @@
 
 use std::time::Duration;
 
-use barrelman_console_server::snapshot::{LinkStatus, RecordingState, Snapshot, link_state_text};
+use barrelman_console_server::snapshot::{Alarm, LinkStatus, RecordingState, Snapshot, link_state_text};
 use barrelman_pilot::Mode;
 use barrelman_vocab::acceptance::Acceptance;
 use barrelman_vocab::telemetry::LinkState;
@@ -98,7 +98,7 @@ fn line(snapshot: &Snapshot, now: Timestamp, names_keys: bool) -> String {
         Some(_) | None => link,
     };
     let alarm = match &snapshot.recording {
-        RecordingState::Failed(reason) => format!("  ALARM: recording stopped: {reason}"),
+        RecordingState::Failed(reason) => format!("  ALARM: {}: {reason}", Alarm::RecordingFailed.text()),
         RecordingState::Off | RecordingState::On(_) => String::new(),
     };
     let sent = if is_up { "" } else { " (not sent)" };

@@ -23,7 +23,7 @@ fn wrong_use_ends_with_2_and_says_what_is_expected() {
     refused(&["law", "log.csv", "--frame-size", "640"], 2, &["WIDTHxHEIGHT"]);
     refused(&["law", "log.csv", "--rate", "-1"], 2, &["--rate"]);
     refused(&["law", "log.csv", "--mode", "eco"], 2, &["--mode", "optimal"]);
-    refused(&["law", "log.csv", "--law", "optimal", "--horizon", "0"], 2, &["--horizon 0", "0.5 to 5"]);
+    refused(&["law", "log.csv", "--law", "optimal", "--horizon", "0"], 2, &["--horizon = 0", "0.5 to 5"]);
     refused(&["trials", "lab1", "--horizon", "2"], 2, &["--horizon", "optimal"]);
     refused(&["metrics"], 2, &["LOGS"]);
     refused(&["emulate", "fotokite-pro"], 2, &["--pty"]);

@@ -5,7 +5,7 @@ use barrelman_experiments::tracker_choice::TrackerName;
 use barrelman_station::cli::LawOptions;
 use barrelman_station::config::{self, ConfigFile, Configuration};
 use barrelman_vision::{FusedConfig, FusedSetting};
-use barrelman_vocab::{LawId, LawName, OptimalMode, VehicleProfile};
+use barrelman_vocab::{LawId, LawName, OptimalMode};
 
 fn resolved(text: &str) -> Result<Configuration, String> {
     let resolve = || -> anyhow::Result<Configuration> { Configuration::resolve(&config::parse(text)?) };
@@ -246,5 +246,5 @@ fn the_command_line_says_otherwise_than_the_configuration_about_the_law() {
     assert!(
         chosen(Some(LawName::Schema), Some(OptimalMode::Eco), None).unwrap_err().contains("--mode is for")
     );
-    assert!(chosen(None, None, Some(9.0)).unwrap_err().contains("--horizon 9"));
+    assert!(chosen(None, None, Some(9.0)).unwrap_err().contains("--horizon = 9"));
 }

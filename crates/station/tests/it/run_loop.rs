@@ -349,7 +349,7 @@ fn a_failed_recording_raises_an_alarm_and_the_run_goes_on_without_it() {
     assert_eq!(run.end, RunEnd::Requested("q was pressed".to_owned()));
     assert_eq!(run.recorded.len(), 3, "nothing is recorded after the failure");
     assert_eq!(run.sent[3].0, moving(), "the camera is moved as before");
-    assert!(run.lines.last().unwrap().contains("ALARM: recording stopped: disk full |"), "{:?}", run.lines);
+    assert!(run.lines.last().unwrap().contains("ALARM: recording failed: disk full |"), "{:?}", run.lines);
 }
 
 #[test]

@@ -102,19 +102,19 @@ fn each_state_has_its_line() {
         up,
         nothing,
         Some(&outcome(Mode::Holding(HoldCause::Coasting), coasting, Some(CameraCommand::REST))),
-        "holding: coasting | confidence 0.90 | P 0.25 | pan +0.00 tilt +0.00 rad/s | link up | 0 fps, age -, dropped 0",
+        "holding: boat hidden | confidence 0.90 | P 0.25 | pan +0.00 tilt +0.00 rad/s | link up | 0 fps, age -, dropped 0",
     );
     check(
         up,
         nothing,
         Some(&outcome(Mode::Holding(HoldCause::TrackLost), lost, None)),
-        "holding: track lost | lost for 2.5 s | P - | pan +0.00 tilt +0.00 rad/s | link up | 0 fps, age -, dropped 0",
+        "holding: boat lost | lost for 2.5 s | P - | pan +0.00 tilt +0.00 rad/s | link up | 0 fps, age -, dropped 0",
     );
     check(
         Some(LinkState::Opening),
         nothing,
         Some(&outcome(Mode::Holding(HoldCause::LinkDown), seen(), Some(RIGHT))),
-        "holding: the link is not up | confidence 0.90 | P 0.25 | pan +0.00 tilt +0.00 rad/s (not sent) (would pan +0.30 tilt +0.00) | link opening | 0 fps, age -, dropped 0",
+        "holding: link not up | confidence 0.90 | P 0.25 | pan +0.00 tilt +0.00 rad/s (not sent) (would pan +0.30 tilt +0.00) | link opening | 0 fps, age -, dropped 0",
     );
     check(
         None,
@@ -126,7 +126,7 @@ fn each_state_has_its_line() {
         up,
         nothing,
         Some(&outcome(Mode::Stopped(StopCause::ControlLost), Track::Unseeded, None)),
-        "stopped: the vehicle gave the control away | nothing selected | P - | pan +0.00 tilt +0.00 rad/s | link up | 0 fps, age -, dropped 0",
+        "stopped: vehicle gave the control away | nothing selected | P - | pan +0.00 tilt +0.00 rad/s | link up | 0 fps, age -, dropped 0",
     );
     check(
         Some(LinkState::Opening),
@@ -137,7 +137,7 @@ fn each_state_has_its_line() {
             snapshot.recording = RecordingState::Failed("disk full".to_owned());
         },
         Some(&outcome(Mode::Stopped(StopCause::Operator), Track::Unseeded, None)),
-        "stopped by the operator | nothing selected | P - | pan +0.00 tilt +0.00 rad/s (not sent) | link closing  ALARM: recording stopped: disk full | 20 fps, age 213 ms, dropped 7",
+        "stopped: by the operator | nothing selected | P - | pan +0.00 tilt +0.00 rad/s (not sent) | link closing  ALARM: recording failed: disk full | 20 fps, age 213 ms, dropped 7",
     );
 }
 
@@ -151,7 +151,7 @@ fn on_a_terminal_the_line_names_the_key_that_matters() {
     };
     assert!(line(Mode::Idle).starts_with("disengaged (e engages) |"), "{}", line(Mode::Idle));
     assert!(line(Mode::Servoing).starts_with("servoing (space stops) |"));
-    assert!(line(Mode::Stopped(StopCause::Operator)).starts_with("stopped by the operator (e engages) |"));
+    assert!(line(Mode::Stopped(StopCause::Operator)).starts_with("stopped: by the operator (e engages) |"));
 }
 
 #[test]

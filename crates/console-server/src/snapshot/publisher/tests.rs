@@ -302,8 +302,7 @@ fn an_alarm_is_logged_once_each_time_it_is_raised() {
         step(&mut publisher, &Outcome { track, ..idle(at(0)) });
     }
     let raised = events(&publisher).into_iter().filter(|(level, ..)| *level == Level::Alarm);
-    let expected =
-        (Level::Alarm, "track-lost".to_owned(), "the track is lost: select the boat again".to_owned());
+    let expected = (Level::Alarm, "track-lost".to_owned(), "boat lost".to_owned());
     assert_eq!(raised.collect::<Vec<_>>(), [expected.clone(), expected]);
 }
 
@@ -312,7 +311,7 @@ fn a_recording_that_failed_is_logged_once_with_its_reason() {
     let mut publisher = publisher();
     publisher.set_recording(RecordingState::Failed("the disk is full".to_owned()), at(0));
     step(&mut publisher, &idle(at(0)));
-    let expected = "the recording has stopped: the disk is full".to_owned();
+    let expected = "recording failed: the disk is full".to_owned();
     assert_eq!(events(&publisher)[0], (Level::Alarm, "recording-failed".to_owned(), expected));
     assert_eq!(keys(&publisher), ["recording-failed", "mode"]);
 }
@@ -335,9 +334,9 @@ fn changes_of_mode_and_track_are_logged_once() {
         (Level::Info, "mode", "disengaged"),
         (Level::Info, "track", "track: tracking"),
         (Level::Info, "mode", "servoing"),
-        (Level::Warning, "mode", "holding: coasting"),
+        (Level::Warning, "mode", "holding: boat hidden"),
         (Level::Info, "track", "track: coasting"),
-        (Level::Warning, "mode", "stopped by the operator"),
+        (Level::Warning, "mode", "stopped: by the operator"),
     ];
     let expected = expected.map(|(level, key, text)| (level, key.to_owned(), text.to_owned()));
     assert_eq!(events(&publisher), expected);

@@ -26,8 +26,8 @@ pub(super) fn objects(
         TargetScript::Boat(script) => &script.way_points,
     };
     let mut all = if file.marks { marks(way_points, file.water.is_some()) } else { Vec::new() };
-    for (index, section) in file.thing.iter().enumerate() {
-        all.push(object(&format!("thing.{index}"), section)?);
+    for (index, section) in file.object.iter().enumerate() {
+        all.push(object(&format!("object.{index}"), section)?);
     }
     Ok(all)
 }
