@@ -141,15 +141,15 @@ class TestDemo:
 
     def test_pad_is_held_by_the_left_button_alone(self, demo: Program, demo_page: Page) -> None:
         demo_page.hold("helm-up")
-        demo.wait(lambda status: status["drive"]["thrust"] > 0, "the thrust")
+        demo.wait(lambda status: status["vessel"]["throttle"] > 0, "the throttle")
         demo_page.let_go()
-        demo.wait(lambda status: status["drive"]["thrust"] == 0, "the neutral boat")
+        demo.wait(lambda status: status["vessel"]["throttle"] == 0, "the neutral boat")
         for act in ("pointer_down", "pointer_up"):
             right = ActionBuilder(demo_page.driver)
             getattr(right.pointer_action.move_to(demo_page.element("helm-up")), act)(MouseButton.RIGHT)
             right.perform()
             time.sleep(0.4)
-            assert demo.status()["drive"]["thrust"] == 0
+            assert demo.status()["vessel"]["throttle"] == 0
 
     def test_sounds_are_asked_for_and_the_screen_is_kept_awake(self, demo_page: Page, check: Check) -> None:
         page = demo_page

@@ -46,41 +46,42 @@ def test_drive_by_the_keys_leaves_the_ellipse_and_the_camera_brings_the_boat_bac
     )
     program.wait_for_track()
 
-    def drive(condition: Any, what: str) -> Any:
-        return program.wait(lambda status: condition(status["drive"]), what, PATIENCE_S)["drive"]
+    def boat(condition: Any, what: str) -> Any:
+        """The state once the condition holds for the boat's throttle and rudder."""
+        return program.wait(lambda status: condition(status["vessel"]), what, PATIENCE_S)
 
     with started(program, tmp_path) as page:
         # The first pictures may come before the first H.264 unit. A drive that is recorded is drawn by
         # WebCodecs.
         page.wait(lambda data: data["path"] == "h264", "H.264")
         page.press("up")
-        state = drive(lambda drive: drive["thrust"] > 0, "thrust")
+        state = boat(lambda boat: boat["throttle"] > 0, "throttle")
         check(
-            "arrow up, held: thrust, and the page has the helm",
-            (state["helm"], state["rudder"]) == ("page", 0),
+            "arrow up, held: throttle, and the page has the helm",
+            (state["drive"]["helm"], state["vessel"]["rudder"]) == ("page", 0),
             state,
         )
-        for key, sign in (("left", 1), ("right", -1)):
+        for key, sign in (("left", -1), ("right", 1)):
             page.press(key)
-            state = drive(lambda drive: drive["rudder"] != 0, "rudder")
+            state = boat(lambda boat: boat["rudder"] != 0, "rudder")["vessel"]
             check(
                 f"arrow {key}: the rudder, to {key}",
-                state["rudder"] * sign > 0 and state["thrust"] > 0,
+                state["rudder"] * sign > 0 and state["throttle"] > 0,
                 state,
             )
             page.release(key)
-            drive(lambda drive: drive["rudder"] == 0, "a rudder amidships")
+            boat(lambda boat: boat["rudder"] == 0, "a rudder amidships")
         program.wait(lambda status: p_of(status) > 1.05, "an excursion", PATIENCE_S)
         page.screenshot(pytestconfig.getoption("--screenshots"), "drive")
         page.release("up")
-        state = drive(lambda drive: drive["thrust"] == 0, "a neutral helm")
-        check("keys let go: the helm is neutral, and still the page's", state["helm"] == "page", state)
+        state = boat(lambda boat: boat["throttle"] == 0, "a neutral helm")
+        check("keys let go: the helm is neutral, and still the page's", state["drive"]["helm"] == "page", state)
         program.wait(lambda status: any(status["command"].values()), "a rate", PATIENCE_S)
         program.wait(lambda status: 0 < p_of(status) < 1, "the boat in the ellipse", PATIENCE_S)
         page.press("up")
-        drive(lambda drive: drive["thrust"] > 0, "thrust")
+        boat(lambda boat: boat["throttle"] > 0, "throttle")
     # The page is closed with the key down.
-    drive(lambda drive: drive["thrust"] == 0, "a neutral helm")
+    boat(lambda boat: boat["throttle"] == 0, "a neutral helm")
     # The seat of a page that is gone is kept for two seconds.
     time.sleep(2.5)
     with started(program, tmp_path, "again") as page:

@@ -24,10 +24,6 @@ pub struct DriveState {
     pub speed_m_per_s: f64,
     /// Who steers: `page`, `helmsman`, or `nobody` where the target cannot be steered.
     pub helm: &'static str,
-    /// The page's throttle, -1 to 1.
-    pub thrust: f64,
-    /// The page's rudder, -1 to 1, positive to the left.
-    pub rudder: f64,
     /// Whether the boat is in the newest picture.
     pub in_picture: Option<bool>,
     /// Whether the drive is over.

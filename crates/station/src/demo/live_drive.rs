@@ -213,8 +213,6 @@ impl LiveDrive<'_> {
                 Some(_) => "page",
                 None => "helmsman",
             },
-            thrust: helm.map_or(0.0, |helm| helm.throttle),
-            rudder: helm.map_or(0.0, |helm| helm.rudder),
             in_picture: self.observers.is_in_picture,
             over,
         }
