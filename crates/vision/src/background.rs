@@ -15,7 +15,7 @@ use crate::fourier::{AREA, Fourier, Map, SIDE, Spectrum, hann_window};
 use crate::tracker::BackgroundShift;
 
 /// Registers patches of the target's surroundings.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(crate) struct BackgroundMotion {
     reference: Spectrum,
     current: Spectrum,

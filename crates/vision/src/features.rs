@@ -54,7 +54,7 @@ impl PatchPose {
     }
 }
 
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(crate) struct FeatureExtractor {
     luma: Vec<f32>,
     probability: Vec<f32>,

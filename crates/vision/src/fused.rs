@@ -1,259 +1,325 @@
-//! The default tracker: a correlation filter and a colour model, fused into one measure of evidence, with loss and
-//! re-detection.
+//! The default tracker: a correlation filter and a colour model, fused into one measure of evidence, with
+//! loss and re-detection.
 //!
-//! The correlation filter works on gradients, brightness and target probability of the colour, restricted to the target
-//! and its close surroundings (`correlation`). The colour model compares the colours at the target with those of the
-//! ring around it (`colour_model`). Their sum, the *evidence*, is in standard deviations of the response's sidelobes.
-//! Where the target's colour resembles its surroundings', the colour is not used.
+//! The correlation filter works on gradients, brightness and target probability of the colour, restricted to
+//! the target and its close surroundings (`correlation`). The colour model compares the colours at the target
+//! with those of the ring around it (`colour_model`). Their sum, the *evidence*, is in standard deviations of
+//! the response's sidelobes. Where the target's colour resembles its surroundings', the colour is not used.
 //!
-//! Steps of one frame:
+//! One frame passes the stages in this order. Each stage is a struct with its settings, its buffers and what
+//! it has learned; plain data flows between them (`follower`).
 //!
-//! 1. *Predict*: a Kalman filter in pixel coordinates predicts the target's position (`prediction`). The camera's motion
-//!    comes from the [`MotionPrior`], or else from registration of the background (`background`).
-//! 2. *Observe*: the search window is extracted at the coarsest resolution that the target's size allows, rotated and
-//!    scaled as the target was (`crop`, `features`). The observation is the peak of the filter's response. If the
-//!    prediction is uncertain compared with the window, the neighbouring windows are evaluated too.
-//! 3. *Evaluate*: the evidence and the probability of the refined box give the state (`phase`, `evidence`).
-//! 4. *Refine*: a network reads a window around the box and answers with its edges and the probability of the box,
-//!    which is the confidence (`refinement`). A doubtful target is looked for around it with filters of earlier views
-//!    (`reconsidering`). The filter's response at other sizes and rotations corrects both, the moments of the colour
-//!    correct centre and axis (`silhouette`), the blob of the paint follows a target that changes its shape (`blob`), and
-//!    the path distinguishes bow and stern (`heading`).
+//! 1. *Predict*: a Kalman filter in pixel coordinates predicts the target's position (`prediction`). The
+//!    camera's motion comes from the [`MotionPrior`], or else from registration of the background
+//!    (`background`).
+//! 2. *Detect*: the search window is extracted at the coarsest resolution that the target's size allows, rotated
+//!    and scaled as the target was (`observer`). The observation is the peak of the filter's response. A network
+//!    reads a window around the box there and answers with its edges and the probability of the box (`refiner`,
+//!    `detector`). A doubtful target is looked for around it with filters of earlier views (`views`).
+//! 3. *Accept*: evidence and probability decide whether that is the target (`acceptance`), and how sure the
+//!    answer is (`confidence`, `identity`).
+//! 4. *Measure*: the filter's response at other sizes and rotations corrects both, the moments of the colour
+//!    correct centre and axis, the blob of the paint follows a target that changes its shape (`shape`), and the
+//!    path distinguishes bow and stern (`heading`). A track that stayed with another object goes back
+//!    (`exchange`).
 //! 5. *Learn*: filter and histograms adapt to the frame if the evidence is good (`learning`).
 //!
-//! A lost target is searched for by colour in the whole picture (`redetection`), and by the filter at the place of the
-//! loss and in one window of a systematic search per frame (`recovery`). A re-detected target is reported after it was
-//! confirmed in the following frames, unless an earlier picture shows that it is another thing (`known_scene`).
+//! A lost target is searched for by colour in the whole picture, and by the filter at the place of the loss
+//! and in one window of a systematic search per frame (`search`). What is recognised (`recognition`) is
+//! reported after it was confirmed in the following frames, unless an earlier picture shows that it is
+//! another object (`known_scene`).
 //!
-//! Work per frame: one search window of at most 130 x 130 samples and about nine small patches, for a target of any
-//! size; at most eight search windows while it is lost. Memory: less than 3 MiB, and two earlier video frames that are shared
-//! with their source; no allocation per frame once the buffers have their size.
+//! Work per frame: one search window of at most 130 x 130 samples and about nine small patches, for a target
+//! of any size; at most eight search windows while it is lost. Memory: less than 3 MiB, and two earlier video
+//! frames that are shared with their source; no allocation per frame once the buffers have their size.
 //!
-//! Not handled: targets that change beyond recognition while hidden, groups of similar targets that cross, targets
-//! smaller than about 6 pixels.
+//! Not handled: targets that change beyond recognition while hidden, groups of similar targets that cross,
+//! targets smaller than about 6 pixels.
 
 mod config;
+mod fused_tracker;
 
-mod vector;
-mod workspace;
+mod follower;
 
-mod blob;
-mod box_probability;
-mod companions;
-mod contact;
-mod contradicted_box;
-mod distractors;
-mod exchanged_target;
-mod excluded_places;
-mod following;
+mod selection;
+
+mod acceptance;
+mod confidence;
+mod detector;
+mod exchange;
 mod identity;
 mod known_scene;
 mod learning;
-mod paint_selection;
-mod reconsidering;
-mod recovery;
-mod refining;
-mod shape_following;
+mod observer;
+mod prediction;
+mod recognition;
+mod refiner;
+mod reported_box;
+mod search;
+mod shape;
+mod views;
 
+mod blob;
+mod companion;
+mod companions;
+mod contact;
 mod contradiction;
-mod evidence;
-mod phase;
+mod distractors;
+mod excluded_places;
+mod found_object;
+mod slipped_box;
 
 mod appearance;
 mod extent;
-mod filter_views;
 mod geometry;
-mod loss;
 mod observation;
-mod prediction;
+mod phase;
 mod reference_silhouette;
-mod surroundings;
+mod shape_following;
 mod target;
-mod target_paint;
+mod vector;
 
 #[cfg(test)]
 mod test_target;
 
-use std::sync::Arc;
+use barrelman_vocab::{MotionPrior, Picture, Track, VideoFrame};
 
-use barrelman_vocab::{MotionPrior, PixelBox, Track, VideoFrame};
-
+use self::acceptance::{Evaluation, Verdict};
 pub use self::config::{FusedConfig, FusedConfigError, FusedSetting};
-use self::distractors::Distractors;
-use self::phase::Phase;
-use self::target::Target;
-use self::workspace::Workspace;
-use crate::explanation::Explanation;
-use crate::refinement::{RefinementWeights, RefinementWindow};
-use crate::tracker::{BackgroundShift, SelectionError, SelectionReport, Tracker};
-use crate::window::{Window, exceeds_picture};
+use self::detector::Detector;
+use self::follower::Follower;
+pub use self::fused_tracker::FusedTracker;
+use self::identity::IdentityInput;
+use self::observation::Candidate;
+use self::phase::{Phase, Visibility};
+use self::prediction::Prediction;
+use self::search::SearchInput;
 
-/// Minimum width and height of a selection, pixels.
-const MIN_SELECTION_PX: (usize, usize) = (6, 4);
-
-/// Tracks a target by its pattern and its colour.
-///
-/// ```
-/// use std::sync::Arc;
-///
-/// use barrelman_vision::{FusedConfig, FusedTracker, Tracker};
-/// use barrelman_vocab::video::{Capture, CaptureQuality, ColourEncoding};
-/// use barrelman_vocab::{Picture, PictureSize, PixelBox, Timestamp, Track, VideoFrame};
-///
-/// /// A patterned red boat of 40 x 24 pixels, its left edge at `left` (an even number), on patterned blue water.
-/// fn frame(sequence: u64, left: usize) -> VideoFrame {
-///     let size = PictureSize::new(240, 160);
-///     let mut picture = Picture::black(size, ColourEncoding::assumed_for(size));
-///     let is_boat = |column, row| (left..left + 40).contains(&column) && (60..84).contains(&row);
-///     // Brightness of blocks of 4 x 4 pixels.
-///     let pattern = |column: usize, row: usize| ((column / 4 * 7 + row / 4 * 13) * 29 % 64) as u8;
-///     let [y, u, v] = picture.planes_mut();
-///     for (index, y) in y.iter_mut().enumerate() {
-///         let (column, row) = (index % 240, index / 240);
-///         *y = if is_boat(column, row) { 50 + 2 * pattern(column - left, row) } else { 80 + pattern(row, column) };
-///     }
-///     for (index, (u, v)) in u.iter_mut().zip(v).enumerate() {
-///         (*u, *v) = if is_boat(2 * (index % 120), 2 * (index / 120)) { (90, 240) } else { (190, 100) };
-///     }
-///     let at = Timestamp::from_nanos(sequence * 33_000_000);
-///     let capture = Capture { at, quality: CaptureQuality::Sensor };
-///     VideoFrame { sequence, capture, picture: Arc::new(picture) }
-/// }
-///
-/// let mut tracker = FusedTracker::new(FusedConfig::default())?;
-/// tracker.select(&frame(0, 60), PixelBox { u: 60.0, v: 60.0, w: 40.0, h: 24.0 })?;
-/// for sequence in 1..=10 {
-///     let left = 60 + 4 * sequence;
-///     let Track::Tracking(boat) = tracker.track(&frame(sequence as u64, left), None) else { panic!("not found") };
-///     assert!(boat.bounds.iou(PixelBox { u: left as f64, v: 60.0, w: 40.0, h: 24.0 }) > 0.75);
-/// }
-/// // The boat leaves the picture: the track coasts, and is lost.
-/// let last = (11..40).map(|sequence| tracker.track(&frame(sequence, 1000), None)).last();
-/// assert!(matches!(last, Some(Track::Lost { .. })));
-/// # Ok::<(), Box<dyn core::error::Error>>(())
-/// ```
-#[derive(Debug)]
-pub struct FusedTracker {
-    config: FusedConfig,
-    workspace: Workspace,
-    target: Option<Target>,
-    /// The target as it was selected: what is searched for after a rejection.
-    selected: Option<Target>,
-    distractors: Distractors,
-}
-
-impl FusedTracker {
-    /// A tracker without a selection.
-    ///
-    /// # Errors
-    /// If a setting is out of range.
-    pub fn new(config: FusedConfig) -> Result<Self, FusedConfigError> {
-        Self::with_weights(config, RefinementWeights::built_in())
+impl Follower {
+    /// Processes one frame; the track to report.
+    fn advance(&mut self, frame: &VideoFrame, prior: Option<&MotionPrior>) -> Track {
+        let now = frame.capture.at;
+        self.adopt_picture_size(frame.picture.size());
+        self.identity.check(IdentityInput {
+            observer: &mut self.detector.observer,
+            recognition: &mut self.recognition,
+            search: &mut self.search,
+            scene: &self.scene,
+            target: &self.target,
+        });
+        let seconds = self.motion.predict(now, prior, &self.target.geometry);
+        self.exchange.predict(self.target.geometry.size_px(), seconds as f32);
+        let visibility = match self.phase {
+            Phase::Lost { .. } => self.search_picture(&frame.picture, seconds),
+            Phase::Tracking | Phase::Coasting { .. } | Phase::Confirming { .. } => {
+                self.follow(frame, seconds)
+            }
+        };
+        let before = self.phase;
+        self.phase = before.after(visibility, now, self.config.coast_s, self.config.confirm);
+        if self.phase == Phase::Tracking {
+            self.compare_with_scene(before, frame);
+        }
+        if matches!(self.phase, Phase::Lost { .. }) {
+            match before {
+                Phase::Tracking | Phase::Coasting { .. } => {
+                    self.mark_lost(visibility != Visibility::OutOfPicture);
+                }
+                Phase::Confirming { .. } => self.learning.restore_reliable_size(&mut self.target.geometry),
+                Phase::Lost { .. } => {}
+            }
+        }
+        match self.phase {
+            Phase::Tracking => {
+                self.confidence *= self.identity.share();
+                Track::Tracking(self.report(frame))
+            }
+            Phase::Coasting { .. } => {
+                self.move_to_prediction();
+                self.confidence = self.judgement.of_prediction(now) * self.identity.share();
+                Track::Coasting(self.report(frame))
+            }
+            Phase::Lost { since } | Phase::Confirming { since, .. } => {
+                Track::Lost { since, confidence: self.judgement.of_lost(self.confidence) }
+            }
+        }
     }
 
-    /// The same with other weights of the refinement network.
-    ///
-    /// # Errors
-    /// If a setting is out of range.
-    pub fn with_weights(
-        config: FusedConfig,
-        weights: Arc<RefinementWeights>,
-    ) -> Result<Self, FusedConfigError> {
-        let config = config.validated()?;
-        Ok(Self {
-            config,
-            workspace: Workspace::new(&config, weights),
-            target: None,
-            selected: None,
-            distractors: Distractors::default(),
+    /// Searches a frame for the lost target, `seconds` after the last frame.
+    fn search_picture(&mut self, picture: &Picture, seconds: f64) -> Visibility {
+        let prediction = self.motion.predict_lost(picture, &self.target.geometry);
+        self.detector.refiner.clear_references();
+        self.scene.predict(prediction.camera_shift, seconds as f32);
+        let input = SearchInput {
+            observer: &mut self.detector.observer,
+            recognition: &mut self.recognition,
+            scene: &mut self.scene,
+            confidence: &self.judgement,
+            target: &self.target,
+            picture,
+            now: self.motion.last_capture,
+        };
+        let found = self.search.run(input, prediction.position);
+        self.confidence = found.confidence;
+        let Some(observation) = found.observation else { return Visibility::NotVisible };
+        self.restart_at(&observation);
+        Visibility::Visible
+    }
+
+    /// Looks for the target around its prediction, `seconds` after the last frame, and measures it where it
+    /// is found.
+    fn follow(&mut self, frame: &VideoFrame, seconds: f64) -> Visibility {
+        let (picture, now) = (&*frame.picture, frame.capture.at);
+        let prediction = self.motion.measure_shift(picture, &self.target.geometry);
+        self.detector.refiner.add_background_shift(prediction.known_camera_shift);
+        self.scene.predict(prediction.camera_shift, seconds as f32);
+        let first = self.detect(picture, &prediction);
+        let candidate = self.reconsider(picture, &prediction, first);
+        let has_jumped = candidate.observation != first.observation;
+        let verdict = self.judge(picture, &candidate);
+        if !verdict.is_accepted {
+            return self.reject_candidate(&candidate);
+        }
+        self.confidence = self.judgement.add(candidate.refined.probability, now);
+        let geometry = &self.target.geometry;
+        let place = candidate.observation.centre;
+        let is_from_border = geometry.touches_border() && !geometry.touches_border_at(place);
+        if verdict.is_far || has_jumped || is_from_border {
+            self.identity.add_jump();
+        }
+        self.measure(frame, &candidate, seconds);
+        self.reported.follow(candidate.refined.edges, &self.target.geometry, seconds);
+        let (crop, paint) = (&self.detector.observer.crop, self.shape.blob.paint);
+        let exchanged = self.exchange.find(crop, &self.target, paint.is_some(), seconds as f32);
+        if let Some(exchanged) = exchanged {
+            self.move_onto(&exchanged, frame);
+            return Visibility::Visible;
+        }
+        if self.exchange.is_in_doubt() {
+            self.confidence *= self.judgement.settings.contact_share;
+        }
+        if self.phase == Phase::Tracking && verdict.is_well_visible && !self.target.geometry.touches_border()
+        {
+            self.learn(picture, &candidate);
+        }
+        let centre = self.target.geometry.centre;
+        let Detector { observer, refiner, .. } = &mut self.detector;
+        refiner.update_references(&observer.crop, centre, now.as_secs_f64());
+        Visibility::Visible
+    }
+
+    /// The most probable candidate around the prediction.
+    fn detect(&mut self, picture: &Picture, prediction: &Prediction) -> Candidate {
+        let observer = &mut self.detector.observer;
+        let mut observation = observer.observe_prediction(&self.target, prediction, picture);
+        if matches!(self.phase, Phase::Confirming { .. }) && self.target.reference.is_some() {
+            let (taken, is_reversed) = observer.observe_either_direction(&self.target, picture, observation);
+            if is_reversed {
+                self.target.geometry.reverse_axis();
+            }
+            observation = taken;
+        }
+        self.detector.refine_best_peak(&self.target, prediction, picture, observation)
+    }
+
+    /// Looks for a doubtful target elsewhere in the search window. Where another place is clearly more
+    /// probable, the target continues from there.
+    fn reconsider(&mut self, picture: &Picture, prediction: &Prediction, followed: Candidate) -> Candidate {
+        let is_confirming = matches!(self.phase, Phase::Confirming { .. });
+        if !self.views.is_doubted(followed.refined.probability) || is_confirming {
+            return followed;
+        }
+        let taken = self.views.reconsider(&mut self.detector, &self.target, prediction, picture, followed);
+        if taken.observation != followed.observation {
+            self.continue_at(&taken.observation);
+        }
+        taken
+    }
+
+    /// Decides whether a candidate is the target.
+    fn judge(&mut self, picture: &Picture, candidate: &Candidate) -> Verdict {
+        let now = self.motion.last_capture;
+        let is_confirming = matches!(self.phase, Phase::Confirming { .. });
+        let is_recognised =
+            !is_confirming || self.recognition.confirm(&self.target, picture, &candidate.observation, now);
+        self.acceptance.judge(&Evaluation {
+            candidate,
+            prediction: &self.motion.prediction(&self.target.geometry),
+            geometry: &self.target.geometry,
+            usual_contrast: self.target.appearance.usual.contrast,
+            is_confirming,
+            is_recognised,
         })
     }
 
-    /// The window that the refinement network read in the last frame; `None` where the target was searched for.
-    pub fn refinement_window(&self) -> Option<&RefinementWindow> {
-        let is_followed = |target: &Target| !matches!(target.phase, Phase::Lost { .. });
-        self.target.as_ref().is_some_and(is_followed).then_some(&self.workspace.window)
-    }
-
-    /// Measures the window of the last frame anew, around another box than the tracker's: for training samples. The
-    /// centre is moved by `shift` sizes of the target, the sides are multiplied by `factors`.
-    pub fn measure_other_window(&mut self, shift: (f32, f32), factors: (f32, f32)) {
-        let Some(target) = &self.target else { return };
-        let geometry = &target.geometry;
-        let ((u, v), (w, h), size) = (geometry.centre, geometry.upright_box(), geometry.size_px());
-        let centre = (u + shift.0 * size, v + shift.1 * size);
-        self.workspace.measure_window(target, (u, v), centre, (w * factors.0, h * factors.1));
-    }
-
-    /// The tracker's settings.
-    pub const fn config(&self) -> &FusedConfig {
-        &self.config
-    }
-}
-
-impl Tracker for FusedTracker {
-    fn select(&mut self, frame: &VideoFrame, selection: PixelBox) -> Result<SelectionReport, SelectionError> {
-        let picture = frame.picture.size();
-        let window = Window::from_selection(selection, picture)?;
-        let dragged = window.to_pixel_box();
-        if window.w < MIN_SELECTION_PX.0 || window.h < MIN_SELECTION_PX.1 {
-            let (width, height) = MIN_SELECTION_PX;
-            return Err(SelectionError::TooSmall { selection, width, height });
+    /// The target is not seen in this frame.
+    fn reject_candidate(&mut self, candidate: &Candidate) -> Visibility {
+        self.confidence = self.judgement.of_rejected(&candidate.observation, &self.target);
+        self.motion.clear_background_reference();
+        if self.motion.is_in_picture(&self.target.geometry) {
+            Visibility::NotVisible
+        } else {
+            Visibility::OutOfPicture
         }
-        let (target, colours, used) = self.workspace.learn_selection(&self.config, frame, dragged);
-        let localisation = target.localisation(frame, used, 1.0);
-        self.selected = Some(target.clone());
-        self.target = Some(target);
-        self.distractors.clear();
-        Ok(SelectionReport {
-            used,
-            is_clipped: exceeds_picture(selection, picture),
-            is_refined: used != dragged,
-            coloured_share: colours.coloured_share,
-            surroundings_probability: colours.surroundings_probability,
-            localisation,
-        })
     }
 
-    fn track(&mut self, frame: &VideoFrame, prior: Option<&MotionPrior>) -> Track {
-        let Some(target) = &mut self.target else {
-            return Track::Unseeded;
-        };
-        self.workspace.background.forget_measurement();
-        if !self.distractors.is_empty() {
-            target.loss.excluded = self.distractors.advance(&self.config, frame, prior);
+    /// Measures size, rotation, centre and heading of the target at an accepted candidate, `seconds` after
+    /// the last frame.
+    fn measure(&mut self, frame: &VideoFrame, candidate: &Candidate, seconds: f64) {
+        let Candidate { observation, refined } = candidate;
+        let (picture, seconds_f32) = (&*frame.picture, seconds as f32);
+        let Self { target, shape, learning, .. } = self;
+        let Detector { observer, refiner, .. } = &mut self.detector;
+        let before = target.geometry.centre;
+        let change = observer.measure_pose_change(target, observation);
+        target.geometry.centre = target.geometry.box_centre_at(observation.centre);
+        // Size and rotation of a target that is partly outside the picture cannot be measured.
+        if !target.geometry.touches_border() {
+            shape.follow(target, &observer.crop, observation, change, seconds_f32);
+            if shape.correct_slipped_box(target, &observer.crop) {
+                learning.retrain(target, observer, picture);
+            }
+            if shape.correct_contradicted_box(target, refined, seconds_f32) {
+                learning.retrain(target, observer, picture);
+            }
         }
-        target.lose_in_gap(&self.config, frame.capture.at);
-        self.workspace.advance(&self.config, target, frame, prior)
+        shape.follow_refined_box(target, refined, &refiner.window, observation.centre);
+        self.motion.correct(picture, &self.target.geometry);
+        self.add_motion(before, frame.capture.at.as_secs_f64(), seconds);
     }
 
-    fn forget(&mut self) {
-        (self.target, self.selected) = (None, None);
-        self.distractors.clear();
+    /// Adapts to a frame in which the target is well visible.
+    fn learn(&mut self, picture: &Picture, candidate: &Candidate) {
+        let Detector { observer, refiner, .. } = &mut self.detector;
+        let pose = observer.patch_pose(&self.target);
+        observer.extract_features(&self.target, &pose);
+        refiner.remember_usual();
+        self.keep_view(candidate.refined.probability);
+        let observer = &mut self.detector.observer;
+        self.learning.learn(&mut self.target, observer, picture, &candidate.observation);
     }
 
-    fn reject(&mut self) -> bool {
-        let is_followed =
-            |target: &mut Target| matches!(target.phase, Phase::Tracking | Phase::Coasting { .. });
-        let (Some(target), Some(selected)) = (self.target.take_if(is_followed), &self.selected) else {
-            return false;
-        };
-        let mut search = selected.clone();
-        search.begin_search(&target);
-        self.distractors.add(&self.config, self.workspace.weights(), target);
-        search.loss.excluded = self.distractors.places();
-        self.target = Some(search);
-        true
-    }
-
-    fn background_shift(&self) -> Option<BackgroundShift> {
-        self.workspace.background.measured()
-    }
-
-    fn explain(&self, out: &mut Explanation) {
-        out.clear();
-        if let Some(target) = &self.target {
-            self.workspace.explain(target, out);
+    /// Keeps a picture in which the target is sure, and its identity, too. What was found after a loss is
+    /// given up where an earlier picture shows it apart from the target.
+    fn compare_with_scene(&mut self, before: Phase, frame: &VideoFrame) {
+        let geometry = &self.target.geometry;
+        let bounds = self.reported.bounds(geometry).clipped(frame.picture.size());
+        match before {
+            Phase::Lost { since } | Phase::Confirming { since, .. } => {
+                let now = frame.capture.at;
+                let is_at_loss = self.recognition.is_at_loss(geometry.centre, geometry.size_px(), now);
+                self.identity.add_found(&self.recognition, is_at_loss);
+                if self.scene.showed(&frame.picture, bounds, self.confidence) {
+                    self.scene.exclude(geometry.centre);
+                    self.phase = Phase::Lost { since };
+                    self.confidence = 0.0;
+                }
+            }
+            Phase::Tracking | Phase::Coasting { .. } => {
+                if self.identity.is_sure() {
+                    self.scene.keep(&frame.picture, bounds, self.confidence);
+                }
+            }
         }
     }
 }

@@ -2,14 +2,12 @@
 
 use crate::colour_model::ColourModel;
 use crate::correlation::CorrelationFilter;
+use crate::crop::ColourContrast;
 use crate::fourier::{AREA, Map, Spectrum};
 use crate::layout::ColourLayout;
 
-/// Initial estimate of the usual height of the response's peak.
-const INITIAL_PEAK_HEIGHT: f32 = 0.7;
-/// Initial estimate of the usual similarity of the target's colours and of their layout.
-const INITIAL_SIMILARITY: f32 = 0.95;
-
+/// At a lower usual contrast the colour is not used, 0 to 1. Not measured by itself.
+pub(super) const MIN_CONTRAST: f32 = 0.15;
 /// Lower bound of the usual height, as a divisor.
 const MIN_USUAL_HEIGHT: f32 = 0.05;
 
@@ -49,8 +47,8 @@ pub(super) struct UsualValues {
 }
 
 impl Appearance {
-    /// An appearance of which only the colours are known.
-    pub(super) fn new(colours: ColourModel) -> Self {
+    /// An appearance of which only the colours are known, with a first estimate of the usual values.
+    pub(super) fn new(colours: ColourModel, usual: UsualValues) -> Self {
         Self {
             filter: CorrelationFilter::default(),
             desired_response: Spectrum::default(),
@@ -58,13 +56,25 @@ impl Appearance {
             mask_half_cells: (0, 0),
             colours,
             layout: ColourLayout::default(),
-            usual: UsualValues {
-                contrast: 0.0,
-                peak_height: INITIAL_PEAK_HEIGHT,
-                similarity: INITIAL_SIMILARITY,
-                layout_similarity: INITIAL_SIMILARITY,
-            },
+            usual,
             frames_learned: 0,
         }
+    }
+}
+
+impl UsualValues {
+    /// Contrast of the colour relative to its usual value, 0 to 1; `None` where the colour is not used.
+    pub(super) fn relative_contrast(&self, contrast: ColourContrast) -> Option<f32> {
+        self.is_colour_used().then(|| (contrast.difference() / self.contrast).clamp(0.0, 1.0))
+    }
+
+    /// Height of a response relative to its usual value.
+    pub(super) fn relative_height(&self, height: f32) -> f32 {
+        relative_height(height, self.peak_height)
+    }
+
+    /// Whether the colour is used.
+    pub(super) fn is_colour_used(&self) -> bool {
+        self.contrast > MIN_CONTRAST
     }
 }

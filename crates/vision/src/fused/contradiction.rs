@@ -1,28 +1,54 @@
-//! Where the network's box contradicts the target's own: it has grown over another thing, or has shrunk onto a part.
+//! Where the network's box contradicts the target's own: it has grown over another object, or has shrunk onto
+//! a part.
 //!
-//! A boat that passes close to a buoy of its paint becomes one silhouette with it. The own box grows over both, the filter
-//! learns both, and stays with the buoy when the boat goes on. The network's box stays with the boat for a while. A network's
-//! box that is smaller contradicts only a box that has grown: of a target that is half hidden the network may see half. One that
-//! is larger contradicts any: a silhouette in a box that is too small shows the part that the box holds.
+//! A boat that passes close to a buoy of its paint becomes one silhouette with it. The own box grows over
+//! both, the filter learns both, and stays with the buoy when the boat goes on. The network's box stays with
+//! the boat for a while. A network's box that is smaller contradicts only a box that has grown: of a target
+//! that is half hidden the network may see half. One that is larger contradicts any: a silhouette in a box
+//! that is too small shows the part that the box holds.
+//!
+//! Input: both boxes in a frame. Output: whether the own box has to move onto the network's.
 
 use super::shape_following::rate_in;
 
-/// The network's box contradicts the target's own if it has at least the probability `MIN_PROBABILITY`, and at most the share
-/// `MAX_SHARE` of the own box's area, or at least `MIN_EXCESS` times that area. The own box is corrected after `FRAMES`
-/// consecutive frames.
-const MIN_PROBABILITY: f32 = 0.6;
-const MAX_SHARE: f32 = 0.5;
-const MIN_EXCESS: f32 = 2.0;
-pub(super) const FRAMES: u32 = 4;
-/// A box has grown if its area is larger than usual by the first factor; the area of the network's box may differ from the usual
-/// one by the second. The usual area follows with this time constant, seconds.
-const GROWTH: f32 = 1.4;
-const MAX_MISFIT: f32 = 1.6;
-const USUAL_AREA_S: f64 = 1.5;
+/// Settings of the check.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct ContradictionSettings {
+    /// The network's box contradicts the target's own from this probability on, 0 to 1. Not measured by
+    /// itself.
+    min_probability: f32,
+    /// It is smaller: at most this share of the own box's area, 0 to 1. Not measured by itself.
+    max_share: f32,
+    /// Or it is larger: at least so many times that area. Not measured by itself.
+    min_excess: f32,
+    /// Consecutive frames after which the own box is corrected. Not measured by itself.
+    frames: u32,
+    /// A box has grown if its area is larger than usual by this factor. Not measured by itself.
+    growth: f32,
+    /// The area of the smaller box may differ from the usual one by this factor. Not measured by itself.
+    max_misfit: f32,
+    /// Time constant of the usual area, seconds. Not measured by itself.
+    usual_area_s: f64,
+}
+
+impl Default for ContradictionSettings {
+    fn default() -> Self {
+        Self {
+            min_probability: 0.6,
+            max_share: 0.5,
+            min_excess: 2.0,
+            frames: 4,
+            growth: 1.4,
+            max_misfit: 1.6,
+            usual_area_s: 1.5,
+        }
+    }
+}
 
 /// What was seen of a contradiction until now.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
+#[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Contradiction {
+    settings: ContradictionSettings,
     /// Logarithm of the usual area of the target's own box, pixels squared; `None` before the first frame.
     usual_log_area: Option<f32>,
     /// Consecutive frames with a contradiction.
@@ -30,19 +56,22 @@ pub(super) struct Contradiction {
 }
 
 impl Contradiction {
-    /// Adds a frame, `seconds` after the last one, with the own box's area, pixels squared, and the network's box of this
-    /// probability and share of that area. Whether the own box has to be corrected.
+    /// Adds a frame, `seconds` after the last one, with the own box's area, pixels squared, and the network's
+    /// box of this probability and share of that area. Whether the own box has to be corrected.
     pub(super) fn is_confirmed(&mut self, area: f32, share: f32, probability: f32, seconds: f32) -> bool {
+        let settings = self.settings;
         let log_area = libm::logf(area);
         let usual = self.usual_log_area.get_or_insert(log_area);
-        *usual += rate_in(f64::from(seconds), USUAL_AREA_S) * (log_area - *usual);
+        *usual += rate_in(f64::from(seconds), settings.usual_area_s) * (log_area - *usual);
         let growth = log_area - *usual;
         let misfit = growth + libm::logf(share);
-        let has_grown =
-            share <= MAX_SHARE && growth > libm::logf(GROWTH) && misfit.abs() <= libm::logf(MAX_MISFIT);
-        let is_contradicted = probability >= MIN_PROBABILITY && (has_grown || share >= MIN_EXCESS);
+        let has_grown = share <= settings.max_share
+            && growth > libm::logf(settings.growth)
+            && misfit.abs() <= libm::logf(settings.max_misfit);
+        let is_contradicted =
+            probability >= settings.min_probability && (has_grown || share >= settings.min_excess);
         self.frames = if is_contradicted { self.frames + 1 } else { 0 };
-        let is_confirmed = self.frames >= FRAMES;
+        let is_confirmed = self.frames >= settings.frames;
         if is_confirmed {
             self.frames = 0;
         }
@@ -67,14 +96,14 @@ mod tests {
 
     #[test]
     fn a_box_that_shrank_is_corrected_by_a_probable_box_of_twice_its_area() {
-        assert_eq!(corrected_after(0.4, 2.2, 0.7), Some(FRAMES));
+        assert_eq!(corrected_after(0.4, 2.2, 0.7), Some(ContradictionSettings::default().frames));
         assert_eq!(corrected_after(0.4, 1.8, 0.7), None, "the network's box differs less");
         assert_eq!(corrected_after(0.4, 2.2, 0.5), None, "the network does not know");
     }
 
     #[test]
     fn only_a_box_that_grew_is_corrected_by_a_probable_box_of_half_its_area() {
-        assert_eq!(corrected_after(4.0, 0.3, 0.7), Some(FRAMES));
+        assert_eq!(corrected_after(4.0, 0.3, 0.7), Some(ContradictionSettings::default().frames));
         assert_eq!(corrected_after(1.2, 0.3, 0.7), None, "a part that is not hidden");
         assert_eq!(corrected_after(4.0, 0.6, 0.7), None, "it came nearer");
         assert_eq!(corrected_after(4.0, 0.1, 0.7), None, "a box that was never the target's");

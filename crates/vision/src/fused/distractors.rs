@@ -1,80 +1,78 @@
-//! Objects that the operator rejected: each is followed by a tracker of its own, so that the search for the target does not
-//! take it again, wherever it moves.
+//! Objects that the operator rejected: each goes on being followed, so that the search for the target does
+//! not take it again, wherever it moves.
 //!
-//! Work per frame: that of one tracked target for each distractor, two at most. Not handled: a distractor that is hidden
-//! for longer than [`KEPT_S`], or that crosses the target.
-
-use std::sync::Arc;
+//! Work per frame: that of one tracked target for each distractor, two at most. Not handled: a distractor
+//! that is hidden for longer than `kept_s`, or that crosses the target.
 
 use barrelman_vocab::{MotionPrior, VideoFrame};
 
-use super::config::FusedConfig;
 use super::excluded_places::{ExcludedPlaces, MAX_PLACES};
+use super::follower::Follower;
 use super::phase::Phase;
-use super::target::Target;
-use super::workspace::Workspace;
-use crate::refinement::RefinementWeights;
 
 /// Largest number of distractors; a further one takes the place of the oldest.
 const MAX_DISTRACTORS: usize = MAX_PLACES;
-/// A distractor that was not seen for longer is forgotten, seconds. Its place is predicted meanwhile.
-const KEPT_S: f64 = 10.0;
-/// Radius of the place that is excluded, in half diagonals of the distractor's box.
-const RADIUS_SHARE: f32 = 0.9;
 
-/// A rejected object with the buffers for following it.
-#[derive(Debug)]
-struct Distractor {
-    workspace: Workspace,
-    target: Target,
+/// Settings of the distractors.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct DistractorSettings {
+    /// A distractor that was not seen for longer is forgotten, seconds. Its place is predicted meanwhile. Not
+    /// measured by itself.
+    kept_s: f64,
+    /// Radius of the place that is excluded, half diagonals of the distractor's box. Not measured by itself.
+    radius_share: f32,
 }
 
-/// The rejected objects.
+impl Default for DistractorSettings {
+    fn default() -> Self {
+        Self { kept_s: 10.0, radius_share: 0.9 }
+    }
+}
+
+/// The rejected objects, the oldest first.
 #[derive(Debug, Default)]
-pub(super) struct Distractors(Vec<Distractor>);
+pub(super) struct Distractors {
+    settings: DistractorSettings,
+    followers: Vec<Follower>,
+}
 
 impl Distractors {
     /// Forgets all.
     pub(super) fn clear(&mut self) {
-        self.0.clear();
+        self.followers.clear();
     }
 
     /// Whether there is none.
     pub(super) fn is_empty(&self) -> bool {
-        self.0.is_empty()
+        self.followers.is_empty()
     }
 
     /// Adds an object that was followed as the target.
-    pub(super) fn add(&mut self, config: &FusedConfig, weights: Arc<RefinementWeights>, target: Target) {
-        if self.0.len() >= MAX_DISTRACTORS {
-            self.0.remove(0);
+    pub(super) fn add(&mut self, rejected: Follower) {
+        if self.followers.len() >= MAX_DISTRACTORS {
+            self.followers.remove(0);
         }
-        self.0.push(Distractor { workspace: Workspace::new(config, weights), target });
+        self.followers.push(rejected);
     }
 
     /// Follows all distractors in a frame; their places.
-    pub(super) fn advance(
-        &mut self,
-        config: &FusedConfig,
-        frame: &VideoFrame,
-        prior: Option<&MotionPrior>,
-    ) -> ExcludedPlaces {
-        for distractor in &mut self.0 {
+    pub(super) fn advance(&mut self, frame: &VideoFrame, prior: Option<&MotionPrior>) -> ExcludedPlaces {
+        let now = frame.capture.at;
+        for follower in &mut self.followers {
             // A distractor that is lost is not searched for: the search could find the target.
-            match distractor.target.phase {
+            match follower.phase {
                 Phase::Tracking | Phase::Coasting { .. } => {
-                    distractor.workspace.advance(config, &mut distractor.target, frame, prior);
+                    follower.advance(frame, prior);
                 }
                 Phase::Lost { .. } | Phase::Confirming { .. } => {
-                    distractor.target.rescale_to_picture(frame.picture.size());
-                    distractor.target.predict_unseen(config, frame.capture.at, prior);
+                    follower.adopt_picture_size(frame.picture.size());
+                    follower.motion.predict_unseen(now, prior, &follower.target.geometry);
                 }
             }
         }
-        let now = frame.capture.at;
-        self.0.retain(|distractor| match distractor.target.phase {
+        self.followers.retain(|follower| match follower.phase {
             Phase::Lost { since } | Phase::Confirming { since, .. } => {
-                now.since(since).as_secs_f64() <= KEPT_S
+                now.since(since).as_secs_f64() <= self.settings.kept_s
             }
             Phase::Tracking | Phase::Coasting { .. } => true,
         });
@@ -84,11 +82,10 @@ impl Distractors {
     /// The places of the distractors in the last frame.
     pub(super) fn places(&self) -> ExcludedPlaces {
         let mut places = ExcludedPlaces::default();
-        for (place, distractor) in places.0.iter_mut().zip(&self.0) {
-            let geometry = &distractor.target.geometry;
-            let (w, h) = geometry.upright_box();
-            let radius = RADIUS_SHARE * 0.5 * libm::hypotf(w, h);
-            *place = Some((distractor.target.motion.position_f32(), radius));
+        for (place, follower) in places.0.iter_mut().zip(&self.followers) {
+            let (w, h) = follower.target.geometry.upright_box();
+            let radius = self.settings.radius_share * 0.5 * libm::hypotf(w, h);
+            *place = Some((follower.motion.position(), radius));
         }
         places
     }

@@ -1,52 +1,65 @@
 //! Length, breadth and axis of the target, and the upright box that follows from them.
 //!
-//! The operator selects an upright box. Where the colour shows an elongated silhouette in it, the silhouette's axis is
-//! the target's, and length and breadth are those whose upright box is the operator's. Otherwise a clearly elongated
-//! box gives the axis. Otherwise the axis is unknown, and the box does not turn with the target.
+//! The operator selects an upright box. Where the colour shows an elongated silhouette in it, the
+//! silhouette's axis is the target's, and length and breadth are those whose upright box is the operator's.
+//! Otherwise a clearly elongated box gives the axis. Otherwise the axis is unknown, and the box does not turn
+//! with the target.
 //!
-//! The upright box of a target of length L and breadth B with its axis at the angle a: a rectangle's is
-//! L |cos a| + B |sin a| wide, an ellipse's the root of the sum of squares. Hulls lie between, and so does the exponent
-//! of the norm, [`NORM_EXPONENT`].
+//! The upright box of a target of length L and breadth B with its axis at the angle a: a rectangle's is L
+//! |cos a| + B |sin a| wide, an ellipse's the root of the sum of squares. Hulls lie between, and so does the
+//! exponent of the norm, [`NORM_EXPONENT`].
 
 use crate::colour_model::TargetEllipse;
 use crate::silhouette::Silhouette;
 
 /// Exponent of the norm: 1 for rectangles, 2 for ellipses.
 const NORM_EXPONENT: f32 = 1.25;
-/// A silhouette with a larger ratio of minor to major axis gives no axis.
-const MAX_ROUNDNESS: f32 = 0.75;
-/// Lower bound of the ratio of breadth to length.
-const MIN_ROUNDNESS: f32 = 0.15;
-/// A box with a smaller ratio of its sides gives no axis.
-const MIN_ELONGATION: f32 = 1.4;
-/// Maximum ratio of a side of the operator's box to that of the silhouette's upright box.
-const MAX_STRETCH: f32 = 1.25;
+/// Settings of what gives a selection an axis.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct ExtentSettings {
+    /// A silhouette with a larger ratio of minor to major axis gives no axis, 0 to 1. Not measured by itself.
+    max_roundness: f32,
+    /// Lower bound of the ratio of breadth to length, 0 to 1. Not measured by itself.
+    min_roundness: f32,
+    /// A box with a smaller ratio of its sides gives no axis, above 1. Not measured by itself.
+    min_elongation: f32,
+    /// Maximum ratio of a side of the operator's box to that of the silhouette's upright box. Not measured by
+    /// itself.
+    max_stretch: f32,
+}
+
+impl Default for ExtentSettings {
+    fn default() -> Self {
+        Self { max_roundness: 0.75, min_roundness: 0.15, min_elongation: 1.4, max_stretch: 1.25 }
+    }
+}
 
 /// A target's proportions, at the size of the selection.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Extent {
     /// A target without a known axis: an upright box, pixels.
     Box { width: f32, height: f32 },
-    /// Length and breadth, pixels; the axis at the selection, radians clockwise from image right; and the factors by
-    /// which the operator's box is wider and higher than the upright box of length and breadth.
+    /// Length and breadth, pixels; the axis at the selection, radians clockwise from image right; and the
+    /// factors by which the operator's box is wider and higher than the upright box of length and breadth.
     Hull { length: f32, breadth: f32, axis: f32, stretch: (f32, f32) },
 }
 
 impl Extent {
     /// The extent of a selection with this width and height, pixels.
     pub(super) fn from_selection((width, height): (f32, f32), silhouette: Option<&Silhouette>) -> Self {
-        if let Some(seen) = silhouette.filter(|seen| seen.roundness() < MAX_ROUNDNESS) {
-            let roundness = seen.roundness().max(MIN_ROUNDNESS);
+        let settings = ExtentSettings::default();
+        if let Some(seen) = silhouette.filter(|seen| seen.roundness() < settings.max_roundness) {
+            let roundness = seen.roundness().max(settings.min_roundness);
             let unit = upright_box_of(1.0, roundness, seen.axis);
             let length = (width * height / (unit.0 * unit.1)).sqrt();
             let stretch = (width / (length * unit.0), height / (length * unit.1));
-            if stretch.0 < MAX_STRETCH && stretch.1 < MAX_STRETCH {
+            if stretch.0 < settings.max_stretch && stretch.1 < settings.max_stretch {
                 return Self::Hull { length, breadth: length * roundness, axis: seen.axis, stretch };
             }
         }
-        if width > MIN_ELONGATION * height {
+        if width > settings.min_elongation * height {
             Self::Hull { length: width, breadth: height, axis: 0.0, stretch: (1.0, 1.0) }
-        } else if height > MIN_ELONGATION * width {
+        } else if height > settings.min_elongation * width {
             let axis = core::f32::consts::FRAC_PI_2;
             Self::Hull { length: height, breadth: width, axis, stretch: (1.0, 1.0) }
         } else {
@@ -54,13 +67,15 @@ impl Extent {
         }
     }
 
-    /// Width and height of the upright box, pixels, of a target `scale` times as large with its axis at `axis`.
+    /// Width and height of the upright box, pixels, of a target `scale` times as large with its axis at
+    /// `axis`.
     pub(super) fn upright_box(&self, scale: f32, axis: f32) -> (f32, f32) {
         match *self {
             Self::Box { width, height } => (scale * width, scale * height),
             Self::Hull { length, breadth, axis: first, stretch } => {
                 let (w, h) = upright_box_of(scale * length, scale * breadth, axis);
-                // The stretch holds for the axis at the selection; at 90 degrees to it, the factors are exchanged.
+                // The stretch holds for the axis at the selection; at 90 degrees to it, the factors are
+                // exchanged.
                 let turned = libm::sinf(axis - first);
                 let share = turned * turned;
                 let blend = |along: f32, across: f32| along + (across - along) * share;
@@ -85,7 +100,8 @@ impl Extent {
         }
     }
 
-    /// The ellipse in which the colours are counted of a target `scale` times as large with its axis at `axis`.
+    /// The ellipse in which the colours are counted of a target `scale` times as large with its axis at
+    /// `axis`.
     pub(super) fn ellipse(&self, scale: f32, axis: f32) -> TargetEllipse {
         let box_size = self.upright_box(scale, axis);
         match *self {

@@ -8,19 +8,33 @@ use crate::features::PatchPose;
 use crate::fourier::SIDE;
 use crate::gradients::CELL;
 
-/// Minimum side of the target's upright box, and minimum length and breadth by a silhouette, pixels. The colours of video
-/// have half the resolution: less than two of their samples give no breadth.
-const MIN_SIDE_PX: f32 = 3.0;
-/// Minimum side of the search window, in lengths of the target.
-const MIN_WINDOW_LENGTHS: f32 = 2.0;
-/// Minimum side of the search window, pixels. A smaller window gains no resolution.
-const MIN_WINDOW_PX: f32 = 24.0;
-/// Side of the square around the target that background registration leaves out, in half lengths of the target.
-const BLANKED_HALF_LENGTHS: f32 = 2.2;
+/// Limits of the target's box and of the search window.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct GeometrySettings {
+    /// Minimum side of the target's upright box, and minimum length and breadth by a silhouette, pixels. The
+    /// colours of video have half the resolution: less than two of their samples give no breadth, and boxes
+    /// became strips.
+    min_side_px: f32,
+    /// Minimum side of the search window, lengths of the target. Not measured by itself.
+    min_window_lengths: f32,
+    /// Minimum side of the search window, pixels. A smaller window gains no resolution. Not measured by
+    /// itself.
+    min_window_px: f32,
+    /// Side of the square around the target that background registration leaves out, half lengths of the
+    /// target. Not measured by itself.
+    blanked_half_lengths: f32,
+}
+
+impl Default for GeometrySettings {
+    fn default() -> Self {
+        Self { min_side_px: 3.0, min_window_lengths: 2.0, min_window_px: 24.0, blanked_half_lengths: 2.2 }
+    }
+}
 
 /// The target's pose and size in the last frame.
 #[derive(Debug, Clone)]
 pub(super) struct TargetGeometry {
+    settings: GeometrySettings,
     /// Proportions, at the size of the selection.
     pub(super) extent: Extent,
     /// Root of the area of the selection's box, pixels.
@@ -29,8 +43,8 @@ pub(super) struct TargetGeometry {
     pub(super) scale: f32,
     /// Rotation of the patches since the selection, radians clockwise.
     pub(super) patch_angle: f32,
-    /// One end of the target's axis, radians clockwise from image right. It turns with `patch_angle` unless the
-    /// silhouette gives a better axis.
+    /// One end of the target's axis, radians clockwise from image right. It turns with `patch_angle` unless
+    /// the silhouette gives a better axis.
     pub(super) axis: f32,
     /// Centre of the target's box, pixels.
     pub(super) centre: (f32, f32),
@@ -44,6 +58,7 @@ impl TargetGeometry {
     /// The geometry of a selection with this centre and size (width, height), pixels.
     pub(super) fn new(centre: (f32, f32), (width, height): (f32, f32), picture: PictureSize) -> Self {
         Self {
+            settings: GeometrySettings::default(),
             extent: Extent::Box { width, height },
             initial_size_px: (width * height).sqrt(),
             scale: 1.0,
@@ -84,8 +99,8 @@ impl TargetGeometry {
     pub(super) fn patch_pose(&self, padding: f64) -> PatchPose {
         let half = self.extent.half_axes(1.0);
         let side = (padding as f32 * self.initial_size_px)
-            .max(MIN_WINDOW_LENGTHS * 2.0 * half.0.max(half.1))
-            .max(MIN_WINDOW_PX);
+            .max(self.settings.min_window_lengths * 2.0 * half.0.max(half.1))
+            .max(self.settings.min_window_px);
         PatchPose {
             centre: self.centre,
             step: self.scale * side / (SIDE * CELL) as f32,
@@ -104,7 +119,7 @@ impl TargetGeometry {
     /// Side of the square that background registration leaves out, pixels.
     pub(super) fn blanked_side_px(&self) -> f32 {
         let half = self.half_axes();
-        BLANKED_HALF_LENGTHS * half.0.max(half.1)
+        self.settings.blanked_half_lengths * half.0.max(half.1)
     }
 
     /// Multiplies the size by `factor`, unless the box would become too small or larger than the picture.
@@ -112,7 +127,7 @@ impl TargetGeometry {
         let scale = self.scale * factor;
         let (w, h) = self.extent.upright_box(scale, self.axis);
         let picture = self.picture_size();
-        if factor.is_finite() && w.min(h) >= MIN_SIDE_PX && w <= picture.0 && h <= picture.1
+        if factor.is_finite() && w.min(h) >= self.settings.min_side_px && w <= picture.0 && h <= picture.1
             || (factor - 1.0) * (scale - 1.0) < 0.0
         {
             self.scale = scale;
@@ -123,7 +138,7 @@ impl TargetGeometry {
     pub(super) fn stretch_to(&mut self, length: f32, breadth: f32, rate: f32) {
         let half = self.half_axes();
         let factor = |measured: f32, known: f32| libm::powf(measured / known, rate);
-        let measured = (length.max(MIN_SIDE_PX), breadth.max(MIN_SIDE_PX));
+        let measured = (length.max(self.settings.min_side_px), breadth.max(self.settings.min_side_px));
         let (longer, wider) = (factor(measured.0, 2.0 * half.0), factor(measured.1, 2.0 * half.1));
         // The geometric mean is a change of size, the rest a change of proportions.
         let common = (longer * wider).sqrt();
@@ -149,15 +164,16 @@ impl TargetGeometry {
         }
     }
 
-    /// Makes a box without an axis wider and higher by these factors, between the minimum side and the picture. The
-    /// size, with which the filter is sampled, follows by the share `size_share` of the logarithm.
+    /// Makes a box without an axis wider and higher by these factors, between the minimum side and the
+    /// picture. The size, with which the filter is sampled, follows by the share `size_share` of the
+    /// logarithm.
     pub(super) fn reshape_box(&mut self, wider: f32, higher: f32, size_share: f32) {
         let (w, h) = self.upright_box();
-        let picture = self.picture_size();
+        let (picture, min_side) = (self.picture_size(), self.settings.min_side_px);
         let Extent::Box { width, height } = &mut self.extent else { return };
         for (side, present, factor, limit) in [(width, w, wider, picture.0), (height, h, higher, picture.1)] {
             let after = present * factor;
-            if (after >= MIN_SIDE_PX || factor > 1.0) && (after <= limit || factor < 1.0) {
+            if (after >= min_side || factor > 1.0) && (after <= limit || factor < 1.0) {
                 *side *= factor;
             }
         }
@@ -185,7 +201,8 @@ impl TargetGeometry {
         u < 0.5 * w || v < 0.5 * h || u > picture.0 - 0.5 * w || v > picture.1 - 0.5 * h
     }
 
-    /// Converts to pixels of a picture of another size with the same field of view. The factors along u and v.
+    /// Converts to pixels of a picture of another size with the same field of view. The factors along u and
+    /// v.
     pub(super) fn rescale_to_picture(&mut self, picture: PictureSize) -> (f32, f32) {
         let (u, v) = (
             picture.width as f32 / self.picture.width as f32,

@@ -15,7 +15,7 @@
 //!                  +--------------------------------------- (from Confirming)
 //! ```
 //!
-//! A gap in the video leads from any state to `Lost` (`Target::lose_in_gap`).
+//! A gap in the video leads from any state to `Lost` (`Follower::lose_in_gap`).
 //!
 //! `Tracking` is reported as tracking, `Coasting` as coasting, `Lost` and `Confirming` as lost: a re-detected target is
 //! reported only once it is confirmed.

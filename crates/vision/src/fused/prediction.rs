@@ -1,30 +1,98 @@
-//! Prediction of the target's position: the Kalman filters of both picture axes and the motion of the camera.
+//! The stage that predicts the target's position: the Kalman filters of both picture axes and the motion of
+//! the camera.
+//!
+//! The camera's motion comes from the [`MotionPrior`], or else from registration of the background. Input:
+//! the frame and its prior. Output: a [`Prediction`].
 
-use barrelman_vocab::{MotionPrior, Timestamp};
+use barrelman_vocab::{MotionPrior, Picture, Timestamp};
 
+use super::geometry::TargetGeometry;
+use super::observation::Observation;
+use crate::background::BackgroundMotion;
+use crate::fourier::Fourier;
+use crate::heading::CameraMotionSource;
 use crate::motion::AxisFilter;
+use crate::tracker::BackgroundShift;
 
-/// Minimum and maximum time between two frames, seconds. A longer gap predicts no more than the maximum does.
-const MIN_GAP_S: f64 = 1.0e-3;
-const MAX_GAP_S: f64 = 2.0;
 /// A prior with a larger shift or standard deviation is ignored, pixels.
 const MAX_PRIOR_SHIFT_PX: f64 = 1.0e6;
-/// A prior with a larger standard deviation is used only where background registration gives no shift, pixels.
-const PRECISE_PRIOR_STD_DEV_PX: f64 = 1.5;
-/// Maximum distance of a measured background shift from a coarse prior, in standard deviations of the prior.
-const MAX_SHIFT_DEVIATIONS: f64 = 4.0;
-/// Standard deviation of a measured background shift, in sizes of the target.
-const SHIFT_STD_DEV_SIZES: f64 = 0.05;
-/// Standard deviations of the position and the velocity at the selection: pixels, and sizes per second.
-const INITIAL_STD_DEV_PX: f64 = 1.0;
-const INITIAL_SPEED_SIZES_PER_S: f64 = 2.0;
-/// The same after a re-detection: sizes, and sizes per second.
-const RESTART_STD_DEV_SIZES: f64 = 0.1;
-const RESTART_SPEED_SIZES_PER_S: f64 = 1.0;
 
-/// Predicted motion of the target in the picture.
+/// Settings of the prediction. How far the target may accelerate is the user's `agility`.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct PredictionSettings {
+    /// Least time between two frames that is reckoned with, seconds. Not measured by itself.
+    min_gap_s: f64,
+    /// Longest time that is reckoned with, seconds: a longer gap predicts no more. Not measured by itself.
+    max_gap_s: f64,
+    /// A prior with a larger standard deviation is used only where background registration gives no shift,
+    /// pixels. Not measured by itself.
+    precise_prior_std_dev_px: f64,
+    /// Maximum distance of a measured background shift from a coarse prior, standard deviations of the prior.
+    /// Not measured by itself.
+    max_shift_deviations: f64,
+    /// Standard deviation of a measured background shift, sizes. Not measured by itself.
+    shift_std_dev_sizes: f64,
+    /// Standard deviation of the position at the selection, pixels. Not measured by itself.
+    initial_std_dev_px: f64,
+    /// Standard deviation of the velocity at the selection, sizes per second. Not measured by itself.
+    initial_speed_sizes_per_s: f64,
+    /// Standard deviation of the position after a re-detection, sizes. Not measured by itself.
+    restart_std_dev_sizes: f64,
+    /// Standard deviation of the velocity after a re-detection, sizes per second. Not measured by itself.
+    restart_speed_sizes_per_s: f64,
+    /// Standard deviation of a measured position, sizes. Not measured by itself.
+    position_std_dev_sizes: f64,
+}
+
+impl Default for PredictionSettings {
+    fn default() -> Self {
+        Self {
+            min_gap_s: 1.0e-3,
+            max_gap_s: 2.0,
+            precise_prior_std_dev_px: 1.5,
+            max_shift_deviations: 4.0,
+            shift_std_dev_sizes: 0.05,
+            initial_std_dev_px: 1.0,
+            initial_speed_sizes_per_s: 2.0,
+            restart_std_dev_sizes: 0.1,
+            restart_speed_sizes_per_s: 1.0,
+            position_std_dev_sizes: 0.05,
+        }
+    }
+}
+
+/// Where the target is expected.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Prediction {
+    /// The predicted position, pixels; it may lie outside the picture.
+    pub(super) position: (f32, f32),
+    /// The same, clamped to the picture.
+    pub(super) centre: (f32, f32),
+    /// Standard deviation (the larger of both axes), pixels.
+    pub(super) std_dev: f32,
+    /// Shift of the picture caused by the camera since the last frame, pixels; zero where nothing is known of
+    /// it.
+    pub(super) camera_shift: (f32, f32),
+    /// The same where it comes from a precise prior or was measured.
+    pub(super) known_camera_shift: Option<(f32, f32)>,
+}
+
+impl Prediction {
+    /// Distance of an observation's centre from the predicted one, pixels.
+    pub(super) fn distance_of(&self, observation: &Observation) -> f32 {
+        let (u, v) = self.position;
+        libm::hypotf(observation.centre.0 - u, observation.centre.1 - v)
+    }
+}
+
+/// Motion of the target in the picture.
 #[derive(Debug, Clone)]
 pub(super) struct TargetMotion {
+    settings: PredictionSettings,
+    /// Root of the acceleration's spectral density, in sizes of the target.
+    agility: f64,
+    background: BackgroundMotion,
+    fourier: Fourier,
     /// Filters along u and v.
     axes: (AxisFilter, AxisFilter),
     /// Time of capture of the last frame.
@@ -32,25 +100,28 @@ pub(super) struct TargetMotion {
     /// Time between the last two frames, seconds; 0 before the second.
     last_interval_s: f64,
     /// Whether this frame came with a motion prior at least as precise as background registration.
-    pub(super) has_precise_prior: bool,
+    has_precise_prior: bool,
     /// The motion prior of this frame if it is less precise than that.
     coarse_prior: Option<MotionPrior>,
     /// Whether `camera_shift` comes from a precise prior or was measured.
-    pub(super) is_camera_shift_known: bool,
+    is_camera_shift_known: bool,
     /// Whether a prior, precise or coarse, tells of the camera's motion in this frame.
-    pub(super) is_camera_motion_told: bool,
-    /// Shift of the picture caused by the camera since the last frame, pixels; zero where nothing is known of it.
-    pub(super) camera_shift: (f32, f32),
+    is_camera_motion_told: bool,
+    /// Shift of the picture caused by the camera since the last frame, pixels; zero where nothing is known of
+    /// it.
+    camera_shift: (f32, f32),
 }
 
 impl TargetMotion {
-    /// The motion of a target selected at `centre` (pixels), of unknown velocity.
-    pub(super) fn new(now: Timestamp, centre: (f64, f64), size_px: f64) -> Self {
-        let speed = INITIAL_SPEED_SIZES_PER_S * size_px;
-        let axis = |position: f64| AxisFilter::new(position, INITIAL_STD_DEV_PX, speed);
+    pub(super) fn new(agility: f64) -> Self {
+        let unknown = AxisFilter::new(0.0, 0.0, 0.0);
         Self {
-            axes: (axis(centre.0), axis(centre.1)),
-            last_capture: now,
+            settings: PredictionSettings::default(),
+            agility,
+            background: BackgroundMotion::new(),
+            fourier: Fourier::new(),
+            axes: (unknown, unknown),
+            last_capture: Timestamp::ZERO,
             last_interval_s: 0.0,
             has_precise_prior: false,
             coarse_prior: None,
@@ -60,48 +131,40 @@ impl TargetMotion {
         }
     }
 
-    /// The predicted position, pixels; it may lie outside the picture.
-    pub(super) fn position(&self) -> (f64, f64) {
-        (self.axes.0.position, self.axes.1.position)
+    /// Begins with a target that is selected at `centre` (pixels), of unknown velocity.
+    pub(super) fn select(&mut self, now: Timestamp, centre: (f64, f64), size_px: f64) {
+        let speed = self.settings.initial_speed_sizes_per_s * size_px;
+        let axis = |position: f64| AxisFilter::new(position, self.settings.initial_std_dev_px, speed);
+        self.axes = (axis(centre.0), axis(centre.1));
+        (self.last_capture, self.last_interval_s) = (now, 0.0);
+        (self.has_precise_prior, self.coarse_prior) = (false, None);
+        (self.is_camera_shift_known, self.is_camera_motion_told) = (false, false);
+        self.camera_shift = (0.0, 0.0);
     }
 
-    /// The same in single precision.
-    pub(super) fn position_f32(&self) -> (f32, f32) {
-        (self.axes.0.position as f32, self.axes.1.position as f32)
+    /// Starts a frame: no shift of the background has been measured in it.
+    pub(super) fn begin_frame(&mut self) {
+        self.background.forget_measurement();
     }
 
-    /// Standard deviation of the prediction (the larger of both axes), pixels.
-    pub(super) fn std_dev(&self) -> f32 {
-        self.axes.0.std_dev().max(self.axes.1.std_dev()) as f32
-    }
-
-    /// Whether a frame that was captured `now` comes after a gap in the video: it is later than the interval of the last two
-    /// frames by more than `coast_s`, seconds, and by more than that interval. So a slow video has no gaps.
-    pub(super) fn is_after_gap(&self, now: Timestamp, coast_s: f64) -> bool {
-        let interval = now.since(self.last_capture).as_secs_f64();
-        interval - self.last_interval_s > coast_s.max(self.last_interval_s)
-    }
-
-    /// Predicts to the time of capture `now`, with a precise prior if there is one. The time since the last frame,
-    /// seconds.
-    ///
-    /// `agility` is the root of the acceleration's spectral density, in sizes of the target.
+    /// Predicts to the time of capture `now`. The time since the last frame, seconds.
     pub(super) fn predict(
         &mut self,
         now: Timestamp,
         prior: Option<&MotionPrior>,
-        agility: f64,
-        size_px: f64,
+        geometry: &TargetGeometry,
     ) -> f64 {
+        let settings = self.settings;
+        let size_px = f64::from(geometry.size_px());
         self.last_interval_s = now.since(self.last_capture).as_secs_f64();
-        let seconds = self.last_interval_s.clamp(MIN_GAP_S, MAX_GAP_S);
+        let seconds = self.last_interval_s.clamp(settings.min_gap_s, settings.max_gap_s);
         self.last_capture = now;
         // Also false for NaN.
         let is_plausible = |p: &&MotionPrior| {
             [p.shift_u_px, p.shift_v_px, p.std_dev_px].iter().all(|pixels| pixels.abs() <= MAX_PRIOR_SHIFT_PX)
         };
         let prior = prior.filter(is_plausible);
-        let is_precise = |p: &&MotionPrior| p.std_dev_px <= PRECISE_PRIOR_STD_DEV_PX;
+        let is_precise = |p: &&MotionPrior| p.std_dev_px <= settings.precise_prior_std_dev_px;
         // A prior whose standard deviation exceeds the target's size carries no information.
         self.coarse_prior = prior.filter(|p| !is_precise(p) && p.std_dev_px <= size_px).copied();
         let prior = prior.filter(is_precise);
@@ -110,27 +173,97 @@ impl TargetMotion {
         let (u, v, std_dev) = prior.map_or((0.0, 0.0, 0.0), |p| (p.shift_u_px, p.shift_v_px, p.std_dev_px));
         self.camera_shift = (u as f32, v as f32);
         self.is_camera_shift_known = self.has_precise_prior;
-        let density = agility * size_px;
+        let density = self.agility * size_px;
         self.axes.0.predict(seconds, density * density, u, std_dev);
         self.axes.1.predict(seconds, density * density, v, std_dev);
         seconds
     }
 
-    /// Adds the camera's shift where no precise prior gave it: the measured background shift, or else the coarse
-    /// prior.
-    pub(super) fn add_camera_shift(&mut self, measured: Option<(f32, f32)>, size_px: f64) {
+    /// Measures the shift of the background in a frame where no precise prior gives it, and adds it to the
+    /// prediction.
+    pub(super) fn measure_shift(&mut self, picture: &Picture, geometry: &TargetGeometry) -> Prediction {
+        let measured = if self.has_precise_prior {
+            None
+        } else {
+            self.background.measure_shift(picture.y(), &mut self.fourier)
+        };
+        self.add_camera_shift(measured, f64::from(geometry.size_px()));
+        self.prediction(geometry)
+    }
+
+    /// The same for a target that is lost: only the first frame after a gap has a reference from before, and
+    /// the velocity decays.
+    pub(super) fn predict_lost(&mut self, picture: &Picture, geometry: &TargetGeometry) -> Prediction {
+        self.measure_shift(picture, geometry);
+        self.background.clear_reference();
+        self.background.forget_measurement();
+        let (width, height) = geometry.picture_size();
+        self.axes.0.decay_velocity(width);
+        self.axes.1.decay_velocity(height);
+        self.prediction(geometry)
+    }
+
+    /// Predicts the position of a target that is not looked for, and so has no measured shift of the
+    /// background.
+    pub(super) fn predict_unseen(
+        &mut self,
+        now: Timestamp,
+        prior: Option<&MotionPrior>,
+        geometry: &TargetGeometry,
+    ) {
+        self.predict(now, prior, geometry);
+        self.add_camera_shift(None, f64::from(geometry.size_px()));
+    }
+
+    /// The present prediction.
+    pub(super) fn prediction(&self, geometry: &TargetGeometry) -> Prediction {
+        let (u, v) = self.position();
+        let (width, height) = geometry.picture_size();
+        Prediction {
+            position: (u, v),
+            centre: (u.clamp(0.0, width), v.clamp(0.0, height)),
+            std_dev: self.axes.0.std_dev().max(self.axes.1.std_dev()) as f32,
+            camera_shift: self.camera_shift,
+            known_camera_shift: self.is_camera_shift_known.then_some(self.camera_shift),
+        }
+    }
+
+    /// The predicted position, pixels; it may lie outside the picture.
+    pub(super) fn position(&self) -> (f32, f32) {
+        (self.axes.0.position as f32, self.axes.1.position as f32)
+    }
+
+    /// Whether the predicted position lies in the picture.
+    pub(super) fn is_in_picture(&self, geometry: &TargetGeometry) -> bool {
+        let picture = geometry.picture_size();
+        (0.0..=f64::from(picture.0)).contains(&self.axes.0.position)
+            && (0.0..=f64::from(picture.1)).contains(&self.axes.1.position)
+    }
+
+    /// Whether a frame that was captured `now` comes after a gap in the video: it is later than the interval
+    /// of the last two frames by more than `coast_s`, seconds, and by more than that interval. So a slow
+    /// video has no gaps.
+    pub(super) fn is_after_gap(&self, now: Timestamp, coast_s: f64) -> bool {
+        let interval = now.since(self.last_capture).as_secs_f64();
+        interval - self.last_interval_s > coast_s.max(self.last_interval_s)
+    }
+
+    /// Adds the camera's shift where no precise prior gave it: the measured background shift, or else the
+    /// coarse prior.
+    fn add_camera_shift(&mut self, measured: Option<(f32, f32)>, size_px: f64) {
+        let settings = self.settings;
         let coarse = self.coarse_prior.take();
         // A measurement that contradicts the coarse prior is wrong.
         let is_consistent = |(u, v): &(f32, f32)| {
             coarse.is_none_or(|prior| {
                 let distance =
                     libm::hypot(f64::from(*u) - prior.shift_u_px, f64::from(*v) - prior.shift_v_px);
-                distance <= MAX_SHIFT_DEVIATIONS * prior.std_dev_px
+                distance <= settings.max_shift_deviations * prior.std_dev_px
             })
         };
         if let Some((u, v)) = measured.filter(is_consistent) {
-            self.axes.0.add_shift(f64::from(u), SHIFT_STD_DEV_SIZES * size_px);
-            self.axes.1.add_shift(f64::from(v), SHIFT_STD_DEV_SIZES * size_px);
+            self.axes.0.add_shift(f64::from(u), settings.shift_std_dev_sizes * size_px);
+            self.axes.1.add_shift(f64::from(v), settings.shift_std_dev_sizes * size_px);
             self.camera_shift = (u, v);
             self.is_camera_shift_known = true;
         } else if let Some(prior) = coarse {
@@ -140,19 +273,46 @@ impl TargetMotion {
         }
     }
 
-    /// Corrects the prediction by a measured position of this standard deviation, pixels.
-    pub(super) fn correct(&mut self, measured: (f32, f32), std_dev: f64) {
-        self.axes.0.correct(f64::from(measured.0), std_dev);
-        self.axes.1.correct(f64::from(measured.1), std_dev);
+    /// Corrects the prediction by the target's measured centre, and makes the frame the reference of the next
+    /// registration where no precise prior tells of the camera's motion.
+    pub(super) fn correct(&mut self, picture: &Picture, geometry: &TargetGeometry) {
+        let std_dev = self.settings.position_std_dev_sizes * f64::from(geometry.size_px());
+        self.axes.0.correct(f64::from(geometry.centre.0), std_dev);
+        self.axes.1.correct(f64::from(geometry.centre.1), std_dev);
+        if !self.has_precise_prior {
+            self.set_background_reference(picture, geometry);
+        }
+    }
+
+    /// Makes this frame the reference of background registration.
+    pub(super) fn set_background_reference(&mut self, picture: &Picture, geometry: &TargetGeometry) {
+        let blanked = geometry.blanked_side_px();
+        self.background.set_reference(picture.y(), &mut self.fourier, geometry.centre, blanked);
+    }
+
+    /// Forgets the reference of background registration.
+    pub(super) fn clear_background_reference(&mut self) {
+        self.background.clear_reference();
+    }
+
+    /// The shift of the background that was measured in this frame.
+    pub(super) const fn background_shift(&self) -> Option<BackgroundShift> {
+        self.background.measured()
+    }
+
+    /// How the camera's motion in this frame is known.
+    pub(super) const fn camera_motion_source(&self) -> CameraMotionSource {
+        if self.is_camera_motion_told { CameraMotionSource::Told } else { CameraMotionSource::Measured }
     }
 
     /// Starts again at a re-detected position, pixels.
-    pub(super) fn restart_at(&mut self, centre: (f32, f32), size_px: f64) {
+    pub(super) fn restart_at(&mut self, centre: (f32, f32), geometry: &TargetGeometry) {
+        let (settings, size_px) = (&self.settings, f64::from(geometry.size_px()));
         let axis = |position: f32| {
             AxisFilter::new(
                 f64::from(position),
-                RESTART_STD_DEV_SIZES * size_px,
-                RESTART_SPEED_SIZES_PER_S * size_px,
+                settings.restart_std_dev_sizes * size_px,
+                settings.restart_speed_sizes_per_s * size_px,
             )
         };
         self.axes = (axis(centre.0), axis(centre.1));
@@ -162,11 +322,6 @@ impl TargetMotion {
     pub(super) fn rescale(&mut self, (u, v): (f32, f32)) {
         self.axes.0.rescale(f64::from(u));
         self.axes.1.rescale(f64::from(v));
-    }
-
-    /// Lets the velocity decay and keeps the position within the picture (width, height), while the target is lost.
-    pub(super) fn decay(&mut self, picture: (f32, f32)) {
-        self.axes.0.decay_velocity(picture.0);
-        self.axes.1.decay_velocity(picture.1);
+        self.background.clear_reference();
     }
 }

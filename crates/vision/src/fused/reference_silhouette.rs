@@ -2,18 +2,19 @@
 
 use crate::silhouette::Silhouette;
 
-/// The upright box around a hull at an angle touches the point of the bow at one corner and the corners of the blunt
-/// stern on two sides. The box's centre therefore lies astern of the hull's, by
-/// ([`ASTERN_CONSTANT`] + [`ASTERN_SLOPE`] |cos sin|) |cos sin| breadths, with cosine and sine of the hull's axis. The
-/// formula holds to within 0.02 breadths for hulls two to five times as long as wide whose bow, slender or full, tapers
-/// from the middle on.
+/// The upright box around a hull at an angle touches the point of the bow at one corner and the corners of
+/// the blunt stern on two sides. The box's centre therefore lies astern of the hull's, by
+/// ([`ASTERN_CONSTANT`] + [`ASTERN_SLOPE`] |cos sin|) |cos sin| breadths, with cosine and sine of the hull's
+/// axis. The formula holds to within 0.02 breadths for hulls two to five times as long as wide whose bow,
+/// slender or full, tapers from the middle on.
 const ASTERN_CONSTANT: f32 = 0.22;
 const ASTERN_SLOPE: f32 = 0.34;
 
 /// What the colour showed of the target's shape at the selection, and how the operator's box lay around it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct ReferenceSilhouette {
-    /// From the centroid of the colour to the centre of the box, pixels along the axis and across it (clockwise).
+    /// From the centroid of the colour to the centre of the box, pixels along the axis and across it
+    /// (clockwise).
     pub(super) box_from_centroid: (f32, f32),
     /// From the midpoint between the ends of the colour to the centre of the box, likewise.
     pub(super) box_from_midpoint: (f32, f32),
@@ -30,8 +31,8 @@ pub(super) struct ReferenceSilhouette {
 }
 
 impl ReferenceSilhouette {
-    /// The silhouette of a hull of this length and breadth (pixels) with its box around `centre` and this axis, radians
-    /// clockwise from image right.
+    /// The silhouette of a hull of this length and breadth (pixels) with its box around `centre` and this
+    /// axis, radians clockwise from image right.
     pub(super) fn of_hull(
         seen: &Silhouette,
         (length, breadth): (f32, f32),

@@ -15,6 +15,13 @@ pub(crate) struct WindowMemory {
 }
 
 impl WindowMemory {
+    /// Forgets the selection's window.
+    pub(crate) fn forget(&mut self) {
+        for kept in [&mut self.selected, &mut self.selected_probability, &mut self.usual] {
+            kept.clear();
+        }
+    }
+
     /// Keeps the brightness and the target probability of the selection's window.
     pub(super) fn set(&mut self, brightness: &[f32], probability: &[f32]) {
         for (kept, cells) in [

@@ -1,0 +1,108 @@
+//! The stage that finds the target around its prediction: the observer proposes peaks of the filter's
+//! response, and the refinement network judges their boxes.
+//!
+//! Input: the target's model, the prediction and the picture. Output: a [`Candidate`]. Crop, window and
+//! refined box are those of the candidate that is taken.
+
+use std::sync::Arc;
+
+use barrelman_vocab::Picture;
+
+use super::config::FusedConfig;
+use super::observation::{Candidate, Observation};
+use super::observer::Observer;
+use super::prediction::Prediction;
+use super::refiner::Refiner;
+use super::target::Target;
+use crate::refinement::{RefinedBox, RefinementWeights};
+
+/// Settings of the choice among peaks.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct DetectorSettings {
+    /// A less probable box is compared with that of the second peak, 0 to 1. Not measured by itself.
+    doubtful_probability: f32,
+    /// The second peak's box is taken if it is more probable by this, 0 to 1. Not measured by itself.
+    clearly_more_probable: f32,
+}
+
+impl Default for DetectorSettings {
+    fn default() -> Self {
+        Self { doubtful_probability: 0.7, clearly_more_probable: 0.2 }
+    }
+}
+
+/// Observer and refiner, which work on the same crop.
+#[derive(Debug, Clone)]
+pub(super) struct Detector {
+    settings: DetectorSettings,
+    pub(super) observer: Observer,
+    pub(super) refiner: Refiner,
+}
+
+impl Detector {
+    pub(super) fn new(config: &FusedConfig, weights: Arc<RefinementWeights>) -> Self {
+        Self {
+            settings: DetectorSettings::default(),
+            observer: Observer::new(config),
+            refiner: Refiner::new(weights),
+        }
+    }
+
+    /// Refines the observation. Where its box is doubtful, the second highest peak is refined, too, and taken
+    /// if its box is clearly more probable.
+    pub(super) fn refine_best_peak(
+        &mut self,
+        target: &Target,
+        prediction: &Prediction,
+        picture: &Picture,
+        first: Observation,
+    ) -> Candidate {
+        let first = self.refine(target, prediction, picture, first);
+        if first.refined.probability >= self.settings.doubtful_probability {
+            return first;
+        }
+        let Some(second) = self.observer.observe_second_peak(target, &first.observation) else {
+            return first;
+        };
+        self.refiner.keep_window();
+        let second = self.refine(target, prediction, picture, second);
+        if second.refined.probability > first.refined.probability + self.settings.clearly_more_probable {
+            return second;
+        }
+        self.return_to(target, picture, &first);
+        first
+    }
+
+    /// Evaluates the refinement network at an observation.
+    pub(super) fn refine(
+        &mut self,
+        target: &Target,
+        prediction: &Prediction,
+        picture: &Picture,
+        observation: Observation,
+    ) -> Candidate {
+        let centre = self.observer.centre_crop(target, picture, &observation);
+        let distance = prediction.distance_of(&observation);
+        self.refiner.set_measurements(target, &observation, centre, distance);
+        let box_size = target.geometry.upright_box();
+        let refined = self.refine_box(target, centre, box_size);
+        Candidate { observation, refined }
+    }
+
+    /// Evaluates the refinement network at a box of this centre and size (width, height), pixels, in the last
+    /// crop.
+    pub(super) fn refine_box(
+        &mut self,
+        target: &Target,
+        centre: (f32, f32),
+        box_size: (f32, f32),
+    ) -> RefinedBox {
+        self.refiner.evaluate(&mut self.observer.crop, target, centre, box_size)
+    }
+
+    /// Makes an earlier candidate, whose window was kept, the last one again.
+    pub(super) fn return_to(&mut self, target: &Target, picture: &Picture, candidate: &Candidate) {
+        self.refiner.return_to_kept(candidate.refined);
+        self.observer.centre_crop(target, picture, &candidate.observation);
+    }
+}

@@ -1,0 +1,322 @@
+//! The stages of one followed object, and what concerns several of them: a selection, a loss, a jump.
+//!
+//! A stage owns its settings, its buffers and what it has learned. What flows between the stages is plain
+//! data: the [`Target`], predictions, observations, candidates, verdicts. `fused` runs the stages in each
+//! frame.
+
+use std::sync::Arc;
+
+use barrelman_vocab::{Localisation, PictureSize, PixelBox, Timestamp, VideoFrame};
+
+use super::acceptance::Acceptance;
+use super::confidence::Confidence;
+use super::config::FusedConfig;
+use super::detector::Detector;
+use super::exchange::{Exchange, ExchangedTarget};
+use super::geometry::TargetGeometry;
+use super::identity::IdentityCheck;
+use super::known_scene::KnownScene;
+use super::learning::Learning;
+use super::observation::Observation;
+use super::phase::Phase;
+use super::prediction::TargetMotion;
+use super::recognition::{LossPoint, Recognition};
+use super::reported_box::ReportedBox;
+use super::search::Search;
+use super::selection::{BoxChoice, Selection, SelectionColours};
+use super::shape::Shape;
+use super::target::Target;
+use super::views::EarlierViews;
+use crate::explanation::{Explanation, TrackerState};
+use crate::heading::HeadingEstimator;
+use crate::refinement::RefinementWeights;
+
+/// What follows an object: its state, and the stages in the order of a frame.
+#[derive(Debug, Clone)]
+pub(super) struct Follower {
+    pub(super) config: FusedConfig,
+    pub(super) phase: Phase,
+    pub(super) target: Target,
+    /// Confidence of the last frame, 0 to 1.
+    pub(super) confidence: f64,
+    pub(super) selection: Selection,
+    pub(super) identity: IdentityCheck,
+    pub(super) motion: TargetMotion,
+    pub(super) detector: Detector,
+    pub(super) views: EarlierViews,
+    pub(super) recognition: Recognition,
+    pub(super) acceptance: Acceptance,
+    pub(super) judgement: Confidence,
+    pub(super) shape: Shape,
+    pub(super) heading: HeadingEstimator,
+    pub(super) reported: ReportedBox,
+    pub(super) exchange: Exchange,
+    pub(super) learning: Learning,
+    pub(super) search: Search,
+    pub(super) scene: KnownScene,
+}
+
+/// A selection that was made.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct SelectedTarget {
+    /// The box that is used, pixels.
+    pub(super) used: PixelBox,
+    pub(super) colours: SelectionColours,
+}
+
+impl Follower {
+    /// The stages, with nothing to follow before [`Self::select`].
+    pub(super) fn new(config: &FusedConfig, weights: Arc<RefinementWeights>) -> Self {
+        let learning = Learning::new(config);
+        let geometry = TargetGeometry::new((0.0, 0.0), (1.0, 1.0), PictureSize::new(0, 0));
+        Self {
+            config: *config,
+            phase: Phase::Lost { since: Timestamp::ZERO },
+            target: Target { geometry, appearance: learning.unknown_appearance(), reference: None },
+            confidence: 0.0,
+            selection: Selection::default(),
+            identity: IdentityCheck::new(),
+            motion: TargetMotion::new(config.agility),
+            detector: Detector::new(config, weights),
+            views: EarlierViews::new(),
+            recognition: Recognition::new(config),
+            acceptance: Acceptance::new(config),
+            judgement: Confidence::new(),
+            shape: Shape::default(),
+            heading: HeadingEstimator::default(),
+            reported: ReportedBox::default(),
+            exchange: Exchange::default(),
+            learning,
+            search: Search::new(),
+            scene: KnownScene::default(),
+        }
+    }
+
+    /// Begins to follow what is in a box that the operator dragged. The refined box is used where the dragged
+    /// one is clearly too large or off, or where the silhouette agrees with the refined one alone.
+    pub(super) fn select(&mut self, frame: &VideoFrame, dragged: PixelBox) -> SelectedTarget {
+        let first = self.select_box(frame, dragged);
+        let refined = self.detector.refiner.refined;
+        let bounds = refined.bounds().clipped(frame.picture.size());
+        if let Some(painted) = self.selection.painted_box(&self.detector.observer.crop, dragged, bounds) {
+            return self.select_box(frame, painted);
+        }
+        match self.selection.choose(dragged, &refined, bounds, self.target.reference.is_some()) {
+            BoxChoice::Dragged => first,
+            BoxChoice::Refined => self.select_box(frame, bounds),
+            BoxChoice::RefinedWithSilhouette => {
+                let tightened = self.select_box(frame, bounds);
+                if self.target.reference.is_some() {
+                    return tightened;
+                }
+                // Windows and references have to be those of the box that is used.
+                self.select_box(frame, dragged)
+            }
+        }
+    }
+
+    /// Begins to follow what is in a box, and refines the box.
+    fn select_box(&mut self, frame: &VideoFrame, used: PixelBox) -> SelectedTarget {
+        let (picture, now) = (&*frame.picture, frame.capture.at);
+        let middle = used.centre();
+        let centre = (middle.u as f32, middle.v as f32);
+        let box_size = (used.w as f32, used.h as f32);
+        let geometry = TargetGeometry::new(centre, box_size, picture.size());
+        self.motion.select(now, (middle.u, middle.v), f64::from(geometry.initial_size_px));
+        let appearance = self.learning.select_colours(picture, centre, box_size);
+        self.target = Target { geometry, appearance, reference: None };
+        (self.phase, self.confidence) = (Phase::Tracking, 1.0);
+        self.forget_path();
+        self.judgement.select(now);
+        self.identity.select();
+        self.recognition.select(now, centre);
+        self.search.select();
+
+        let Detector { observer, refiner, .. } = &mut self.detector;
+        let pose = observer.patch_pose(&self.target);
+        observer.extract_crop(&self.target, picture, &pose);
+        let (colours, paint) = self.selection.measure(&observer.crop, &mut self.target, box_size);
+        self.shape = Shape::default();
+        self.shape.blob.paint = paint;
+        self.learning.select_pattern(&mut self.target, observer, picture, box_size);
+        self.views.restart(&self.target.appearance);
+        self.motion.set_background_reference(picture, &self.target.geometry);
+        refiner.restart();
+        let geometry = &self.target.geometry;
+        let (centre, upright_box) = (geometry.centre, geometry.upright_box());
+        refiner.evaluate(&mut observer.crop, &self.target, centre, upright_box);
+        refiner.remember_selection();
+        refiner.update_references(&observer.crop, centre, now.as_secs_f64());
+        SelectedTarget { used, colours }
+    }
+
+    /// Forgets what was seen around the target until now.
+    fn forget_path(&mut self) {
+        self.heading = HeadingEstimator::default();
+        self.reported.restart();
+        self.exchange.restart();
+        self.scene.clear();
+    }
+
+    /// Converts the state to pixels of a picture of another size with the same field of view. A picture
+    /// without pixels is ignored.
+    pub(super) fn adopt_picture_size(&mut self, picture: PictureSize) {
+        let geometry = &mut self.target.geometry;
+        if picture == geometry.picture || picture.width == 0 || picture.height == 0 {
+            return;
+        }
+        let factors = geometry.rescale_to_picture(picture);
+        self.motion.rescale(factors);
+        self.reported.rescale(factors);
+        self.exchange.restart();
+        self.scene.clear();
+        self.heading.reset();
+    }
+
+    /// Makes the target a lost one if a frame that was captured `now` comes after a gap in the video.
+    /// Whatever moved meanwhile, target or camera, the prediction tells no more which of several objects is
+    /// the target.
+    pub(super) fn lose_in_gap(&mut self, now: Timestamp) {
+        if self.motion.is_after_gap(now, self.config.coast_s) {
+            if !matches!(self.phase, Phase::Lost { .. }) {
+                self.mark_lost(false);
+            }
+            let lost_at = &mut self.recognition.lost_at;
+            (lost_at.is_in_picture, lost_at.is_in_gap) = (false, true);
+            self.phase = self.phase.after_gap(now);
+        }
+    }
+
+    /// Records where the target was lost, and restores its last reliable size.
+    pub(super) fn mark_lost(&mut self, is_in_picture: bool) {
+        self.identity.add_loss();
+        self.search.restart();
+        let (at, centre) = (self.motion.last_capture, self.motion.position());
+        self.recognition.lost_at = LossPoint { at, centre, is_in_picture, is_in_gap: false };
+        self.learning.restore_reliable_size(&mut self.target.geometry);
+    }
+
+    /// Searches everywhere for the target, as it was selected, after `rejected` was followed in its place.
+    pub(super) fn begin_search(&mut self, rejected: &mut Self) {
+        self.adopt_picture_size(rejected.target.geometry.picture);
+        core::mem::swap(&mut self.detector.observer, &mut rejected.detector.observer);
+        self.motion = rejected.motion.clone();
+        self.motion.restart_at(rejected.motion.position(), &self.target.geometry);
+        self.shape.begin_search();
+        self.heading.reset();
+        self.reported.restart();
+        self.exchange.restart();
+        self.scene.clear();
+        self.mark_lost(false);
+        self.phase = Phase::Lost { since: self.motion.last_capture };
+        self.confidence = 0.0;
+        rejected.motion.clear_background_reference();
+        rejected.detector.refiner.clear_references();
+    }
+
+    /// Whether the object is seen, or its place is predicted.
+    pub(super) fn is_followed(&self) -> bool {
+        matches!(self.phase, Phase::Tracking | Phase::Coasting { .. })
+    }
+
+    /// Continues from an observation elsewhere in the search window. What is known of other objects around
+    /// the target stays.
+    pub(super) fn continue_at(&mut self, observation: &Observation) {
+        self.detector.refiner.clear_references();
+        self.jump_to(observation);
+        self.heading.clear_path();
+    }
+
+    /// Continues from an observation of a re-detected target.
+    pub(super) fn restart_at(&mut self, observation: &Observation) {
+        let present = self.detector.observer.patch_pose(&self.target);
+        let geometry = &mut self.target.geometry;
+        geometry.rescale(observation.pose.step / present.step);
+        geometry.axis = geometry.axis_in(&observation.pose);
+        geometry.patch_angle = observation.pose.angle;
+        self.jump_to(observation);
+        self.shape.blob.restart();
+        self.exchange.restart();
+        self.heading.reset();
+    }
+
+    /// Moves the target to an observation at another place: at rest, with nothing known of its box there.
+    fn jump_to(&mut self, observation: &Observation) {
+        let geometry = &mut self.target.geometry;
+        geometry.centre = geometry.box_centre_at(observation.centre);
+        self.motion.restart_at(geometry.centre, geometry);
+        self.reported.restart();
+        self.judgement.restart();
+    }
+
+    /// Moves the track onto the target that was exchanged for another object, and retrains the filter there.
+    /// The network has not seen the box yet.
+    pub(super) fn move_onto(&mut self, exchanged: &ExchangedTarget, frame: &VideoFrame) {
+        let geometry = &mut self.target.geometry;
+        if let Some((scale, extent)) = exchanged.shape {
+            (geometry.scale, geometry.extent) = (scale, extent);
+        }
+        (geometry.centre, geometry.offset) = (exchanged.centre, (0.0, 0.0));
+        self.motion.restart_at(geometry.centre, geometry);
+        self.heading.clear_path();
+        self.shape.blob.restart();
+        self.reported.restart();
+        self.learning.retrain(&mut self.target, &mut self.detector.observer, &frame.picture);
+        self.judgement.restart();
+        self.confidence = self.judgement.settings.unjudged;
+    }
+
+    /// Moves the target to the predicted position. What the network saw last of a target with a silhouette
+    /// may be the part of it that was not hidden yet: its own box is predicted.
+    pub(super) fn move_to_prediction(&mut self) {
+        self.target.geometry.centre = self.motion.position();
+        if self.target.reference.is_some() {
+            self.reported.restart();
+        }
+    }
+
+    /// Adds the target's motion over the water since its centre was at `before` to the heading's path.
+    pub(super) fn add_motion(&mut self, before: (f32, f32), at_s: f64, seconds: f64) {
+        let geometry = &self.target.geometry;
+        let Some(shift) = self.motion.prediction(geometry).known_camera_shift else {
+            self.heading.clear_path();
+            return;
+        };
+        let (du, dv) = (geometry.centre.0 - before.0 - shift.0, geometry.centre.1 - before.1 - shift.1);
+        let half = geometry.half_axes();
+        let length = 2.0 * f64::from(half.0.max(half.1));
+        let moved = (f64::from(du), f64::from(dv));
+        let source = self.motion.camera_motion_source();
+        self.heading.add_motion(at_s, seconds, moved, f64::from(geometry.axis), length, source);
+    }
+
+    /// The localisation to report for a frame.
+    pub(super) fn report(&self, frame: &VideoFrame) -> Localisation {
+        let bounds = self.reported.bounds(&self.target.geometry).clipped(frame.picture.size());
+        self.localisation(frame, bounds, self.confidence)
+    }
+
+    /// A localisation with these bounds and confidence.
+    pub(super) fn localisation(&self, frame: &VideoFrame, bounds: PixelBox, confidence: f64) -> Localisation {
+        self.reported.localisation(&self.target, &self.heading, frame, (bounds, confidence))
+    }
+
+    /// Keeps the view of a frame that is about to be learned from, if it is a new one. `probability` is that
+    /// of the box.
+    pub(super) fn keep_view(&mut self, probability: f32) {
+        let spectra = &self.detector.observer.features.spectra;
+        self.views.keep_if_new(&self.target.appearance, spectra, probability);
+    }
+
+    /// Writes what the last answer is based on; `out` is empty.
+    pub(super) fn explain(&self, out: &mut Explanation) {
+        self.detector.observer.explain(out);
+        out.state = Some(match self.phase {
+            Phase::Tracking => TrackerState::Tracking,
+            Phase::Coasting { .. } => TrackerState::Coasting,
+            Phase::Lost { .. } => TrackerState::Lost,
+            Phase::Confirming { .. } => TrackerState::Confirming,
+        });
+        out.confidence = self.confidence;
+    }
+}

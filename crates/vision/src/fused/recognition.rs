@@ -1,0 +1,213 @@
+//! The stage that compares an observation with the lost target: pattern, colours and their layout.
+//!
+//! Input: an observation with the target's model and the picture. Output: a score, and whether that is enough
+//! at its place. The stage keeps where the target was lost, and the mean score of the candidate that is being
+//! confirmed.
+
+use barrelman_vocab::{Picture, Timestamp};
+
+use super::config::FusedConfig;
+use super::observation::Observation;
+use super::target::Target;
+use crate::colour_model::{ColourHistogram, count_colours};
+use crate::layout::ColourLayout;
+
+/// Settings of the recognition. The least evidence is the user's `again`.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct RecognitionSettings {
+    /// Minimum relative height of the response of an observation that is compared. Not measured by itself.
+    min_relative_height: f32,
+    /// Minimum relative contrast of an observation that is compared, 0 to 1. Not measured by itself.
+    min_relative_contrast: f32,
+    /// Minimum score, about 3 for the target, at the place of a recent loss: a target that was lost inside
+    /// the picture is probably still there and half hidden. Not measured by itself.
+    min_score_at_loss: f32,
+    /// The same elsewhere: another object must match in every respect. Not measured by itself.
+    min_score_elsewhere: f32,
+    /// While a candidate is confirmed, its mean score may be lower by this than when it was found. Not
+    /// measured by itself.
+    confirming_slack: f32,
+    /// Radius of the place of the loss, sizes. Not measured by itself.
+    loss_radius_sizes: f32,
+    /// How long the place of the loss is preferred, seconds. Not measured by itself.
+    loss_preferred_s: f64,
+}
+
+impl Default for RecognitionSettings {
+    fn default() -> Self {
+        Self {
+            min_relative_height: 0.3,
+            min_relative_contrast: 0.2,
+            min_score_at_loss: 1.8,
+            min_score_elsewhere: 2.37,
+            confirming_slack: 0.07,
+            loss_radius_sizes: 1.5,
+            loss_preferred_s: 3.0,
+        }
+    }
+}
+
+/// Where and when the target was lost.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct LossPoint {
+    pub(super) at: Timestamp,
+    /// Predicted centre, pixels.
+    pub(super) centre: (f32, f32),
+    /// Whether the prediction lay in the picture: the target was hidden rather than out of view.
+    pub(super) is_in_picture: bool,
+    /// Whether a gap in the video came since the target was seen.
+    pub(super) is_in_gap: bool,
+}
+
+/// Mean score of the observations of a candidate: how well it is recognised as the target.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(super) struct RecognitionScore {
+    /// Number of observations.
+    observations: u32,
+    /// Mean of height of the response, similarity of the colours and similarity of their layout, each
+    /// relative to its usual value: about 3 for the target.
+    pub(super) mean: f32,
+}
+
+/// What compares observations with the target, with its buffers.
+#[derive(Debug, Clone)]
+pub(super) struct Recognition {
+    config: FusedConfig,
+    settings: RecognitionSettings,
+    /// Colours inside the target's ellipse and in the ring around it, and their layout, in one frame.
+    histograms: [ColourHistogram; 2],
+    layout: ColourLayout,
+    pub(super) lost_at: LossPoint,
+    /// Score of the candidate that is being confirmed.
+    pub(super) score: RecognitionScore,
+}
+
+impl Recognition {
+    pub(super) fn new(config: &FusedConfig) -> Self {
+        Self {
+            config: *config,
+            settings: RecognitionSettings::default(),
+            histograms: [ColourHistogram::default(), ColourHistogram::default()],
+            layout: ColourLayout::default(),
+            lost_at: LossPoint {
+                at: Timestamp::ZERO,
+                centre: (0.0, 0.0),
+                is_in_picture: false,
+                is_in_gap: false,
+            },
+            score: RecognitionScore::default(),
+        }
+    }
+
+    /// Begins with a target that is selected: it was not lost yet.
+    pub(super) fn select(&mut self, at: Timestamp, centre: (f32, f32)) {
+        self.lost_at = LossPoint { at, centre, is_in_picture: false, is_in_gap: false };
+        self.score = RecognitionScore::default();
+    }
+
+    /// How well an observation matches the target: relative height of the response, relative similarity of
+    /// the colours and relative similarity of their layout, in sum about 3 for the target. `None` if the
+    /// evidence is too weak for a comparison.
+    pub(super) fn compare(
+        &mut self,
+        target: &Target,
+        picture: &Picture,
+        observation: &Observation,
+    ) -> Option<f32> {
+        let height = observation.relative_height;
+        let is_strong = observation.evidence >= self.config.again as f32
+            && height >= self.settings.min_relative_height
+            && observation.has_its_colour(self.settings.min_relative_contrast);
+        is_strong.then(|| height.min(1.0) + self.relative_similarity(target, picture, observation))
+    }
+
+    /// Similarity (Bhattacharyya coefficient) of the colours at an observation to the target's, in all and
+    /// part by part, each relative to its usual value: in sum about 2 for the target.
+    fn relative_similarity(&mut self, target: &Target, picture: &Picture, observation: &Observation) -> f32 {
+        let Target { geometry, appearance, .. } = target;
+        let [inside, ring] = &mut self.histograms;
+        let axis = geometry.axis_in(&observation.pose);
+        let pose = geometry.patch_pose(self.config.padding);
+        let scale = geometry.scale * observation.pose.step / pose.step;
+        let ellipse = geometry.extent.ellipse(scale, axis);
+        count_colours(picture, observation.centre, &ellipse, inside, ring);
+        self.layout.count(picture, observation.centre, geometry.extent.half_axes(scale), axis);
+        inside.similarity(&appearance.colours.target) / appearance.usual.similarity
+            + self.layout.similarity(&appearance.layout) / appearance.usual.layout_similarity
+    }
+
+    /// Whether an observation of a lost target is recognised in a frame that was captured `now`. If so, it is
+    /// what will be confirmed.
+    pub(super) fn recognise(
+        &mut self,
+        target: &Target,
+        picture: &Picture,
+        observation: &Observation,
+        now: Timestamp,
+    ) -> bool {
+        let Some(score) = self.compare(target, picture, observation) else { return false };
+        let is_recognised = score >= self.min_score(observation.centre, target.geometry.size_px(), now);
+        if is_recognised {
+            self.score = RecognitionScore::default().with(score);
+        }
+        is_recognised
+    }
+
+    /// Whether the candidate that is being confirmed is still recognised: judged by the mean of its
+    /// observations, so that a single one may be worse.
+    pub(super) fn confirm(
+        &mut self,
+        target: &Target,
+        picture: &Picture,
+        observation: &Observation,
+        now: Timestamp,
+    ) -> bool {
+        let Some(score) = self.compare(target, picture, observation) else { return false };
+        self.score = self.score.with(score);
+        let min = self.min_score(observation.centre, target.geometry.size_px(), now);
+        self.score.mean >= min - self.settings.confirming_slack
+    }
+
+    /// Minimum score of an observation at a place, pixels, of a target of this size.
+    fn min_score(&self, place: (f32, f32), size_px: f32, now: Timestamp) -> f32 {
+        if self.is_at_loss(place, size_px, now) {
+            self.settings.min_score_at_loss
+        } else {
+            self.settings.min_score_elsewhere
+        }
+    }
+
+    /// Score from which on an object elsewhere could be confirmed as the target.
+    pub(super) fn min_confirmed_score(&self) -> f32 {
+        self.settings.min_score_elsewhere - self.settings.confirming_slack
+    }
+
+    /// Whether a place, pixels, is that of a recent loss within the picture.
+    pub(super) fn is_at_loss(&self, place: (f32, f32), size_px: f32, now: Timestamp) -> bool {
+        let lost_at = &self.lost_at;
+        let away = libm::hypotf(place.0 - lost_at.centre.0, place.1 - lost_at.centre.1);
+        let is_recent = now.since(lost_at.at).as_secs_f64() <= self.settings.loss_preferred_s;
+        lost_at.is_in_picture && is_recent && away <= self.settings.loss_radius_sizes * size_px
+    }
+}
+
+impl RecognitionScore {
+    /// The mean with one more observation.
+    pub(super) fn with(self, score: f32) -> Self {
+        let observations = self.observations.saturating_add(1);
+        Self { observations, mean: self.mean + (score - self.mean) / observations as f32 }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_recognition_score_is_the_mean_of_its_observations() {
+        let first = RecognitionScore::default().with(2.5);
+        assert_eq!(first, RecognitionScore { observations: 1, mean: 2.5 });
+        let third = first.with(2.25).with(2.0);
+        assert!((third.mean - 2.25).abs() < 1e-6 && third.observations == 3, "{third:?}");
+    }
+}

@@ -1,0 +1,148 @@
+//! The stage that evaluates the refinement network at a box, with its windows and what earlier windows
+//! showed.
+//!
+//! Input: the crop, the target's model and a box. Output: a [`RefinedBox`]: the edges, their expected errors,
+//! and the probability that the box is right.
+
+use std::sync::Arc;
+
+use super::observation::Observation;
+use super::target::Target;
+use crate::crop::Crop;
+use crate::refinement::{
+    Measurements, MotionReferences, RefinedBox, RefinementNetwork, RefinementWeights, RefinementWindow,
+    WindowContext, WindowMemory,
+};
+
+/// The network with its windows.
+#[derive(Debug, Clone)]
+pub(super) struct Refiner {
+    network: RefinementNetwork,
+    /// Window of the last refinement, and the answer.
+    pub(super) window: RefinementWindow,
+    pub(super) refined: RefinedBox,
+    /// Window of the best of the observations that are compared.
+    best_window: RefinementWindow,
+    /// Earlier frames around the target.
+    references: MotionReferences,
+    /// What the window showed at the selection, and usually shows.
+    memory: WindowMemory,
+}
+
+impl Refiner {
+    pub(super) fn new(weights: Arc<RefinementWeights>) -> Self {
+        Self {
+            network: RefinementNetwork::new(weights),
+            window: RefinementWindow::default(),
+            refined: RefinedBox::default(),
+            best_window: RefinementWindow::default(),
+            references: MotionReferences::default(),
+            memory: WindowMemory::default(),
+        }
+    }
+
+    /// Begins with a target that is selected: nothing is known of it.
+    pub(super) fn restart(&mut self) {
+        self.window.measurements.fill(0.0);
+        self.references.clear();
+        self.memory.forget();
+    }
+
+    /// Sets what the network is told of an observation besides the picture. `centre` is that of the box,
+    /// `distance` that of the observation from the prediction, pixels.
+    pub(super) fn set_measurements(
+        &mut self,
+        target: &Target,
+        observation: &Observation,
+        centre: (f32, f32),
+        distance: f32,
+    ) {
+        let size = target.geometry.size_px();
+        self.window.set_measurements(&Measurements {
+            peak_to_sidelobe_ratio: observation.peak.peak_to_sidelobe_ratio,
+            relative_height: observation.relative_height,
+            relative_contrast: observation.relative_contrast,
+            usual_contrast: target.appearance.usual.contrast,
+            inside: observation.contrast.inside,
+            ring: observation.contrast.ring,
+            scale: target.geometry.scale,
+            distance_sizes: distance / size,
+            relative_motion_sizes: self
+                .references
+                .relative_motion(centre)
+                .map(|(right, down)| libm::hypotf(right, down) / size),
+            size_px: size,
+            has_silhouette: target.reference.is_some(),
+            evidence: observation.evidence,
+        });
+    }
+
+    /// Evaluates the network at a box of this centre and size, pixels.
+    pub(super) fn evaluate(
+        &mut self,
+        crop: &mut Crop,
+        target: &Target,
+        centre: (f32, f32),
+        box_size: (f32, f32),
+    ) -> RefinedBox {
+        self.measure_window(crop, target, centre, centre, box_size);
+        self.refined = self.network.evaluate(&self.window);
+        self.refined
+    }
+
+    /// Measures the window at a box of this centre and size, pixels, while the target's box has its centre at
+    /// `tracked`.
+    pub(super) fn measure_window(
+        &mut self,
+        crop: &mut Crop,
+        target: &Target,
+        tracked: (f32, f32),
+        centre: (f32, f32),
+        box_size: (f32, f32),
+    ) {
+        let context = WindowContext {
+            tracked,
+            picture: target.geometry.picture_size(),
+            memory: &self.memory,
+            references: &self.references,
+        };
+        self.window.measure(crop, centre, box_size, context);
+    }
+
+    /// Keeps the last window, to return to it.
+    pub(super) fn keep_window(&mut self) {
+        self.best_window.copy_from(&self.window);
+    }
+
+    /// Makes the window that was kept the last one again, with its refined box.
+    pub(super) fn return_to_kept(&mut self, refined: RefinedBox) {
+        self.window.copy_from(&self.best_window);
+        self.refined = refined;
+    }
+
+    /// Makes the last window that of the selection.
+    pub(super) fn remember_selection(&mut self) {
+        self.window.remember_selection(&mut self.memory);
+    }
+
+    /// Adapts what is usual to the last window.
+    pub(super) fn remember_usual(&mut self) {
+        self.window.remember_usual(&mut self.memory);
+    }
+
+    /// Adds the background's shift since the last frame, pixels, if it is known.
+    pub(super) fn add_background_shift(&mut self, shift: Option<(f32, f32)>) {
+        self.references.add_background_shift(shift);
+    }
+
+    /// Takes a frame, captured at `at_s` seconds, as a reference if the last one is old enough. `centre` is
+    /// that of the target's box, pixels.
+    pub(super) fn update_references(&mut self, crop: &Crop, centre: (f32, f32), at_s: f64) {
+        self.references.update(crop, centre, at_s);
+    }
+
+    /// Forgets the earlier frames.
+    pub(super) fn clear_references(&mut self) {
+        self.references.clear();
+    }
+}

@@ -1,0 +1,141 @@
+//! The stage that reports: the box of the network, and the localisation that follows from it.
+//!
+//! Input: the network's box, and the target. Output: a [`Localisation`]. The confidence is that of the
+//! network's box; the target's own box, with which the filter works, follows later.
+
+use barrelman_vocab::track::Shape;
+use barrelman_vocab::{Angle, Localisation, PixelBox, PixelPoint, VideoFrame};
+
+use super::geometry::TargetGeometry;
+use super::shape_following::rate_in;
+use super::target::Target;
+use crate::heading::HeadingEstimator;
+
+/// Settings of the reported box.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct ReportedBoxSettings {
+    /// Time constant with which the reported box follows the network's, seconds. Not measured by itself.
+    follow_s: f64,
+}
+
+impl Default for ReportedBoxSettings {
+    fn default() -> Self {
+        Self { follow_s: 0.05 }
+    }
+}
+
+/// The box that is reported.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct ReportedBox {
+    settings: ReportedBoxSettings,
+    /// Its edges, from the centre of the target's own box: left, top, right, bottom, pixels. `None` until the
+    /// network saw the target, and while one with a silhouette coasts: then the own box is reported.
+    edges: Option<[f32; 4]>,
+}
+
+impl ReportedBox {
+    /// Reports the target's own box until the network sees the target again.
+    pub(super) fn restart(&mut self) {
+        self.edges = None;
+    }
+
+    /// Moves the box towards the network's box (left, top, right, bottom, pixels), `seconds` after the last
+    /// frame.
+    pub(super) fn follow(&mut self, refined: [f32; 4], geometry: &TargetGeometry, seconds: f64) {
+        let (u, v) = geometry.centre;
+        let mut edges = [refined[0] - u, refined[1] - v, refined[2] - u, refined[3] - v];
+        if let Some(last) = self.edges {
+            let rate = rate_in(seconds, self.settings.follow_s);
+            for (edge, last) in edges.iter_mut().zip(last) {
+                *edge = last + rate * (*edge - last);
+            }
+        }
+        self.edges = Some(edges);
+    }
+
+    /// Converts to pixels of a picture that is larger by these factors.
+    pub(super) fn rescale(&mut self, factors: (f32, f32)) {
+        if let Some([left, top, right, bottom]) = &mut self.edges {
+            (*left, *right) = (*left * factors.0, *right * factors.0);
+            (*top, *bottom) = (*top * factors.1, *bottom * factors.1);
+        }
+    }
+
+    /// The box, pixels; it may reach beyond the picture.
+    pub(super) fn bounds(&self, geometry: &TargetGeometry) -> PixelBox {
+        let (u, v) = geometry.centre;
+        let [left, top, right, bottom] = self.edges.unwrap_or_else(|| {
+            let (w, h) = geometry.upright_box();
+            [-0.5 * w, -0.5 * h, 0.5 * w, 0.5 * h]
+        });
+        PixelBox {
+            u: f64::from(u + left),
+            v: f64::from(v + top),
+            w: f64::from(right - left),
+            h: f64::from(bottom - top),
+        }
+    }
+
+    /// A localisation with these bounds and confidence.
+    pub(super) fn localisation(
+        &self,
+        target: &Target,
+        heading: &HeadingEstimator,
+        frame: &VideoFrame,
+        (bounds, confidence): (PixelBox, f64),
+    ) -> Localisation {
+        let geometry = &target.geometry;
+        let half = geometry.half_axes();
+        let axis = geometry.axis;
+        let shape = geometry.extent.axis().map(|_| Shape {
+            major_px: 2.0 * f64::from(half.0.max(half.1)),
+            minor_px: 2.0 * f64::from(half.0.min(half.1)),
+            axis: to_anticlockwise(axis, core::f64::consts::PI),
+        });
+        let bow = geometry.extent.axis().and_then(|_| heading.is_bow_at_axis_end());
+        let end = |is_at_end: bool| if is_at_end { axis } else { axis + core::f32::consts::PI };
+        Localisation {
+            captured: frame.capture.at,
+            picture: frame.picture.size(),
+            centre: self.hull_centre(target, heading),
+            bounds,
+            shape,
+            heading: bow.map(|is_at_end| to_anticlockwise(end(is_at_end), core::f64::consts::TAU)),
+            confidence,
+        }
+    }
+
+    /// The hull's centre; the centre of the reported box where there is no reference silhouette.
+    ///
+    /// While the bow is unknown, the centre is taken halfway between the ends of the colour. That is wrong
+    /// where bow or stern have another paint, or where the wake has the target's colour. Once the bow is
+    /// known, the centre follows from the operator's box, which contains the whole hull
+    /// ([`ReferenceSilhouette::box_astern`](super::reference_silhouette::ReferenceSilhouette::box_astern)).
+    fn hull_centre(&self, target: &Target, heading: &HeadingEstimator) -> PixelPoint {
+        let geometry = &target.geometry;
+        let (u, v) = (f64::from(geometry.centre.0), f64::from(geometry.centre.1));
+        let Some(reference) = &target.reference else {
+            let [left, top, right, bottom] = self.edges.unwrap_or_default().map(f64::from);
+            return PixelPoint { u: u + 0.5 * (left + right), v: v + 0.5 * (top + bottom) };
+        };
+        let half = geometry.half_axes();
+        let certainty = heading.signed_certainty() as f32;
+        let along =
+            certainty * reference.box_astern - (1.0 - certainty.abs()) * reference.box_from_midpoint.0;
+        let (along, across) = (
+            along * 2.0 * half.0 / reference.length,
+            -reference.box_from_midpoint.1 * 2.0 * half.1 / reference.breadth,
+        );
+        let (c, s) = (libm::cosf(geometry.axis), libm::sinf(geometry.axis));
+        PixelPoint { u: u + f64::from(along * c - across * s), v: v + f64::from(along * s + across * c) }
+    }
+}
+
+/// Converts an angle clockwise from image right to one anticlockwise, from 0 (inclusive) to `period`
+/// (exclusive).
+fn to_anticlockwise(clockwise: f32, period: f64) -> Angle {
+    let turned = -f64::from(clockwise);
+    let wrapped = turned - period * (turned / period).floor();
+    // Rounding can give the period itself.
+    Angle::from_radians(if wrapped < period { wrapped } else { 0.0 })
+}

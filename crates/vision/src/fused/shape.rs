@@ -1,0 +1,252 @@
+//! The stage that measures size, rotation and centre of a target that was found in the frame: its *own box*,
+//! with which filter and silhouette work.
+//!
+//! Input: the crop, the observation, and what filter and network say of size and edges. Output: the target's
+//! geometry. The stage keeps the silhouette at the selection, the paint and its blob.
+
+use super::blob::BlobFollower;
+use super::contradiction::Contradiction;
+use super::observation::Observation;
+use super::observer::PoseChange;
+use super::shape_following::{FollowingTimes, axis_difference, follow_shape, is_within};
+use super::slipped_box::SlippedBoxCheck;
+use super::target::Target;
+use crate::crop::Crop;
+use crate::refinement::{RefinedBox, RefinementWindow};
+use crate::silhouette::Silhouette;
+
+/// Settings of the own box.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct ShapeSettings {
+    /// With less of its usual contrast a target with a silhouette does not grow by the filter, 0 to 1: the
+    /// box contains background already, and the filter has learned the target together with another object
+    /// that goes away. Not measured by itself.
+    min_growing_contrast: f32,
+    /// Time constants with which axis, centre and size follow the silhouette's, seconds. Not measured by
+    /// itself.
+    times: FollowingTimes,
+    /// Half axes of the ellipse in which the silhouette is measured, half axes of the target. Not measured by
+    /// itself.
+    reach: f32,
+    /// A silhouette that fills less of the ellipse of its axes consists of several objects, 0 to 1. Not
+    /// measured by itself.
+    min_fill: f32,
+    /// A silhouette whose length or breadth differs by a larger factor includes something else. Not measured
+    /// by itself.
+    max_misfit: f32,
+    /// Probability of the refined box from which on its edges are followed, 0 to 1. Not measured by itself.
+    min_edge_probability: f32,
+    /// Probability from which on they are followed fully, 0 to 1. Not measured by itself.
+    full_edge_probability: f32,
+    /// Largest share of the way that an edge moves in a frame, 0 to 1. Not measured by itself.
+    max_edge_rate: f32,
+    /// Expected error at which an edge moves half as far, sides. Not measured by itself.
+    edge_drift: f32,
+    /// Largest step of an edge in a frame, sides. Not measured by itself.
+    max_edge_step: f32,
+    /// Largest distance of the box from the filter's response, sizes. Not measured by itself.
+    max_offset_sizes: f32,
+    /// Share of a change of the box that the filter's size follows in a frame, 0 to 1. Not measured by
+    /// itself.
+    size_share: f32,
+}
+
+impl Default for ShapeSettings {
+    fn default() -> Self {
+        Self {
+            min_growing_contrast: 0.6,
+            times: FollowingTimes { axis_s: 0.15, centre_s: 0.3, size_s: 1.0 },
+            reach: 1.35,
+            min_fill: 0.7,
+            max_misfit: 1.5,
+            min_edge_probability: 0.1,
+            full_edge_probability: 0.5,
+            max_edge_rate: 0.5,
+            edge_drift: 0.02,
+            max_edge_step: 0.2,
+            max_offset_sizes: 1.0,
+            size_share: 0.06,
+        }
+    }
+}
+
+/// The shape of a target.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Shape {
+    settings: ShapeSettings,
+    pub(super) blob: BlobFollower,
+    slipped: SlippedBoxCheck,
+    contradiction: Contradiction,
+}
+
+impl Shape {
+    /// Forgets what was seen of the box until now: the target is searched for as it was selected.
+    pub(super) fn begin_search(&mut self) {
+        (self.slipped, self.contradiction) = Default::default();
+    }
+
+    /// Follows size, rotation and centre, `seconds` after the last frame.
+    pub(super) fn follow(
+        &mut self,
+        target: &mut Target,
+        crop: &Crop,
+        observation: &Observation,
+        change: PoseChange,
+        seconds: f32,
+    ) {
+        let Target { geometry, reference, .. } = target;
+        let may_grow = reference.is_none() || observation.has_its_colour(self.settings.min_growing_contrast);
+        if may_grow || change.scale_steps < 0.0 {
+            geometry.rescale(change.scale_factor);
+        }
+        geometry.turn(change.turn);
+        // The silhouette of all colours is the more exact one, where the target is not too small for it.
+        match self.blob.find(crop, &target.geometry, seconds) {
+            Some(blob) if !blob.fits => self.blob.follow(&mut target.geometry, &blob, seconds),
+            blob => {
+                let is_followed = self.follow_silhouette(target, crop, observation, seconds);
+                if let Some(blob) = blob.filter(|_| !is_followed) {
+                    self.blob.follow(&mut target.geometry, &blob, seconds);
+                }
+            }
+        }
+    }
+
+    /// Corrects the drift of axis, centre, length and breadth by the silhouette. Whether it could.
+    fn follow_silhouette(
+        &self,
+        target: &mut Target,
+        crop: &Crop,
+        observation: &Observation,
+        seconds: f32,
+    ) -> bool {
+        let settings = &self.settings;
+        let geometry = &mut target.geometry;
+        let Some(reference) = target.reference else { return false };
+        let (along, across) = geometry.half_axes();
+        let half = (settings.reach * along, settings.reach * across);
+        let Some(seen) =
+            Silhouette::measure(crop, geometry.centre, half, geometry.axis, observation.contrast)
+        else {
+            return false;
+        };
+        if seen.fill() < settings.min_fill {
+            return false;
+        }
+        let (length, breadth) = reference.size_of(&seen);
+        let fits = |measured: f32, known: f32| is_within(measured / known, settings.max_misfit);
+        if !(fits(length, 2.0 * along) && fits(breadth, 2.0 * across)) || geometry.touches_border() {
+            return false;
+        }
+        follow_shape(geometry, &reference, &seen, settings.times, seconds);
+        true
+    }
+
+    /// Moves a box with a silhouette back that slipped off its target. Whether it did: then the filter has to
+    /// be retrained.
+    pub(super) fn correct_slipped_box(&mut self, target: &mut Target, crop: &Crop) -> bool {
+        let geometry = &mut target.geometry;
+        let Some(reference) = target.reference else { return false };
+        let Some(seen) = self.slipped.find(crop, geometry) else { return false };
+        geometry.axis += axis_difference(seen.axis, geometry.axis);
+        geometry.centre = seen.centroid;
+        let (longer, wider) = reference.stretch_of(&seen);
+        geometry.stretch_to(reference.length * longer, reference.breadth * wider, 1.0);
+        true
+    }
+
+    /// Moves a box with a silhouette onto the network's box where that contradicts it. Whether it did: then
+    /// the filter has to be retrained.
+    pub(super) fn correct_contradicted_box(
+        &mut self,
+        target: &mut Target,
+        refined: &RefinedBox,
+        seconds: f32,
+    ) -> bool {
+        let geometry = &mut target.geometry;
+        if target.reference.is_none() {
+            return false;
+        }
+        let [left, top, right, bottom] = refined.edges;
+        let (w, h) = geometry.upright_box();
+        let share = (right - left) * (bottom - top) / (w * h);
+        if !self.contradiction.is_confirmed(w * h, share, refined.probability, seconds) {
+            return false;
+        }
+        geometry.centre = (0.5 * (left + right), 0.5 * (top + bottom));
+        geometry.rescale(share.sqrt());
+        self.blob.restart();
+        true
+    }
+
+    /// Moves the edges of a target without a silhouette towards those of the refinement, which read this
+    /// window. An edge moves the faster the smaller the error that is expected of it. `place` is that of the
+    /// filter's response, pixels.
+    pub(super) fn follow_refined_box(
+        &self,
+        target: &mut Target,
+        refined: &RefinedBox,
+        window: &RefinementWindow,
+        place: (f32, f32),
+    ) {
+        if target.reference.is_some() {
+            return;
+        }
+        let (settings, geometry) = (&self.settings, &mut target.geometry);
+        let certainty = ((refined.probability - settings.min_edge_probability)
+            / (settings.full_edge_probability - settings.min_edge_probability))
+            .clamp(0.0, 1.0);
+        let (width, height) = window.box_size;
+        let mut edges = window.box_edges();
+        for (index, edge) in edges.iter_mut().enumerate() {
+            let error = refined.errors[index] / settings.edge_drift;
+            let rate = certainty * settings.max_edge_rate / (1.0 + error * error);
+            let limit = settings.max_edge_step * if index % 2 == 0 { width } else { height };
+            *edge += (rate * (refined.edges[index] - *edge)).clamp(-limit, limit);
+        }
+        let [left, top, right, bottom] = edges;
+        let (u, v) = window.centre;
+        let size = geometry.size_px();
+        let max_offset = settings.max_offset_sizes;
+        let moved = |offset: f32, from: f32, to: f32, old: f32| {
+            (offset + (0.5 * (from + to) - old) / size).clamp(-max_offset, max_offset)
+        };
+        geometry.offset =
+            (moved(geometry.offset.0, left, right, u), moved(geometry.offset.1, top, bottom, v));
+        geometry.reshape_box((right - left) / width, (bottom - top) / height, settings.size_share);
+        geometry.centre = geometry.box_centre_at(place);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use barrelman_vocab::PixelBox;
+
+    use super::super::test_target::{red_on_blue, selected};
+    use super::*;
+
+    const FRAME_S: f32 = 1.0 / 30.0;
+
+    #[test]
+    fn a_contradicted_box_is_moved_onto_the_networks() {
+        let is_boat = |column, row| (100..130).contains(&column) && (60..72).contains(&row);
+        let boat = PixelBox { u: 100.0, v: 60.0, w: 30.0, h: 12.0 };
+        let (mut follower, _) = selected(red_on_blue((240, 160), is_boat), boat);
+        let (shape, target) = (&mut follower.shape, &mut follower.target);
+        assert!(target.reference.is_some());
+        let refined =
+            RefinedBox { edges: [100.0, 60.0, 130.0, 72.0], probability: 0.9, ..RefinedBox::default() };
+        assert!(!shape.correct_contradicted_box(target, &refined, FRAME_S));
+        target.geometry.rescale(2.0);
+        target.geometry.centre = (130.0, 70.0);
+        let mut frames = 0;
+        while !shape.correct_contradicted_box(target, &refined, FRAME_S) {
+            assert_eq!(target.geometry.centre, (130.0, 70.0));
+            frames += 1;
+            assert!(frames < 10, "the box is not moved");
+        }
+        assert_eq!(target.geometry.centre, (115.0, 66.0));
+        let (w, h) = target.geometry.upright_box();
+        assert!((w * h / 360.0 - 1.0).abs() < 0.05, "{w} x {h}");
+    }
+}
