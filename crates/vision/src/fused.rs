@@ -67,7 +67,6 @@ mod contradiction;
 mod distractors;
 mod excluded_places;
 mod found_object;
-mod slipped_box;
 
 mod appearance;
 mod extent;
@@ -276,9 +275,6 @@ impl Follower {
         // Size and rotation of a target that is partly outside the picture cannot be measured.
         if !target.geometry.touches_border() {
             shape.follow(target, &observer.crop, observation, change, seconds_f32);
-            if shape.correct_slipped_box(target, &observer.crop) {
-                learning.retrain(target, observer, picture);
-            }
             if shape.correct_contradicted_box(target, refined, seconds_f32) {
                 learning.retrain(target, observer, picture);
             }

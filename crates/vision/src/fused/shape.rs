@@ -8,8 +8,7 @@ use super::blob::BlobFollower;
 use super::contradiction::Contradiction;
 use super::observation::Observation;
 use super::observer::PoseChange;
-use super::shape_following::{FollowingTimes, axis_difference, follow_shape, is_within};
-use super::slipped_box::SlippedBoxCheck;
+use super::shape_following::{FollowingTimes, follow_shape, is_within};
 use super::target::Target;
 use crate::crop::Crop;
 use crate::refinement::{RefinedBox, RefinementWindow};
@@ -75,14 +74,13 @@ impl Default for ShapeSettings {
 pub(super) struct Shape {
     settings: ShapeSettings,
     pub(super) blob: BlobFollower,
-    slipped: SlippedBoxCheck,
     contradiction: Contradiction,
 }
 
 impl Shape {
     /// Forgets what was seen of the box until now: the target is searched for as it was selected.
     pub(super) fn begin_search(&mut self) {
-        (self.slipped, self.contradiction) = Default::default();
+        self.contradiction = Contradiction::default();
     }
 
     /// Follows size, rotation and centre, `seconds` after the last frame.
@@ -139,19 +137,6 @@ impl Shape {
             return false;
         }
         follow_shape(geometry, &reference, &seen, settings.times, seconds);
-        true
-    }
-
-    /// Moves a box with a silhouette back that slipped off its target. Whether it did: then the filter has to
-    /// be retrained.
-    pub(super) fn correct_slipped_box(&mut self, target: &mut Target, crop: &Crop) -> bool {
-        let geometry = &mut target.geometry;
-        let Some(reference) = target.reference else { return false };
-        let Some(seen) = self.slipped.find(crop, geometry) else { return false };
-        geometry.axis += axis_difference(seen.axis, geometry.axis);
-        geometry.centre = seen.centroid;
-        let (longer, wider) = reference.stretch_of(&seen);
-        geometry.stretch_to(reference.length * longer, reference.breadth * wider, 1.0);
         true
     }
 

@@ -43,7 +43,7 @@ pub(super) fn rate_in(seconds: f64, time_s: f64) -> f32 {
 }
 
 /// Difference of two axes, -pi/2 to pi/2.
-pub(super) fn axis_difference(to: f32, from: f32) -> f32 {
+fn axis_difference(to: f32, from: f32) -> f32 {
     let pi = core::f32::consts::PI;
     let turns = (to - from) / pi;
     (turns - (turns + 0.5).floor()) * pi
