@@ -39,9 +39,6 @@ pub(super) struct ViewSettings {
     min_contrast: f32,
     /// Probability of the box at a place elsewhere, at least, 0 to 1. Not measured by itself.
     min_probability: f32,
-    /// The same for a target whose own box was never probable: the network hardly knows such a target, and
-    /// other objects in the window often have a higher probability. Not measured by itself.
-    min_probability_for_unknown: f32,
     /// A place elsewhere is more probable by this, 0 to 1. Not measured by itself.
     clearly_more_probable: f32,
     /// Least distance of two places, sizes. Not measured by itself.
@@ -64,7 +61,6 @@ impl Default for ViewSettings {
             min_height: 0.15,
             min_contrast: 0.6,
             min_probability: 0.45,
-            min_probability_for_unknown: 0.65,
             clearly_more_probable: 0.15,
             apart_sizes: 0.4,
             apart_cells: 2.0,
@@ -82,8 +78,6 @@ pub(super) struct EarlierViews {
     /// The first is that of the selection; the first `count` are in use.
     views: [FilterView; MAX_VIEWS],
     count: usize,
-    /// Whether the target's box was ever probable since the selection.
-    was_probable: bool,
 }
 
 /// One of them.
@@ -105,17 +99,12 @@ impl EarlierViews {
     /// No views, with the memory of all of them.
     pub(super) fn new() -> Self {
         let empty = || FilterView { filter: FixedFilter::new(CHANNELS), usual_height: 0.0 };
-        Self {
-            settings: ViewSettings::default(),
-            views: core::array::from_fn(|_| empty()),
-            count: 0,
-            was_probable: false,
-        }
+        Self { settings: ViewSettings::default(), views: core::array::from_fn(|_| empty()), count: 0 }
     }
 
     /// Keeps the view of the selection, and no other.
     pub(super) fn restart(&mut self, appearance: &Appearance) {
-        (self.count, self.was_probable) = (0, false);
+        self.count = 0;
         self.keep(&appearance.filter, appearance.usual.peak_height);
     }
 
@@ -184,12 +173,9 @@ impl EarlierViews {
         best
     }
 
-    /// Whether the box that is followed is improbable. One that is not shows that the network knows the
-    /// target.
-    pub(super) fn is_doubted(&mut self, probability: f32) -> bool {
-        let is_doubted = probability < self.settings.max_doubted_probability;
-        self.was_probable |= !is_doubted;
-        is_doubted
+    /// Whether a box that is followed with this probability is doubted.
+    pub(super) fn is_doubted(&self, probability: f32) -> bool {
+        probability < self.settings.max_doubted_probability
     }
 
     /// The observation at the highest response of a view in the last search window, apart from these places,
@@ -219,9 +205,7 @@ impl EarlierViews {
     /// so far.
     fn is_better(&self, probability: f32, best: f32) -> bool {
         let settings = &self.settings;
-        let min =
-            if self.was_probable { settings.min_probability } else { settings.min_probability_for_unknown };
-        probability >= min && probability > best + settings.clearly_more_probable
+        probability >= settings.min_probability && probability > best + settings.clearly_more_probable
     }
 }
 
@@ -253,29 +237,18 @@ mod tests {
         let slipped = Observation { centre: target.geometry.centre, ..on_water };
         let followed = follower.detector.refine(target, &prediction, &picture, slipped);
         assert!(follower.views.is_doubted(followed.refined.probability), "{followed:?}");
-        follower.views.was_probable = true;
         let taken =
             follower.views.reconsider(&mut follower.detector, target, &prediction, &picture, followed);
         let place = taken.observation.centre;
         assert!(length(difference(place, (115.0, 66.0))) < 3.0, "{place:?}");
     }
 
-    /// Views of a target whose box was probable, or was never.
-    fn views(was_probable: bool) -> EarlierViews {
-        EarlierViews { was_probable, ..EarlierViews::new() }
-    }
-
     #[test]
-    fn a_target_that_never_was_probable_is_left_for_a_sure_box_alone() {
-        assert!(views(true).is_better(0.5, 0.2));
-        assert!(!views(false).is_better(0.5, 0.2));
-        assert!(views(false).is_better(0.7, 0.2));
-    }
-
-    #[test]
-    fn a_place_that_is_hardly_more_probable_is_left_alone() {
-        assert!(!views(true).is_better(0.55, 0.45));
-        assert!(!views(true).is_better(0.4, 0.1));
+    fn only_a_clearly_more_probable_place_is_taken() {
+        let views = EarlierViews::new();
+        assert!(views.is_better(0.5, 0.2));
+        assert!(!views.is_better(0.55, 0.45));
+        assert!(!views.is_better(0.4, 0.1));
     }
 
     #[test]
