@@ -33,8 +33,6 @@ pub(super) struct ViewSettings {
     /// Below this probability of the box that is followed, the target is looked for elsewhere, 0 to 1. Not
     /// measured by itself.
     max_doubted_probability: f32,
-    /// Relative height of the response at a place elsewhere, at least. Not measured by itself.
-    min_height: f32,
     /// Relative contrast of the colour at a place elsewhere, at least, 0 to 1. Not measured by itself.
     min_contrast: f32,
     /// Probability of the box at a place elsewhere, at least, 0 to 1. Not measured by itself.
@@ -58,7 +56,6 @@ impl Default for ViewSettings {
     fn default() -> Self {
         Self {
             max_doubted_probability: 0.5,
-            min_height: 0.15,
             min_contrast: 0.6,
             min_probability: 0.45,
             clearly_more_probable: 0.15,
@@ -158,9 +155,7 @@ impl EarlierViews {
                 continue;
             };
             places[index + 1] = other.centre;
-            if other.relative_height < self.settings.min_height
-                || !other.has_its_colour(self.settings.min_contrast)
-            {
+            if !other.has_its_colour(self.settings.min_contrast) {
                 continue;
             }
             let other = detector.refine(target, prediction, picture, other);
