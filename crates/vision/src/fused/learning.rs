@@ -39,8 +39,9 @@ pub(super) struct LearningSettings {
     /// First estimate of the usual similarity of the colours and of their layout, 0 to 1. Not measured by
     /// itself.
     initial_similarity: f32,
-    /// Increase of the filter's learning rate with the box's distance from the filter's place, per size. Not
-    /// measured by itself.
+    /// Increase of the filter's learning rate with the box's distance from the filter's place, per size. Without,
+    /// AUC is 0.707 for 0.702 with exact selections of the 39 clips; not measured with loose ones, where the
+    /// distance is larger.
     offset_boost: f32,
     /// The largest learning rate, 0 to 1. Not measured by itself.
     max_learning_rate: f32,
