@@ -30,7 +30,7 @@
 //! another object (`known_scene`).
 //!
 //! Work per frame: one search window of at most 130 x 130 samples and about nine small patches, for a target
-//! of any size; at most eight search windows while it is lost. Memory: less than 3 MiB, and two earlier video
+//! of any size; at most eight search windows while it is lost. Memory: less than 8 MiB, and two earlier video
 //! frames that are shared with their source; no allocation per frame once the buffers have their size.
 //!
 //! Not handled: targets that change beyond recognition while hidden, groups of similar targets that cross,

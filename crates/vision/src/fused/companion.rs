@@ -3,7 +3,7 @@
 use super::contact::{Chroma, ContactSettings};
 use super::vector::{Vector, difference, length, product, scaled, sum};
 
-/// Settings of how such objects are followed and judged. As a whole not measured by themselves.
+/// Settings of how such objects are followed and judged.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct CompanionSettings {
     /// Distance from which on an object does not touch the target, sizes. Not measured by itself.

@@ -85,3 +85,21 @@ fn following_losing_and_finding_again_allocate_nothing_after_the_first_frames() 
         assert_eq!(allocations.count_total == 0, round > 0, "round {round}: {allocations:?}");
     }
 }
+
+/// The documented bound on the memory of a tracker, without the frames that it shares with their source.
+const MEMORY: u64 = 8 << 20;
+
+#[test]
+fn a_tracker_needs_no_more_memory_than_documented() {
+    let voyage = voyage();
+    let mut tracker = None;
+    let allocations = allocation_counter::measure(|| {
+        let mut selected = FusedTracker::new(FusedConfig::default()).unwrap();
+        selected.select(&voyage[0], pixels(129.0, 100.0, 62.0, 40.0)).unwrap();
+        for frame in &voyage[1..] {
+            selected.track(frame, None);
+        }
+        tracker = Some(selected);
+    });
+    assert!(tracker.is_some() && allocations.bytes_max < MEMORY, "{allocations:?}");
+}
