@@ -24,9 +24,10 @@ import time
 
 import numpy as np
 import torch
-from recordings import COMPOSED, SIMULATED, is_recorded, recording_of, recordings_of
 from torch import nn
 from torch.nn import functional
+
+from recordings import COMPOSED, SIMULATED, is_recorded, recording_of, recordings_of
 
 SIDE, CHANNELS, MEASUREMENTS = 32, 11, 12
 CELL_SCALE = 60.0

@@ -75,7 +75,9 @@ def test_drive_by_the_keys_leaves_the_ellipse_and_the_camera_brings_the_boat_bac
         page.screenshot(pytestconfig.getoption("--screenshots"), "drive")
         page.release("up")
         state = boat(lambda boat: boat["throttle"] == 0, "a neutral helm")
-        check("keys let go: the helm is neutral, and still the page's", state["drive"]["helm"] == "page", state)
+        check(
+            "keys let go: the helm is neutral, and still the page's", state["drive"]["helm"] == "page", state
+        )
         program.wait(lambda status: any(status["command"].values()), "a rate", PATIENCE_S)
         program.wait(lambda status: 0 < p_of(status) < 1, "the boat in the ellipse", PATIENCE_S)
         page.press("up")
