@@ -72,7 +72,7 @@ pub(super) fn begin_request(console: &Console, from: Requester, request: Request
                 return Pending::Answered(refused(reason));
             }
             if commands_vessel(&request) {
-                console.gateway.set_boat_left(false);
+                console.gateway.set_vessel_left(false);
             }
             SessionRequest::Pilot(request)
         }

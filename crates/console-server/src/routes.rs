@@ -47,7 +47,7 @@ type Shared = State<Arc<Console>>;
 /// Where requests go. A Stop among too many of them is taken.
 const REQUESTS_PATH: &str = "/api/v1/requests";
 const SOCKET_PATH: &str = "/api/v1/socket";
-/// Headers that say one thing: where one comes twice, two readers may read two things.
+/// Headers of which one may come: of two, two readers may take different ones.
 static SINGLE_HEADERS: [HeaderName; 7] = [
     header::HOST,
     header::ORIGIN,

@@ -128,7 +128,7 @@ impl Seats {
     }
 
     /// Whether no page watches over the boat: the page in control is gone, or was silent for [`BOAT_SILENCE`].
-    pub(super) fn is_boat_left(&self, now: Timestamp) -> bool {
+    pub(super) fn is_vessel_left(&self, now: Timestamp) -> bool {
         let Some(holder) = &self.holder else { return true };
         let heard = match holder.lost {
             Some(lost) => Some(lost.heard),

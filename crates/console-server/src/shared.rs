@@ -101,7 +101,7 @@ impl Console {
 
     /// Frees the seat of a page that was lost for too long, and does what the session says for that case.
     pub(super) fn expire_seats(&self) {
-        self.gateway.set_boat_left(self.with_seats(|seats| seats.is_boat_left(self.time.clock())));
+        self.gateway.set_vessel_left(self.with_seats(|seats| seats.is_vessel_left(self.time.clock())));
         if !self.with_seats(|seats| seats.expire(self.time.clock())) {
             return;
         }

@@ -263,7 +263,7 @@ impl VesselPilot {
                 return self.engage(is_boat_seen, view).inspect_err(|_| self.marks = before).map(Some);
             }
             VesselRequest::Steer(command) => self.gate.steer(*command, view.now)?,
-            VesselRequest::StopVessel { by } => self.gate.stop_boat(*by),
+            VesselRequest::StopVessel { by } => self.gate.stop_vessel(*by),
             VesselRequest::ReleaseVessel => self.gate.release(),
         }
         Ok(None)

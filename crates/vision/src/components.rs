@@ -1,4 +1,4 @@
-//! Connected components of the target's colour in a crop: the target, and other things of its colour around it.
+//! Connected components of the target's colour in a crop: the target, and other objects of its colour around it.
 
 use barrelman_vocab::PixelBox;
 

@@ -116,7 +116,7 @@ impl Silhouette {
         if self.major > 0.0 { self.minor / self.major } else { 1.0 }
     }
 
-    /// Share of the ellipse of its axes that it fills: about 1 for a single thing, less for several beside each other.
+    /// Share of the ellipse of its axes that it fills: about 1 for a single object, less for several beside each other.
     pub(crate) fn fill(&self) -> f32 {
         let ellipse = 0.25 * core::f32::consts::PI * self.major * self.minor;
         if ellipse > 0.0 { self.area / ellipse } else { 0.0 }

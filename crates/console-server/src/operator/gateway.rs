@@ -39,7 +39,7 @@ pub struct Gateway {
     stop: StopLatch,
     queue: Mutex<VecDeque<Submitted>>,
     is_console_lost: AtomicBool,
-    is_boat_left: AtomicBool,
+    is_vessel_left: AtomicBool,
     wake: Box<dyn Fn() + Send + Sync>,
 }
 
@@ -59,7 +59,7 @@ impl Gateway {
             stop: StopLatch::default(),
             queue: Mutex::default(),
             is_console_lost: AtomicBool::new(false),
-            is_boat_left: AtomicBool::new(true),
+            is_vessel_left: AtomicBool::new(true),
             wake: Box::new(wake),
         }
     }
@@ -89,19 +89,19 @@ impl Gateway {
     }
 
     /// The boat is no longer watched from a page, or is watched again.
-    pub fn set_boat_left(&self, is_left: bool) {
-        if self.is_boat_left.swap(is_left, Ordering::Relaxed) != is_left {
+    pub fn set_vessel_left(&self, is_left: bool) {
+        if self.is_vessel_left.swap(is_left, Ordering::Relaxed) != is_left {
             (self.wake)();
         }
     }
 
     /// The request to stop a boat that moves by this program's command, while no page watches over it.
-    pub fn stop_for_left_boat(&self, mode: VesselMode) -> Option<OperatorRequest> {
+    pub fn stop_for_left_vessel(&self, mode: VesselMode) -> Option<OperatorRequest> {
         let moves = matches!(
             mode,
             VesselMode::ByHand | VesselMode::Guided | VesselMode::Holding(_) | VesselMode::KeepingWay(_)
         );
-        let is_left = moves && self.is_boat_left.load(Ordering::Relaxed);
+        let is_left = moves && self.is_vessel_left.load(Ordering::Relaxed);
         is_left
             .then_some(OperatorRequest::Vessel(VesselRequest::StopVessel { by: VesselStopper::ConsoleLost }))
     }
@@ -221,7 +221,7 @@ mod tests {
         gateway.stop();
         gateway.set_console_lost(true);
         gateway.set_console_lost(true);
-        gateway.set_boat_left(false);
+        gateway.set_vessel_left(false);
         assert_eq!(woken.try_iter().count(), 4);
     }
 

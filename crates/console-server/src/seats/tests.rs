@@ -45,8 +45,8 @@ fn a_boat_is_not_left_while_its_control_is_given() {
     seats.hear(1, at(1000));
     seats.hear(0, at(1900));
     assert_eq!(seats.give(0, 1), Ok(()));
-    assert!(!seats.is_boat_left(at(2700)), "the new page has not learned of its boat yet");
-    assert!(seats.is_boat_left(at(2900)), "nor does it stay silent for longer than another");
+    assert!(!seats.is_vessel_left(at(2700)), "the new page has not learned of its boat yet");
+    assert!(seats.is_vessel_left(at(2900)), "nor does it stay silent for longer than another");
 }
 
 #[test]
@@ -281,9 +281,9 @@ fn a_page_that_hangs_before_it_is_lost_leaves_the_boat_when_it_was_silent_for_to
     let mut seats = Seats::default();
     let id = seats.join("page", Role::Control, at(0)).id;
     seats.hear(id, at(1_000));
-    assert!(!seats.is_boat_left(at(1_900)));
+    assert!(!seats.is_vessel_left(at(1_900)));
     seats.leave(id, at(1_900));
-    assert!(seats.is_boat_left(at(1_901)), "not another 0.9 s from the loss");
+    assert!(seats.is_vessel_left(at(1_901)), "not another 0.9 s from the loss");
     seats.join("page", Role::Control, at(2_000));
-    assert!(!seats.is_boat_left(at(2_900)));
+    assert!(!seats.is_vessel_left(at(2_900)));
 }

@@ -14,7 +14,7 @@ pub struct DriveRequests {
     last_tick: u64,
     hands_on: bool,
     /// Whether the pilot commands the boat.
-    pub(super) commands_boat: bool,
+    pub(super) commands_vessel: bool,
 }
 
 impl DriveRequests {
@@ -25,7 +25,7 @@ impl DriveRequests {
             requests: stored.requests.clone(),
             last_tick: stored.last_tick(),
             hands_on: setup.hands_on,
-            commands_boat: setup.commands_boat(),
+            commands_vessel: setup.commands_vessel(),
         }
     }
 

@@ -288,7 +288,7 @@ impl CampaignPlan {
         };
         // A person who drove may have selected on an earlier picture.
         let pilot = match &self.drive_requests {
-            Some(drive) if drive.commands_boat => {
+            Some(drive) if drive.commands_vessel => {
                 pilot.keeping_frames().with_vessel(drive::simulated_vessel(GuidanceLaw::LineOfSight))
             }
             Some(_) => pilot.keeping_frames(),

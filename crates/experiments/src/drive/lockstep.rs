@@ -51,7 +51,7 @@ impl<'a> Drive<'a> {
         } else {
             Box::new(rendered)
         };
-        let pilot = if setup.commands_boat() {
+        let pilot = if setup.commands_vessel() {
             pilot.with_vessel(simulated_vessel(GuidanceLaw::LineOfSight))
         } else {
             pilot

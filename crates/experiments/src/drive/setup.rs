@@ -33,7 +33,7 @@ pub struct DriveSetup {
 
 impl DriveSetup {
     /// Whether the pilot commands the boat: only where the target is one.
-    pub const fn commands_boat(&self) -> bool {
+    pub const fn commands_vessel(&self) -> bool {
         matches!(self.loaded.scenario.target, TargetScript::Boat(_))
     }
 

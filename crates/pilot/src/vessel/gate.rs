@@ -280,7 +280,7 @@ impl VesselGate {
     }
 
     /// The operator stops the boat, also one that this program did not command so far: from now on it does.
-    pub fn stop_boat(&mut self, by: VesselStopper) {
+    pub fn stop_vessel(&mut self, by: VesselStopper) {
         match by {
             VesselStopper::ConsoleLost => self.stop(VesselStop::ConsoleLost),
             VesselStopper::Operator if self.holder == Holder::Released => {

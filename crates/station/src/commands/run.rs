@@ -90,7 +90,7 @@ pub fn run_with_outputs(
     }
     let tracking_camera = tracking_camera(&configuration, &source, clock)?;
     let guard = needed_guard(&configuration, link.as_ref())?;
-    let boat_guard = needed_boat_guard(&configuration)?;
+    let vessel_guard = needed_vessel_guard(&configuration)?;
     let console = (!args.headless).then(|| open_console(args, &configuration.console)).transpose()?;
     let pilot = build_pilot(&configuration, command_path(link.as_ref()))?;
     let selection = match args.select {
@@ -105,7 +105,7 @@ pub fn run_with_outputs(
         source,
         link,
         guard,
-        boat_guard,
+        vessel_guard,
         http,
         outputs,
         selection,
@@ -170,7 +170,7 @@ fn needed_guard(configuration: &Configuration, link: Option<&LinkUrl>) -> Result
 ///
 /// # Errors
 /// If the guard is not there, and the operator has not said that the run does without it.
-fn needed_boat_guard(configuration: &Configuration) -> Result<Option<PathBuf>> {
+fn needed_vessel_guard(configuration: &Configuration) -> Result<Option<PathBuf>> {
     match &configuration.vessel {
         Some(vessel) if vessel.settings().path == CommandPath::Link => {}
         _ => return Ok(None),
@@ -326,7 +326,7 @@ pub fn calibrate(
         source,
         link: Some(link),
         guard,
-        boat_guard: None,
+        vessel_guard: None,
         http,
         outputs: Outputs { record, ..Outputs::default() },
         selection: None,

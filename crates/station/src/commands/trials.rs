@@ -43,12 +43,12 @@ pub fn run(args: &TrialsArgs) -> Result<ExitCode> {
     }
     if let Some(folder) = &args.record {
         let simulated = Configuration::simulated(plan.profile().clone(), plan.law(), plan.tracker())?;
-        let commands_boat = drive.as_ref().is_some_and(|drive| drive.setup.commands_boat());
+        let commands_vessel = drive.as_ref().is_some_and(|drive| drive.setup.commands_vessel());
         let guidance = match args.guidance {
             Some(GuidedBy::Lab) => GuidanceName::Lab,
             Some(GuidedBy::Los) | None => GuidanceName::Los,
         };
-        let vessel = (commands_boat || args.guidance.is_some())
+        let vessel = (commands_vessel || args.guidance.is_some())
             .then(|| VesselConfig { guidance, ..VesselConfig::simulated() });
         let configuration = Configuration { vessel, ..simulated }.to_toml()?;
         plan = plan.with_recordings(TrialRecording {

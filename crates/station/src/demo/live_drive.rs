@@ -114,7 +114,7 @@ impl LiveDrive<'_> {
             | Event::Video(_)
             | Event::VideoTiming(_)
             | Event::Link(_)
-            | Event::Boat(_)
+            | Event::Vessel(_)
             | Event::RecordingFailed { .. } => {}
         }
         None
@@ -127,7 +127,7 @@ impl LiveDrive<'_> {
             console.publisher.set_console_lost(is_lost, now);
         }
         let mode = self.drive.outcome().map_or(VesselMode::Absent, |outcome| outcome.vessel.mode);
-        if let Some(request) = self.gateway.stop_for_left_boat(mode) {
+        if let Some(request) = self.gateway.stop_for_left_vessel(mode) {
             self.request(request)?;
         }
         loop {

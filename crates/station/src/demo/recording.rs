@@ -16,7 +16,7 @@ pub(super) fn begin(file: Option<OutputFile>, setup: &DriveSetup) -> Result<Opti
     let begin = |file| {
         let simulated = Configuration::simulated(setup.profile.clone(), setup.law, setup.tracker)?;
         let configuration =
-            Configuration { vessel: setup.commands_boat().then(VesselConfig::simulated), ..simulated };
+            Configuration { vessel: setup.commands_vessel().then(VesselConfig::simulated), ..simulated };
         let run = RecordedRun { video: setup.url.to_string(), trial: None };
         TrialRecorder::without_film(file, configuration.to_toml()?, run)
     };

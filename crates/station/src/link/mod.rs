@@ -5,7 +5,7 @@
 
 mod vehicle_link;
 
-pub mod boat_link;
+pub mod vessel_link;
 
 mod command_path;
 pub mod named_video;

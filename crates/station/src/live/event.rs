@@ -23,7 +23,7 @@ pub enum Event {
     /// The link reports something.
     Link(LinkReport),
     /// A report of the link to the boat.
-    Boat(LinkReport),
+    Vessel(LinkReport),
     /// The gateway holds requests or a stop, or the controlling page is gone or has come back.
     Operator,
     /// The program must end.

@@ -16,8 +16,8 @@ pub mod run_loop;
 
 pub mod calibration;
 mod killed_together;
-mod open_boat;
 mod open_link;
+mod open_vessel;
 pub mod recording_folder;
 mod recording_start;
 mod sleep_inhibitor;

@@ -29,7 +29,7 @@ use barrelman_vocab::{
 use super::event::{Event, EventSource};
 use super::status_line::{StatusLine, StatusOutput};
 use crate::config::lens::misfit;
-use crate::link::boat_link::BoatLink;
+use crate::link::vessel_link::VesselLink;
 use crate::link::{LinkReport, VehicleLink};
 
 /// The alarms that are also logged: a run without a page must tell them, too.
@@ -93,7 +93,7 @@ pub struct RunLoop<'a> {
     /// The link; `None`: a dry run.
     pub link: Option<&'a dyn VehicleLink>,
     /// The link to the boat; `None`: no boat is commanded.
-    pub boat: Option<&'a dyn BoatLink>,
+    pub boat: Option<&'a dyn VesselLink>,
     /// The recording, if there is one.
     pub recorder: Option<Box<dyn LiveStepObserver + 'a>>,
     /// The status line.
@@ -112,9 +112,9 @@ struct LoopState {
     /// The pilot's deadline.
     wake_at: Option<Timestamp>,
     /// Whether the operator knows that the link to the boat is lost.
-    is_boat_loss_told: bool,
+    is_vessel_loss_told: bool,
     /// The mode of the boat after the last step.
-    boat_mode: Option<VesselMode>,
+    vessel_mode: Option<VesselMode>,
     /// Why the selection of the last step was refused.
     refusal: Option<String>,
     answers: Answers,
@@ -199,7 +199,7 @@ impl RunLoop<'_> {
     /// Takes a pressed stop, and all requests that wait. A stop that is pressed meanwhile comes before the next request.
     fn take_requests(&mut self, state: &mut LoopState) {
         self.publisher.set_console_lost(self.gateway.is_console_lost(), self.events.now());
-        if let Some(request) = state.boat_mode.and_then(|mode| self.gateway.stop_for_left_boat(mode)) {
+        if let Some(request) = state.vessel_mode.and_then(|mode| self.gateway.stop_for_left_vessel(mode)) {
             self.step(state, Input::Request(request));
         }
         loop {
@@ -222,7 +222,7 @@ impl RunLoop<'_> {
     /// does not: who has the control is not known then, and the link takes the control by itself where it is free.
     fn take_control_back(&self, request: OperatorRequest, outcome: &Outcome) {
         // A boat that another program or a person steers refuses the request, and is asked for: the next one may succeed.
-        let asks_for_boat = matches!(
+        let asks_for_vessel = matches!(
             (request, &outcome.notice),
             (
                 OperatorRequest::Vessel(VesselRequest::Guide | VesselRequest::GoHome),
@@ -231,7 +231,7 @@ impl RunLoop<'_> {
                 ))
             )
         );
-        if let (true, Some(boat)) = (asks_for_boat, self.boat) {
+        if let (true, Some(boat)) = (asks_for_vessel, self.boat) {
             boat.take_control();
         }
         let is_refused = matches!(outcome.notice, Some(Notice::RequestRefused(_)));
@@ -249,7 +249,7 @@ impl RunLoop<'_> {
             // The requests are taken before the next event.
             Event::Operator => {}
             Event::Link(report) => return self.on_link_report(state, report),
-            Event::Boat(report) => return self.on_boat_report(state, report),
+            Event::Vessel(report) => return self.on_vessel_report(state, report),
             Event::Video(video) => return self.on_video_state(state, video),
             Event::VideoTiming(timing) => self.publisher.set_video_timing(timing, self.events.now()),
             Event::Quit(cause) => return Some((StopCause::Ending, RunEnd::Requested(cause.to_string()))),
@@ -321,14 +321,14 @@ impl RunLoop<'_> {
         None
     }
 
-    fn on_boat_report(&mut self, state: &mut LoopState, report: LinkReport) -> Option<Ending> {
+    fn on_vessel_report(&mut self, state: &mut LoopState, report: LinkReport) -> Option<Ending> {
         match report {
             LinkReport::Telemetry(telemetry) => {
                 if let Report::Link(link) = telemetry.report
-                    && (link == LinkState::Up || !state.is_boat_loss_told)
+                    && (link == LinkState::Up || !state.is_vessel_loss_told)
                 {
                     tracing::info!("boat: {}", link_state_text(link));
-                    state.is_boat_loss_told &= link != LinkState::Up;
+                    state.is_vessel_loss_told &= link != LinkState::Up;
                 }
                 let before = self.publisher.newest().vessel_text;
                 self.step(state, Input::VesselTelemetry(telemetry));
@@ -339,7 +339,7 @@ impl RunLoop<'_> {
             }
             // A port that is refused again and again is told once.
             LinkReport::Lost { reason, .. } => {
-                if !std::mem::replace(&mut state.is_boat_loss_told, true) {
+                if !std::mem::replace(&mut state.is_vessel_loss_told, true) {
                     tracing::error!("the link to the boat was lost ({reason}); reopening it, neutral first");
                 }
             }
@@ -410,7 +410,7 @@ impl RunLoop<'_> {
             _ => None,
         };
         state.wake_at = outcome.next_step_at();
-        state.boat_mode = Some(outcome.vessel.mode);
+        state.vessel_mode = Some(outcome.vessel.mode);
         let raised = |publisher: &Publisher| UNASKED.map(|alarm| publisher.newest().alarms.contains(&alarm));
         let before = raised(&self.publisher);
         self.publisher.on_step(&input, &outcome, rates, self.pilot.law_id());

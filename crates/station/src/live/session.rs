@@ -32,8 +32,8 @@ use super::calibration::LiveCalibration;
 use super::event::{Event, EventQueue, report_panics, wake_by};
 use super::faults::FaultInjector;
 use super::killed_together;
-use super::open_boat::open_boat;
 use super::open_link::{LinkedVehicle, open_link, take_lock};
+use super::open_vessel::open_vessel;
 use super::overlay_video::OverlayVideo;
 use super::recorder::Recorder;
 use super::recording_folder::DiskReserve;
@@ -47,7 +47,7 @@ use super::terminal::{KEYS, Terminal};
 use super::video_sink::LiveVideoSink;
 use crate::config::Configuration;
 use crate::config::vessel::SIMULATED;
-use crate::link::boat_link::{Boat, BoatLink};
+use crate::link::vessel_link::{Boat, VesselLink};
 use crate::link::{Link, LinkUrl, VehicleLink};
 use crate::secrets;
 use crate::tracking_camera::{CameraParts, TrackingCameraSetup, TrackingCameraThread};
@@ -81,7 +81,7 @@ pub struct Session<'a> {
     /// The guard's program, which serves the port of the link; `None`: a thread of this process does.
     pub guard: Option<PathBuf>,
     /// The guard's program, which serves the port of the boat; `None`: a thread of this process does.
-    pub boat_guard: Option<PathBuf>,
+    pub vessel_guard: Option<PathBuf>,
     /// How the vehicle is reached over HTTP; `None`: by bytes.
     pub http: Option<HttpSettings>,
     /// The output files.
@@ -128,7 +128,7 @@ impl Session<'_> {
         let key_file = self.configuration.signing_key_file.as_deref().filter(|_| self.link.is_some());
         // Held until the links are closed.
         let lock = self.link.as_ref().map(|url| take_lock(url, VehicleRole::Camera)).transpose()?.flatten();
-        let boat_lock = self.lock_of_boat()?;
+        let vessel_lock = self.lock_of_vessel()?;
         let vehicle = LinkedVehicle {
             profile: &self.configuration.profile,
             framing: self.configuration.framing,
@@ -140,24 +140,24 @@ impl Session<'_> {
         let link = open_link(self.link.as_ref(), self.source.world(), vehicle, self.clock, &events)?;
         let boat = match &self.configuration.vessel {
             Some(vessel) => {
-                let guard = (self.boat_guard.clone(), boat_lock.clone());
-                Some(open_boat(vessel, self.source.world(), guard, self.clock, &events)?)
+                let guard = (self.vessel_guard.clone(), vessel_lock.clone());
+                Some(open_vessel(vessel, self.source.world(), guard, self.clock, &events)?)
             }
             None => None,
         };
-        if self.guard.is_some() || self.boat_guard.is_some() {
+        if self.guard.is_some() || self.vessel_guard.is_some() {
             killed_together::warn();
         }
         let _awake = link.as_ref().filter(|link| link.reaches_vehicle()).and_then(|_| SleepInhibitor::hold());
         self.warn_without_selection();
         let end = self.run_with((link, boat), gateway, events, &queue, terminal.watches_keys())?;
         drop(terminal);
-        drop((lock, boat_lock));
+        drop((lock, vessel_lock));
         Ok(end)
     }
 
     /// The lock of the boat's address; `None`: there is no boat, or a simulated one.
-    fn lock_of_boat(&self) -> Result<Option<Arc<VehicleLock>>> {
+    fn lock_of_vessel(&self) -> Result<Option<Arc<VehicleLock>>> {
         let vessel = self.configuration.vessel.as_ref();
         let Some(vessel) = vessel.filter(|vessel| vessel.url != SIMULATED) else { return Ok(None) };
         take_lock(&LinkUrl::parse(&vessel.url).context("vessel.url")?, VehicleRole::Boat)
@@ -299,7 +299,7 @@ impl Session<'_> {
             publisher,
             latest,
             link: parts.link.as_ref().map(|link| link as &dyn VehicleLink),
-            boat: parts.boat.as_ref().map(|boat| boat as &dyn BoatLink),
+            boat: parts.boat.as_ref().map(|boat| boat as &dyn VesselLink),
             recorder: parts.recorder.as_ref().map(|recorder| observer(recorder.input())),
             status: StatusLine::new(style.interval()).naming_keys(watches_keys),
             status_output: Box::new(status_output),
@@ -329,7 +329,7 @@ impl OpenParts {
         // Both at once: neither waits for the other's end.
         let boat = self.boat.map(|boat| std::thread::spawn(move || boat.close()));
         let is_stop_sent = self.link.is_none_or(Link::close);
-        let is_boat_neutral = boat.is_none_or(|closing| closing.join().unwrap_or(false));
+        let is_vessel_neutral = boat.is_none_or(|closing| closing.join().unwrap_or(false));
         if let Err(error) = self.source.stop() {
             tracing::warn!("{error}");
         }
@@ -341,15 +341,15 @@ impl OpenParts {
         if let Some(Err(error)) = self.overlay.map(OverlayVideo::finish) {
             tracing::error!("{error:#}");
         }
-        with_motion_left(end, is_boat_neutral, is_stop_sent)
+        with_motion_left(end, is_vessel_neutral, is_stop_sent)
     }
 }
 
 /// The end of a run, with what could not be stopped.
-fn with_motion_left(end: RunEnd, is_boat_neutral: bool, is_camera_stopped: bool) -> RunEnd {
+fn with_motion_left(end: RunEnd, is_vessel_neutral: bool, is_camera_stopped: bool) -> RunEnd {
     let boat = "the last neutral commands could not be sent to the boat, as its link was down: the boat may still be under way. Stop it by its own remote control";
     let camera = "the last zeros and the vehicle's stop could not be sent, as the link was down: the camera may still be turning. Stop it from the ground station itself";
-    let left = [(is_boat_neutral, boat), (is_camera_stopped, camera)];
+    let left = [(is_vessel_neutral, boat), (is_camera_stopped, camera)];
     let mut failures: Vec<&str> =
         left.iter().filter(|(is_stopped, _)| !is_stopped).map(|(_, text)| *text).collect();
     if failures.is_empty() {

@@ -1,5 +1,5 @@
 //! What follows a gap in the video, or the target's leaving: the target is lost until it is recognised and
-//! confirmed, and a thing like it is not reported for sure.
+//! confirmed, and an object like it is not reported for sure.
 
 use barrelman_vision::{FusedConfig, FusedTracker, Tracker};
 use barrelman_vocab::Track;
@@ -18,7 +18,7 @@ fn hull(colour: Yuv, pattern: u32, centre: (f64, f64), (length, breadth): (f64, 
     Hull { paint, centre, length, breadth, turned_deg: 0.0 }
 }
 
-/// A red boat, and another thing.
+/// A red boat, and another object.
 fn scene_with(other: Hull) -> Scene {
     Scene {
         size: (320, 240),

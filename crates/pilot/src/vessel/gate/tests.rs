@@ -137,14 +137,14 @@ fn a_stop_holds_against_a_helm_that_is_still_held() {
 fn the_first_cause_of_a_stop_counts_until_the_boat_is_released() {
     let mut gate = gate();
     gate.guide(at(1_000)).unwrap();
-    gate.stop_boat(VesselStopper::ConsoleLost);
-    gate.stop_boat(VesselStopper::Operator);
+    gate.stop_vessel(VesselStopper::ConsoleLost);
+    gate.stop_vessel(VesselStopper::Operator);
     check(&mut gate, SEEN, 1_030, VesselMode::Stopped(VesselStop::ConsoleLost), NEUTRAL);
     gate.release();
     check(&mut gate, SEEN, 1_060, VesselMode::Released, NEUTRAL);
-    gate.stop_boat(VesselStopper::ConsoleLost);
+    gate.stop_vessel(VesselStopper::ConsoleLost);
     check(&mut gate, SEEN, 1_090, VesselMode::Released, NEUTRAL);
-    gate.stop_boat(VesselStopper::Operator);
+    gate.stop_vessel(VesselStopper::Operator);
     check(&mut gate, SEEN, 1_120, VesselMode::Stopped(VesselStop::Operator), NEUTRAL);
 }
 
@@ -224,7 +224,7 @@ fn a_helm_that_is_held_at_a_stop_does_nothing_until_it_was_let_go_whatever_it_di
     gate.steer(NEUTRAL, at(1_450)).unwrap();
     assert_eq!(gate.steer(AHEAD, at(3_000)), Err(Refusal::NoFreshVideo));
     assert!(!gate.is_at_rest_by_stop(), "a further stop bars the helm that is held again");
-    gate.stop_boat(VesselStopper::Operator);
+    gate.stop_vessel(VesselStopper::Operator);
     assert!(gate.is_at_rest_by_stop());
     gate.on_video(at(3_010));
     assert_eq!(gate.steer(AHEAD, at(3_010)), Err(Refusal::HelmHeld));
@@ -373,11 +373,11 @@ fn every_stop_the_lost_console_and_the_lost_link_end_the_way_at_once() {
         (VesselStopper::ConsoleLost, VesselStop::ConsoleLost),
     ] {
         let mut gate = keeping_way(CommandPath::Simulated);
-        gate.stop_boat(stop);
+        gate.stop_vessel(stop);
         check(&mut gate, LOST, 1_340, VesselMode::Stopped(expected), NEUTRAL);
         // A stop before the track is lost counts as well.
         let mut gate = under_way(CommandPath::Simulated);
-        gate.stop_boat(stop);
+        gate.stop_vessel(stop);
         check(&mut gate, LOST, 1_330, VesselMode::Stopped(expected), NEUTRAL);
     }
     let everything = VesselStop::Everything(StopCause::Operator);

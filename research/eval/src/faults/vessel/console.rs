@@ -30,7 +30,7 @@ impl Console {
     }
 
     /// The page commands the boat.
-    pub(super) const fn commands_boat(&mut self, now: Timestamp) {
+    pub(super) const fn commands_vessel(&mut self, now: Timestamp) {
         (self.heard, self.is_left) = (now, false);
     }
 

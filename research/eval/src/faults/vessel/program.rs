@@ -164,7 +164,7 @@ impl VesselProgram {
 
     /// The operator presses Go. A boat that another commander steers is asked for.
     pub(super) fn go(&mut self, now: Timestamp) {
-        self.console.commands_boat(now);
+        self.console.commands_vessel(now);
         let notice = self.request(OperatorRequest::Vessel(VesselRequest::Guide), now);
         if matches!(
             notice,
@@ -179,7 +179,7 @@ impl VesselProgram {
     /// A request of the operator.
     pub(super) fn request(&mut self, request: OperatorRequest, now: Timestamp) -> Option<Notice> {
         if matches!(request, OperatorRequest::Vessel(VesselRequest::Steer(_))) {
-            self.console.commands_boat(now);
+            self.console.commands_vessel(now);
         }
         self.step(Input::Request(request), now)
     }

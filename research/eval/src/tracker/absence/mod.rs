@@ -169,14 +169,14 @@ fn run_on_sequence(tracker: &mut dyn Tracker, sequence: &CroppedSequence<'_>) ->
 fn print_table(sequences: &[MeasuredSequence], total: &AbsenceMetrics) {
     let mut table = Table::new(&[
         "sequence",
-        "like things",
+        "like objects",
         "absent frames",
         "lost after s",
         "reported late",
         "returns",
         "found",
         "slowest s",
-        "on a like thing s",
+        "on a like object s",
         "right in view",
     ]);
     let cells = |name: &str, distractors: &str, metrics: &AbsenceMetrics| {
@@ -215,6 +215,6 @@ fn judge(sequences: usize, total: &AbsenceMetrics, requirements: &mut Requiremen
     let found = total.found_returns() as f64 / total.found_after_s.len() as f64;
     let name = format!("share of returns found within {MAX_FIND_S} s");
     requirements.at_least(&name, found, MIN_FOUND_SHARE);
-    let name = "longest seconds on end on a thing of the same colour";
+    let name = "longest seconds on end on an object of the same colour";
     requirements.at_most(name, total.on_distractor_s, MAX_ON_DISTRACTOR_S);
 }

@@ -5,7 +5,7 @@ use barrelman_link::{GuardedLink, LinkHandle};
 use barrelman_vocab::{Timestamp, VesselOrder};
 
 /// Sends commands to a boat.
-pub trait BoatLink {
+pub trait VesselLink {
     /// Requests a command, and replaces the one requested before. A command that is not neutral is in force until
     /// `renew_by`: without a renewal by then, the link makes the boat neutral (dead-man's switch). Does not block.
     fn send(&self, order: VesselOrder, renew_by: Option<Timestamp>);
@@ -25,7 +25,7 @@ pub enum Boat {
     Simulated(SimulatedBoat),
 }
 
-impl BoatLink for Boat {
+impl VesselLink for Boat {
     fn send(&self, order: VesselOrder, renew_by: Option<Timestamp>) {
         match self {
             Self::Port(link) => link.send(order, renew_by),

@@ -14,8 +14,8 @@ use barrelman_wire::VesselProtocol;
 
 use super::event::Event;
 use crate::config::vessel::{SIMULATED, VesselConfig};
-use crate::link::boat_link::Boat;
 use crate::link::url::Endpoint;
+use crate::link::vessel_link::Boat;
 use crate::link::{GuardedLink, GuardedLinkSettings, LinkHandle, LinkReport, LinkUrl};
 use crate::simulated_source::LiveWorld;
 
@@ -23,7 +23,7 @@ use crate::simulated_source::LiveWorld;
 ///
 /// # Errors
 /// If there is no such boat, or the port cannot be opened.
-pub(super) fn open_boat(
+pub(super) fn open_vessel(
     config: &VesselConfig,
     world: Option<&LiveWorld>,
     (guard, lock): (Option<PathBuf>, Option<Arc<VehicleLock>>),
@@ -35,7 +35,7 @@ pub(super) fn open_boat(
             bail!("--vessel sim: is the boat of a simulated world: give --video sim:SCENARIO with it");
         };
         let up = Telemetry { at: clock.now(), report: Report::Link(LinkState::Up) };
-        events.send(Event::Boat(LinkReport::Telemetry(up)))?;
+        events.send(Event::Vessel(LinkReport::Telemetry(up)))?;
         return Ok(Boat::Simulated(world.boat()));
     }
     let url = LinkUrl::parse(&config.url).context("vessel.url")?;
@@ -58,9 +58,9 @@ pub(super) fn open_boat(
             if let Some(text) = protocol.acceptance_text(said) {
                 tracing::info!("{text}");
             }
-            events.try_send(Event::Boat(report)).is_ok()
+            events.try_send(Event::Vessel(report)).is_ok()
         }
-        report => events.try_send(Event::Boat(report)).is_ok(),
+        report => events.try_send(Event::Vessel(report)).is_ok(),
     };
     let context = "the link to the boat cannot be opened";
     Ok(match guard {
