@@ -26,9 +26,9 @@ import subprocess
 import cv2
 import imageio_ffmpeg
 import numpy as np
-from stills import Stills, smooth_steps
 
 from recordings import COMPOSED, STILL, recording_of
+from stills import Stills, smooth_steps
 
 FRAMES, WIDTH, RATE = 80, 640, 30
 # Frames of a recording that are used: every second one of a clip with many labels.

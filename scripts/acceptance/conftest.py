@@ -11,9 +11,10 @@ import time
 from collections.abc import Callable, Generator, Iterator
 from typing import Any
 
+import pytest
+
 import machine
 import process
-import pytest
 
 # When each test, or its module, began, and which tests failed.
 _began: dict[str, float] = {}

@@ -9,9 +9,6 @@ from typing import Any, ClassVar, Self
 
 import cv2
 import numpy
-from client import Program
-from machine import PATIENCE_S, poll, wait_until
-from process import ends
 from selenium import webdriver
 from selenium.common.exceptions import ElementClickInterceptedException
 from selenium.webdriver.common.action_chains import ActionChains
@@ -19,6 +16,10 @@ from selenium.webdriver.common.actions.action_builder import ActionBuilder
 from selenium.webdriver.common.by import By
 from selenium.webdriver.common.keys import Keys
 from selenium.webdriver.remote.webelement import WebElement
+
+from client import Program
+from machine import PATIENCE_S, poll, wait_until
+from process import ends
 
 Size = Sequence[int]
 Data = dict[str, str]

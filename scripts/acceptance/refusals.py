@@ -16,6 +16,7 @@ from typing import Any
 import cv2
 import numpy
 import pytest
+
 from conftest import Clip
 from process import ROOT, run
 

@@ -12,6 +12,7 @@ from typing import Any
 
 import jsonschema
 import pytest
+
 from camera import SELECTION, Camera
 from client import ASK_CONTROL, DISENGAGE, ENGAGE, STOP, TEXT, Program, Socket, select
 from machine import Delay, took

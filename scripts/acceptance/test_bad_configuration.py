@@ -4,6 +4,7 @@ import pathlib
 from collections.abc import Iterator
 
 import pytest
+
 from conftest import Clip
 from emulator import Emulator
 from process import end, spawn

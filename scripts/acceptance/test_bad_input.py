@@ -4,6 +4,7 @@ import pathlib
 from collections.abc import Iterator
 
 import pytest
+
 from conftest import Clip
 from refusals import CASE, NEEDS_ROOT, NOBODY, Bench, case, prepared, refused
 

@@ -18,6 +18,7 @@ import time
 from typing import Any
 
 import pytest
+
 from conftest import Check
 from process import run, spawn
 

@@ -14,6 +14,7 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 import pytest
+
 from conftest import Clip, shared
 from machine import median
 from opencv_trackers import Box, opencv

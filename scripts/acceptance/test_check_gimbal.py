@@ -5,6 +5,7 @@ import subprocess
 from collections.abc import Iterator
 
 import pytest
+
 from independent_gimbal import CLAIM, OTHER, GimbalManager, judging
 from process import Lines, end, free_port, run, spawn
 

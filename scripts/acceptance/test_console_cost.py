@@ -13,6 +13,7 @@ from collections.abc import Iterator
 
 import pytest
 from axe_selenium_python import Axe
+
 from camera import SELECTION, Camera
 from client import DISENGAGE, Program, Socket, nudge
 from emulator import Emulator

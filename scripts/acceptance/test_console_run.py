@@ -12,6 +12,8 @@ from collections.abc import Iterator
 from typing import Any
 
 import pytest
+from selenium.webdriver.common.by import By
+
 from client import ENGAGE, REQUESTS, UNKNOWN, Program, is_inside
 from conftest import Check
 from drives import repeats
@@ -19,7 +21,6 @@ from emulator import Emulator
 from machine import Delay, poll, wait_until
 from page import Page, started
 from process import run
-from selenium.webdriver.common.by import By
 
 pytestmark = pytest.mark.alone
 

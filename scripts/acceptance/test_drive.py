@@ -14,6 +14,7 @@ import time
 from typing import Any
 
 import pytest
+
 from client import Program
 from conftest import Check
 from drives import repeats

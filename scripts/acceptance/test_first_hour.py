@@ -23,6 +23,7 @@ from collections.abc import Iterator
 from typing import ClassVar
 
 import pytest
+
 from conftest import Check, program
 from machine import wait_until
 from process import ENDS_WITHIN, ROOT, SHARED, Child, Lines, environment, run, spawn

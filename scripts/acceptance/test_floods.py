@@ -20,8 +20,9 @@ import threading
 import time
 from collections.abc import Iterator
 
-import flooding
 import pytest
+
+import flooding
 from client import (
     CONTROL_TOKEN,
     DISENGAGE,

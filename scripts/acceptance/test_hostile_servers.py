@@ -16,6 +16,7 @@ from collections.abc import Callable, Iterator
 from typing import Any, Self
 
 import pytest
+
 from independent_sigma import TOKEN, Sigma
 from process import Child, Lines, end, memory_mb, secret, spawn
 

@@ -10,10 +10,11 @@ import time
 
 import cv2
 import pytest
+from mcap.reader import make_reader
+
 from client import HARDLY_RESTS
 from conftest import Check, Clip
 from machine import Delay
-from mcap.reader import make_reader
 from process import Child, Lines, end, run, spawn
 from recording import Recording
 

@@ -9,6 +9,7 @@ import pathlib
 from typing import Any
 
 import pytest
+
 from conftest import Check, shared
 from process import run
 

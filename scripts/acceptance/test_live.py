@@ -12,6 +12,7 @@ from collections.abc import Iterator
 
 import cv2
 import pytest
+
 from camera import FPS, HEIGHT, SELECTION, WIDTH, Camera
 from conftest import Check
 from machine import Delay, lost, median, percentile, took, wait_until

@@ -16,12 +16,13 @@ from typing import Any
 os.environ["MAVLINK20"] = "1"
 
 import pytest
+from pymavlink.dialects.v20 import common as mavlink
+
 from boat import NEUTRAL_WITHIN, Receiver, goes, going, is_linked
 from client import Program
 from conftest import Check
 from machine import Delay, took, wait_until
 from page import Page
-from pymavlink.dialects.v20 import common as mavlink
 
 GUIDED, MANUAL, HOLD = 15, 0, 4
 MASK = 0x5C7

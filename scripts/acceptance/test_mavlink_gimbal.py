@@ -16,6 +16,7 @@ from collections.abc import Iterator
 from typing import Any
 
 import pytest
+
 from client import ENGAGE, STOP, WORLD, EngagedRun
 from conftest import Check
 from independent_gimbal import CLAIM, NOBODY, OTHER, OWN, UNDER_WAY, GimbalManager, judging

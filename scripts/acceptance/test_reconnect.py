@@ -13,6 +13,7 @@ import threading
 import time
 
 import pytest
+
 from client import Program
 from conftest import Check
 from machine import Delay

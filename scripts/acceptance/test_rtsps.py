@@ -9,6 +9,7 @@ import threading
 from collections.abc import Iterator
 
 import pytest
+
 from camera import HEIGHT, SELECTION, WIDTH, Camera
 from conftest import Check
 from machine import wait_until

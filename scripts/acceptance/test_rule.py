@@ -13,6 +13,7 @@ import pathlib
 import re
 
 import pytest
+
 from camera import FPS, HEIGHT, WIDTH
 from conftest import Check, Clip
 from emulator import LISTENING_JITTER, Emulator, Row, busiest_second

@@ -15,6 +15,7 @@ from collections.abc import Callable, Iterator
 from typing import Any
 
 import pytest
+
 from client import ENGAGE, STOP, WORLD, EngagedRun
 from conftest import Check
 from independent_sigma import COMMAND, TOKEN, Sigma

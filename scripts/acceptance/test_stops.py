@@ -17,6 +17,7 @@ from typing import Any, Self
 
 import cv2
 import pytest
+
 from client import HARDLY_RESTS
 from conftest import Check, Clip
 from emulator import Emulator

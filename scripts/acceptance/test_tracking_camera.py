@@ -17,6 +17,7 @@ from collections.abc import Callable, Iterator
 from typing import Any
 
 import pytest
+
 from client import DESELECT, DISENGAGE, ENGAGE, STOP, WORLD, EngagedRun
 from conftest import Check
 from machine import NEVER, Delay, poll, took, wait_until

@@ -22,6 +22,7 @@ from collections.abc import Callable
 from typing import Any
 
 import pytest
+
 from boat import HOPS, NEUTRAL_WITHIN, Receiver, goes, going, mark, open_water
 from client import GUIDE, PAUSE, Program
 from conftest import Check
