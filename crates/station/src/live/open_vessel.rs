@@ -1,8 +1,8 @@
 //! Opens the link to the boat of a live run and connects its reports with the loop.
 
 use std::path::PathBuf;
-use std::sync::Arc;
 use std::sync::mpsc::SyncSender;
+use std::sync::{Arc, Mutex, PoisonError};
 
 use anyhow::{Context, Result, bail};
 use barrelman_host::clock::Clock;
@@ -49,13 +49,16 @@ pub(super) fn open_vessel(
         _ => bail!("the boat {} takes datagrams: give --vessel udp://HOST:5007", config.profile.name),
     }
     let events = events.clone();
+    // A boat repeats what it says; the log names each change.
+    let told = Mutex::new(None);
     let report = move |report| match report {
         LinkReport::Stopped(_) => {
             tracing::info!("neutral was sent to the boat; the boat does not answer whether it arrived");
             true
         }
         LinkReport::Telemetry(Telemetry { report: Report::Acceptance(said), .. }) => {
-            if let Some(text) = protocol.acceptance_text(said) {
+            let before = told.lock().unwrap_or_else(PoisonError::into_inner).replace(said);
+            if let Some(text) = protocol.acceptance_text(said).filter(|_| before != Some(said)) {
                 tracing::info!("{text}");
             }
             events.try_send(Event::Vessel(report)).is_ok()
