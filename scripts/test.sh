@@ -28,7 +28,7 @@ cargo build --workspace --bin barrelman --bin barrelman-guard
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 
-# Runs the acceptance tests with a mark, several at a time.
+# Runs the acceptance tests with a mark.
 accept() {
   local marks=$1
   shift
@@ -36,10 +36,7 @@ accept() {
     --durations=15 -m "$marks and $chosen" "$@" | tee -a "$folder/printed"
 }
 
-# Most tests mostly wait, ...
-accept "not quiet and not alone" -n 3 --dist loadgroup
-# ... some measure times that leave little room, ...
-accept "quiet" -n 2 --dist loadgroup
-# ... and some need both cores.
+# Most tests mostly wait; the others need both cores.
+accept "not alone" -n 2 --dist loadgroup
 accept "alone"
 echo "not judged, as the machine stood still: $(grep -c ': not judged: ' "$folder/printed" || true)"

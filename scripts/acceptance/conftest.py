@@ -7,6 +7,7 @@ import fcntl
 import os
 import pathlib
 import re
+import shutil
 import time
 from collections.abc import Callable, Generator, Iterator
 from typing import Any
@@ -182,8 +183,12 @@ def clip(
     with where.with_suffix(".lock").open("w") as lock:
         fcntl.flock(lock, fcntl.LOCK_EX)
         if not where.exists():
-            done = process.run([barrelman, "demo", "--clip", "--draw-only", "--output", where], timeout=300)
+            # Under another name until it is whole: the next call takes what is there.
+            drawn = where.with_suffix(".part")
+            shutil.rmtree(drawn, ignore_errors=True)
+            done = process.run([barrelman, "demo", "--clip", "--draw-only", "--output", drawn], timeout=300)
             assert done.returncode == 0, f"the practice clip could not be drawn: {done.stderr}"
+            drawn.rename(where)
     with (where / "truth.csv").open(newline="") as file:
         truth = [
             {name: float(value) if value else None for name, value in row.items()}

@@ -47,7 +47,7 @@ def pictures(video: pathlib.Path) -> int:
     return count
 
 
-@pytest.mark.quiet
+@pytest.mark.alone
 @pytest.mark.apart
 @pytest.mark.parametrize(
     "moment",

@@ -24,7 +24,7 @@ from machine import NEVER, Delay, lost, wait_until
 from process import Lines, end, free_port, guards_of, secret, spawn
 from worlds import first_box, follow_boat
 
-pytestmark = [pytest.mark.apart, pytest.mark.clocked]
+pytestmark = [pytest.mark.alone, pytest.mark.clocked]
 
 REST_LIMIT = 0.35
 # The laboratory's camera turns on for half a second; half a second of reports shows that it does not get
@@ -344,7 +344,6 @@ def test_another_key_is_told_and_nothing_is_read(barrelman: pathlib.Path, tmp_pa
         manager.faults.clear()
 
 
-@pytest.mark.quiet
 def test_emulated_gimbal_keeps_the_boat_in_the_region(
     barrelman: pathlib.Path, tmp_path: pathlib.Path, check: Check
 ) -> None:

@@ -267,7 +267,7 @@ def test_check_says(
     assert all(method == "GET" for _, method, _, _ in sigma.requests)
 
 
-@pytest.mark.quiet
+@pytest.mark.alone
 def test_emulated_sigma_keeps_the_boat_in_the_region(
     barrelman: pathlib.Path, tmp_path: pathlib.Path, check: Check
 ) -> None:
