@@ -68,11 +68,11 @@ pub enum LawSettings {
 
 impl LawSettings {
     /// A law with its default settings.
-    pub const fn new(law: LawId) -> Self {
-        match law.mode() {
-            Some(mode) => Self::Optimal(OptimalSettings::new(mode)),
-            None if matches!(law, LawId::Centre) => Self::Centring(CentringGains::HAND_TUNED),
-            None => Self::MotorSchema,
+    pub fn new(law: LawId) -> Self {
+        match law.name() {
+            LawName::Schema => Self::MotorSchema,
+            LawName::Centre => Self::Centring(CentringGains::HAND_TUNED),
+            LawName::Optimal => Self::Optimal(OptimalSettings::new(law.mode().unwrap_or_default())),
         }
     }
 

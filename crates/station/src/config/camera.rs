@@ -4,7 +4,6 @@ use core::time::Duration;
 use std::path::PathBuf;
 
 use anyhow::{Result, bail};
-use barrelman_pilot::NUDGE_RATE_RAD_PER_S;
 use barrelman_vocab::profile::{AxisDynamics, CameraDynamics};
 use barrelman_vocab::{Angle, AngularRate, Lens};
 use schemars::JsonSchema;
@@ -21,7 +20,7 @@ const SAME_FOCAL_SHARE: f64 = 1e-9;
 #[serde(deny_unknown_fields, default)]
 pub struct CameraSection {
     /// Focal length as a share of the picture's width.
-    #[schemars(range(min = 0.1, max = 20.0))]
+    #[schemars(range(min = 0.1, max = 20.0), extend("unit" = "a share of the picture's width"))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub focal_share: Option<f64>,
     /// A file with the keys of `camera.lens`. A relative path starts in the current folder.
@@ -65,13 +64,13 @@ pub struct AxisSection {
     #[schemars(range(min = 0.0, max = 2.0))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub lag_s: Option<f64>,
-    /// Lowest rate above zero at which the axis turns, rad/s. Nudges and searches turn at 0.1 rad/s, and half of the
-    /// lowest rate and more is raised to it.
-    #[schemars(range(min = 0.0, max = 2.0 * NUDGE_RATE_RAD_PER_S))]
+    /// Lowest rate above zero at which the axis turns, rad/s. On a vehicle at most 0.2: nudges and searches
+    /// would not move the axis otherwise.
+    #[schemars(range(min = 0.0, max = 1.0))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub least_rad_per_s: Option<f64>,
     /// Rate that the axis reaches, divided by the rate that is sent. `barrelman calibrate axes` measures it.
-    #[schemars(range(min = 0.2, max = 5.0))]
+    #[schemars(range(min = 0.2, max = 5.0), extend("unit" = "a ratio"))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub gain: Option<f64>,
 }

@@ -1,5 +1,5 @@
-//! What follows from the declarations of the keys in the section types: the JSON schema and the check of ranges. A key is
-//! declared once: its type, its words, its range and an example of what has no default.
+//! What follows from the declarations of the keys in the section types: the JSON schema and the check of
+//! ranges. A key is declared once: its type, its words, its range and an example of what has no default.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -22,7 +22,8 @@ pub(super) fn schema_of<T: JsonSchema>() -> Value {
     schema
 }
 
-/// Checks the numbers of a section against the ranges of their keys. `section` is put before the keys in an error.
+/// Checks the numbers of a section against the ranges of their keys. `section` is put before the keys in an
+/// error.
 ///
 /// # Errors
 /// If a number is out of its range; the message names the key, the unit and the range.
@@ -47,7 +48,7 @@ fn check_table(table: &toml::Table, node: &Node<'_>, section: &str) -> Result<()
             _ => continue,
         };
         if let Some((min, max)) = declared.range() {
-            let unit = unit_of(key).map_or(String::new(), |unit| format!("{unit} from "));
+            let unit = declared.unit().or(unit_of(key)).map_or(String::new(), |unit| format!("{unit} from "));
             ensure!((min..=max).contains(&number), "{path} = {number}: use {unit}{min} to {max}");
         }
     }
@@ -56,7 +57,7 @@ fn check_table(table: &toml::Table, node: &Node<'_>, section: &str) -> Result<()
 
 /// The unit that a key's name ends in.
 fn unit_of(key: &str) -> Option<&'static str> {
-    const UNITS: [(&str, &str); 8] = [
+    const UNITS: [(&str, &str); 7] = [
         ("_rad_per_s", "rad/s"),
         ("_m_per_s", "m/s"),
         ("_per_s", "1/s"),
@@ -64,7 +65,6 @@ fn unit_of(key: &str) -> Option<&'static str> {
         ("_s", "seconds"),
         ("_m", "metres"),
         ("_gb", "gigabytes"),
-        ("_share", "a share"),
     ];
     UNITS.iter().find(|(ending, _)| key.ends_with(ending)).map(|(_, unit)| *unit)
 }
@@ -116,6 +116,11 @@ impl<'a> Node<'a> {
 
     pub(super) fn range(&self) -> Option<(f64, f64)> {
         Some((self.own["minimum"].as_f64()?, self.own["maximum"].as_f64()?))
+    }
+
+    /// The unit of a key whose name does not end in it.
+    fn unit(&self) -> Option<&'a str> {
+        self.own["unit"].as_str()
     }
 
     /// The words of the key, and those of the names that it can have.

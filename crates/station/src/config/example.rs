@@ -5,14 +5,15 @@ use std::fmt::Write as _;
 use anyhow::Result;
 
 use super::declared::{Node, joined, schema_of};
-use super::field_names::field_names;
+use super::field_names::{FieldNames, field_names};
 use super::file::ConfigFile;
 use super::resolve::Configuration;
 
 /// The width to which the comments are wrapped.
 const COLUMNS: usize = 100;
 
-/// The example: every section and every key with its words. A key with a value that holds without it shows that value.
+/// The example: every section and every key with its words. A key with a value that holds without it shows
+/// that value.
 ///
 /// # Errors
 /// Never in practice: the defaults are usable.
@@ -29,12 +30,18 @@ pub(super) fn example() -> Result<String> {
          `barrelman config print FILE` prints the effective configuration, `barrelman config schema` the JSON schema \
          for editors. Relative paths start in the current folder.",
     );
-    write_keys(&mut text, &Node::root(&schema), Some(&effective), "");
+    let order = field_names();
+    write_keys(&mut text, &Node::root(&schema), &order, Some(&effective), "");
     Ok(text)
 }
 
-fn write_keys(text: &mut String, node: &Node<'_>, effective: Option<&toml::Table>, section: &str) {
-    let order = field_names();
+fn write_keys(
+    text: &mut String,
+    node: &Node<'_>,
+    order: &FieldNames,
+    effective: Option<&toml::Table>,
+    section: &str,
+) {
     let names = node.keys(order.get(node.name).copied().unwrap_or_default());
     let (sections, keys): (Vec<_>, Vec<_>) =
         names.into_iter().partition(|(_, declared)| declared.is_section());
@@ -53,7 +60,7 @@ fn write_keys(text: &mut String, node: &Node<'_>, effective: Option<&toml::Table
         let mark = if declared.is_complete() { "# " } else { "" };
         let _ = writeln!(text, "{mark}[{path}]");
         let effective = effective.and_then(|table| table.get(key)?.as_table());
-        write_keys(text, &declared, effective, &path);
+        write_keys(text, &declared, order, effective, &path);
     }
 }
 

@@ -21,7 +21,10 @@ macro_rules! names_of {
 }
 
 /// The keys of each section type, by the type's name.
-pub(super) fn field_names() -> BTreeMap<&'static str, &'static [&'static str]> {
+pub(super) type FieldNames = BTreeMap<&'static str, &'static [&'static str]>;
+
+/// The keys of all section types.
+pub(super) fn field_names() -> FieldNames {
     names_of![
         ConfigFile,
         VideoSection,

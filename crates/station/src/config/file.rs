@@ -196,11 +196,11 @@ pub struct VehicleSection {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub profile: Option<String>,
     /// Horizontal semi-axis of the region, share of half the picture's width.
-    #[schemars(range(min = 0.01, max = 1.0))]
+    #[schemars(range(min = 0.01, max = 1.0), extend("unit" = "a share"))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub region_half_width: Option<f64>,
     /// Vertical semi-axis of the region, share of half the picture's height.
-    #[schemars(range(min = 0.01, max = 1.0))]
+    #[schemars(range(min = 0.01, max = 1.0), extend("unit" = "a share"))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub region_half_height: Option<f64>,
     /// The motor schema's pan rate, rad/s, 0 to the pan limit.

@@ -23,11 +23,11 @@ const HALF_PIXEL: f64 = 0.5;
 #[serde(deny_unknown_fields)]
 pub struct LensSection {
     /// Width of the pictures of the calibration, pixels.
-    #[schemars(range(min = 16, max = 32_768))]
+    #[schemars(range(min = 16, max = 32_768), extend("unit" = "pixels"))]
     #[schemars(example = 1280)]
     pub width: u32,
     /// Height of the pictures of the calibration, pixels.
-    #[schemars(range(min = 16, max = 32_768))]
+    #[schemars(range(min = 16, max = 32_768), extend("unit" = "pixels"))]
     #[schemars(example = 720)]
     pub height: u32,
     /// Horizontal focal length, pixels, 0.1 to 20 widths.

@@ -1,9 +1,9 @@
 //! The configuration: a TOML file ([`ConfigFile`]) and the effective configuration ([`Configuration`]).
 //!
-//! Unknown keys are rejected. A key is declared once, in its section's type ([`file`]): words with the
-//! unit, range, example. Schema, check of ranges and `config/barrelman.example.toml` follow from that; defaults come from the
-//! vehicle's profile. The complete effective configuration is part
-//! of the first message of every recording.
+//! Unknown keys are rejected. A key is declared once, in its section's type ([`file`]): words with the unit,
+//! range, example. Schema, check of ranges and `config/barrelman.example.toml` follow from that; defaults
+//! come from the vehicle's profile. The complete effective configuration is part of the first message of
+//! every recording.
 
 pub mod file;
 
@@ -46,7 +46,8 @@ pub fn example() -> Result<String> {
 /// Reads a configuration file, with the lens file that it names.
 ///
 /// # Errors
-/// If a file cannot be read or parsed, or the lens cannot be used; the message names the file, the line and the key.
+/// If a file cannot be read or parsed, or the lens cannot be used; the message names the file, the line and
+/// the key.
 pub fn read(path: &Path) -> Result<ConfigFile> {
     let text = String::from_utf8(input::read(path)?);
     let parsed = text.context("it is not UTF-8 text").and_then(|text| parse(&text)).and_then(|mut file| {

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use anyhow::{Context, Result, bail};
+use barrelman_pilot::NUDGE_RATE_RAD_PER_S;
 use barrelman_video::sender_clock::ClockChoice;
 use barrelman_vocab::profile::{AxisRates, AxisSigns, RegionShares, Sign};
 use barrelman_vocab::{AngularRate, VehicleProfile};
@@ -292,6 +293,14 @@ fn ensure_axes_turn(profile: &VehicleProfile) -> Result<()> {
             bail!(
                 "camera.{axis}.least_rad_per_s = {least} is above what the axis reaches, vehicle.limit_{axis}_rad_per_s times \
                  camera.{axis}.gain = {reached}: lower it, or correct the others"
+            );
+        }
+        // Half of the least rate and more is raised to it; less is no motion.
+        let most = 2.0 * NUDGE_RATE_RAD_PER_S;
+        if least > most {
+            bail!(
+                "camera.{axis}.least_rad_per_s = {least}: use rad/s from 0 to {most}; nudges and searches turn at \
+                 {NUDGE_RATE_RAD_PER_S} rad/s, and would not move this axis"
             );
         }
     }

@@ -36,15 +36,15 @@ pub struct VesselSection {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub guidance: Option<GuidanceName>,
     /// Largest throttle of the guidance ahead.
-    #[schemars(range(min = 0.0, max = 1.0))]
+    #[schemars(range(min = 0.0, max = 1.0), extend("unit" = "a share"))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub throttle_ahead: Option<f64>,
     /// Largest throttle of the guidance astern (0: the boat cannot go astern).
-    #[schemars(range(min = 0.0, max = 1.0))]
+    #[schemars(range(min = 0.0, max = 1.0), extend("unit" = "a share"))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub throttle_astern: Option<f64>,
     /// Largest throttle by hand.
-    #[schemars(range(min = 0.0, max = 1.0))]
+    #[schemars(range(min = 0.0, max = 1.0), extend("unit" = "a share"))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub throttle_by_hand: Option<f64>,
     /// Largest growth of the throttle, 1/s. Less throttle takes effect at once.
@@ -67,7 +67,7 @@ pub struct VesselSection {
     /// Throttle ahead, rudder amidships, with which a boat that goes by itself keeps way when it is not seen
     /// any more (0: neutral at once). For surf, which rolls over a boat without way;
     /// docs/safety.md#a-boat-that-keeps-way says what that gives up.
-    #[schemars(range(min = 0.0, max = KeepWay::MAX_THROTTLE))]
+    #[schemars(range(min = 0.0, max = KeepWay::MAX_THROTTLE), extend("unit" = "a share"))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub keep_way_throttle: Option<f64>,
     /// For how long the boat keeps way, seconds.

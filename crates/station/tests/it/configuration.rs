@@ -108,8 +108,10 @@ fn every_key_of_the_schema_stands_in_the_example_with_its_range() {
         }
     }
     assert!(ranges >= 50, "{ranges} keys have a range");
+    let fused = schema["$defs"]["FusedSection"]["properties"].as_object().unwrap();
+    assert_eq!(fused.len(), FusedConfig::SETTINGS.len());
     for FusedSetting { name, min, max, .. } in FusedConfig::SETTINGS {
-        let declared = &schema["$defs"]["FusedSection"]["properties"][*name];
+        let declared = &fused[*name];
         assert_eq!(
             (declared["minimum"].as_f64(), declared["maximum"].as_f64()),
             (Some(*min), Some(*max)),
@@ -125,7 +127,10 @@ fn what_cannot_be_meant_is_refused_with_its_place() {
     refused("[vehicle]\nregion_half_width = \"wide\"\n", "expected a number, found the text \"wide\"");
     refused("video = 3\n", "expected a section of keys");
     refused("[tracker]\nname = \"csrt\"\n", "csrt");
-    refused("[vehicle]\nregion_half_width = 1.5\n", "vehicle.region_half_width = 1.5: use 0.01 to 1");
+    refused(
+        "[vehicle]\nregion_half_width = 1.5\n",
+        "vehicle.region_half_width = 1.5: use a share from 0.01 to 1",
+    );
     refused("[vehicle]\nregion_half_width = nan\n", "region_half_width");
     refused("[vehicle]\nprofile = \"kite\"\n", "use one of fotokite-pro");
     refused(
@@ -147,11 +152,17 @@ fn what_cannot_be_meant_is_refused_with_its_place() {
     refused("[vehicle]\ncoast_motion_s = -1.0\n", "coast_motion_s = -1");
     refused("[vehicle]\ncoast_motion_s = 0.6\n", "coast_motion_s = 0.6: use seconds from 0.05 to 0.5");
     refused("[vehicle]\ncoast_motion_s = 0\n", "coast_motion_s = 0: use seconds from 0.05 to 0.5");
-    refused("[camera]\nfocal_share = 0\n", "camera.focal_share = 0: use a share from 0.1 to 20");
+    refused(
+        "[camera]\nfocal_share = 0\n",
+        "camera.focal_share = 0: use a share of the picture's width from 0.1 to 20",
+    );
     // A boat's values are checked without a boat, too.
     refused("[vessel]\nkeep_out_m = 900.0\n", "vessel.keep_out_m = 900: use metres from 0.5 to 50");
-    refused("[vessel]\nthrottle_ahead = 1.1\n", "vessel.throttle_ahead = 1.1: use 0 to 1");
-    refused("[vessel]\nkeep_way_throttle = 0.4\n", "vessel.keep_way_throttle = 0.4: use 0 to 0.3");
+    refused("[vessel]\nthrottle_ahead = 1.1\n", "vessel.throttle_ahead = 1.1: use a share from 0 to 1");
+    refused(
+        "[vessel]\nkeep_way_throttle = 0.4\n",
+        "vessel.keep_way_throttle = 0.4: use a share from 0 to 0.3",
+    );
     refused("[vessel]\nkeep_way_s = 4\n", "vessel.keep_way_s = 4: use seconds from 0.1 to 3");
     refused("[vessel]\nstand_off_m = 0\n", "vessel.stand_off_m = 0: use metres from 0.5 to 50");
     refused("[vessel]\nvehicle_system = 0\n", "vessel.vehicle_system = 0: use 1 to 255");
@@ -162,8 +173,8 @@ fn what_cannot_be_meant_is_refused_with_its_place() {
     refused("[camera.pan]\nlag_s = nan\n", "camera.pan.lag_s = NaN: use seconds from 0 to 2");
     refused("[camera.tilt]\nstop_dead_time_s = 0.05\n", "camera.tilt.stop_dead_time_s is less than");
     refused(
-        "[camera.tilt]\nleast_rad_per_s = 0.15\n[vehicle]\nlimit_tilt_rad_per_s = 0.1\nschema_tilt_rad_per_s = 0.1\n",
-        "camera.tilt.least_rad_per_s = 0.15 is above vehicle.limit_tilt_rad_per_s = 0.1",
+        "[camera.tilt]\nleast_rad_per_s = 0.35\n",
+        "camera.tilt.least_rad_per_s = 0.35 is above vehicle.limit_tilt_rad_per_s = 0.3",
     );
     refused(
         "[vehicle]\nlimit_pan_rad_per_s = 0.3\n[camera.pan]\nleast_rad_per_s = 0.1\ngain = 0.3\n",
@@ -184,7 +195,7 @@ fn what_cannot_be_meant_is_refused_with_its_place() {
         "the distortion folds over inside of the picture, at pixel 0, 0",
     );
     refused(&lens("k3 = -0.001", "k4 = 0.1"), "k4");
-    refused(&lens("width = 1280", "width = 0"), "camera.lens.width = 0: use 16 to 32768");
+    refused(&lens("width = 1280", "width = 0"), "camera.lens.width = 0: use pixels from 16 to 32768");
     refused(&format!("[camera]\nfocal_share = 0.5\n{LENS}"), "omit camera.focal_share");
     refused("[camera]\nlens_file = \"lens.toml\"\n", "was not read");
     refused("[law]\nname = \"schema\"\nmode = \"eco\"\n", "law.mode is for the law \"optimal\" alone");
