@@ -48,12 +48,10 @@ impl EmulatedVehicle for MavlinkGimbal {
         out: &mut Vec<Vec<u8>>,
         on_message: &mut dyn FnMut(String, VehicleState),
     ) {
-        let mut manager = self.manager.clone();
-        let name = name_of(&manager);
-        manager.receive(bytes, now, out, |text, rates| {
+        let name = name_of(&self.manager);
+        self.manager.receive(bytes, now, out, |text, rates| {
             on_message(text.to_owned(), VehicleState { name, rates, ..VehicleState::default() });
         });
-        self.manager = manager;
     }
 
     fn advance(&mut self, pointing: Pointing, now: Timestamp, out: &mut Vec<Vec<u8>>) {

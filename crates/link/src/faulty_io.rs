@@ -1,4 +1,5 @@
-//! Deliberate faults of a port: a wrapper of any [`PortIo`], which the link cannot tell from a port that fails.
+//! Deliberate faults of a port: a wrapper of any [`PortIo`], which the link cannot tell from a port that
+//! fails.
 //!
 //! | kind | effect |
 //! |---|---|
@@ -24,7 +25,7 @@ const DISCONNECTED: &str = "disconnected on purpose";
 
 /// A port with planned faults. The times of the plan count from the program's start.
 #[derive(Debug)]
-pub struct FaultyIo<I> {
+pub(crate) struct FaultyIo<I> {
     io: I,
     plan: FaultPlan,
     has_panicked: Cell<bool>,
@@ -32,7 +33,7 @@ pub struct FaultyIo<I> {
 
 impl<I: PortIo> FaultyIo<I> {
     /// Wraps a port.
-    pub const fn new(io: I, plan: FaultPlan) -> Self {
+    pub(crate) const fn new(io: I, plan: FaultPlan) -> Self {
         Self { io, plan, has_panicked: Cell::new(false) }
     }
 

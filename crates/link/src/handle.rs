@@ -40,8 +40,8 @@ pub struct LinkHandle<C: LinkCommand = VehicleRates> {
 }
 
 impl<C: LinkCommand> LinkHandle<C> {
-    /// Opens the port and starts the link thread. `report` takes the reports of the thread; it must not block, and returns
-    /// whether there was room for the report.
+    /// Opens the port and starts the link thread. `report` takes the reports of the thread; it must not
+    /// block, and returns whether there was room for the report.
     ///
     /// # Errors
     /// If the port cannot be opened now. The thread reopens a port that is lost later.
@@ -52,7 +52,7 @@ impl<C: LinkCommand> LinkHandle<C> {
         report: impl Fn(LinkReport) -> bool + Send + 'static,
     ) -> Result<Self, LinkError> {
         let (worker, port) = Self::worker(url, protocol, clock, report)?;
-        Ok(Self::start_with_faults(worker, port, &url.faults)?)
+        Ok(Self::start(worker, port, url.faults.clone())?)
     }
 
     /// Stops a vehicle that a link before may have left moving: zeros and stop, once.
@@ -66,7 +66,7 @@ impl<C: LinkCommand> LinkHandle<C> {
         history: LinkHistory,
     ) -> Result<bool, LinkError> {
         let (worker, port) = Self::worker(url, protocol, clock, |_| true)?;
-        Ok(Self::start_with_faults(Worker { history, ..worker }, port, &url.faults)?.close())
+        Ok(Self::start(Worker { history, ..worker }, port, url.faults.clone())?.close())
     }
 
     fn worker<R: Fn(LinkReport) -> bool>(
@@ -89,33 +89,12 @@ impl<C: LinkCommand> LinkHandle<C> {
         Ok((worker, port))
     }
 
-    /// Starts the thread of a worker on its open port, which has these deliberate faults from now on, if there are any.
-    ///
-    /// # Errors
-    /// As [`Self::start`].
-    pub fn start_with_faults<S, I, R>(
-        worker: Worker<S, I, R>,
-        port: I::Port,
-        faults: &FaultPlan,
-    ) -> io::Result<Self>
-    where
-        S: Session<Command = C> + ?Sized + 'static,
-        I: PortIo<Sent = S::Sent, Received = S::Received> + Send + 'static,
-        I::Port: Send,
-        R: Fn(LinkReport) -> bool + Send + 'static,
-    {
-        if faults.is_empty() {
-            Self::start(worker, port)
-        } else {
-            Self::start(worker.with_faults(faults.clone()), port)
-        }
-    }
-
-    /// Starts the thread of a worker on its open port: for vehicles of any packets.
+    /// Starts the thread of a worker on its open port, which has these deliberate faults, if there are any: for
+    /// vehicles of any packets.
     ///
     /// # Errors
     /// If the system has no more threads.
-    pub fn start<S, I, R>(worker: Worker<S, I, R>, port: I::Port) -> io::Result<Self>
+    pub fn start<S, I, R>(worker: Worker<S, I, R>, port: I::Port, faults: FaultPlan) -> io::Result<Self>
     where
         S: Session<Command = C> + ?Sized + 'static,
         I: PortIo<Sent = S::Sent, Received = S::Received> + Send + 'static,
@@ -123,13 +102,14 @@ impl<C: LinkCommand> LinkHandle<C> {
         R: Fn(LinkReport) -> bool + Send + 'static,
     {
         let mailbox = Arc::clone(&worker.mailbox);
-        let work = move || worker.run(Some(port));
+        let work = move || worker.run(Some(port), faults);
         let thread = std::thread::Builder::new().name("link".to_owned()).spawn(work)?;
         Ok(Self { mailbox, thread: Some(thread) })
     }
 
-    /// Requests a command (rates in the vehicle's own signs), and replaces the one requested before. A command that moves
-    /// something is in force until `renew_by`: without a renewal by then, the link rests the vehicle.
+    /// Requests a command (rates in the vehicle's own signs), and replaces the one requested before. A
+    /// command that moves something is in force until `renew_by`: without a renewal by then, the link rests
+    /// the vehicle.
     pub fn send(&self, command: C, renew_by: Option<Timestamp>) {
         self.mailbox.request(RequestedCommand { command, renew_by });
     }

@@ -28,7 +28,7 @@ pub mod worker;
 
 pub mod link_core;
 
-pub mod faulty_io;
+mod faulty_io;
 pub mod mailbox;
 pub mod port_io;
 pub mod waker;

@@ -24,7 +24,7 @@ use crate::report::LinkReport;
 pub const REOPEN_INTERVAL: Duration = Duration::from_millis(100);
 /// A session that ended earlier than this is no reason to reopen the port at once.
 const SHORT_SESSION: Duration = Duration::from_secs(1);
-/// Longest wait: a report that found no room is made again at most this late.
+/// Longest wait: a report that found no room is made again, and a deliberate fault begins, at most this late.
 const MAX_WAIT: Duration = Duration::from_millis(100);
 /// Longest time from the request to close to `stop`. The link then ends without `stop`.
 const CLOSING_TIMEOUT: Duration = Duration::from_secs(5);

@@ -46,15 +46,18 @@ where
     I: PortIo<Sent = S::Sent, Received = S::Received>,
     R: Fn(LinkReport) -> bool,
 {
-    /// The same worker at a port that has these deliberate faults.
-    pub fn with_faults(self, plan: FaultPlan) -> Worker<S, FaultyIo<I>, R> {
+    /// Serves the port, which has these deliberate faults, until the link is closed. A panic sends the
+    /// emergency stop.
+    pub fn run(self, port: Option<I::Port>, faults: FaultPlan) {
+        if faults.is_empty() {
+            return self.serve_guarded(port);
+        }
         let Self { persistence, mailbox, io, history, open_session, report } = self;
-        let io = FaultyIo::new(io, plan);
-        Worker { persistence, mailbox, io, history, open_session, report }
+        let io = FaultyIo::new(io, faults);
+        Worker { persistence, mailbox, io, history, open_session, report }.serve_guarded(port);
     }
 
-    /// Serves the port until the link is closed. A panic sends the emergency stop.
-    pub fn run(self, mut port: Option<I::Port>) {
+    fn serve_guarded(self, mut port: Option<I::Port>) {
         let open_session = Arc::clone(&self.open_session);
         let opener: SessionOpener<S> = Box::new(move |now| open_session(now));
         // Port and core are outside of the code that may panic: the emergency stop needs them.

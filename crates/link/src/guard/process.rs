@@ -121,11 +121,7 @@ impl Parts<'_> {
             open_session: Arc::new(move |now| protocol.open(now)),
             report: move |report| message_of(report).is_none_or(|message| reports.send(&message.encode())),
         };
-        if url.faults.is_empty() {
-            worker.run(port);
-        } else {
-            worker.with_faults(url.faults).run(port);
-        }
+        worker.run(port, url.faults);
         let is_stop_sent = mailbox.is_stop_sent();
         pipe.send(&FromGuard::Ended { is_stop_sent }.encode());
         Ok(is_stop_sent)

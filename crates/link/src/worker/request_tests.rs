@@ -183,7 +183,7 @@ fn serve(status: u16, faults: &str) -> (bool, Vec<(Timestamp, Turn)>, Vec<LinkRe
             true
         },
     };
-    worker.with_faults(FaultPlan::parse(faults).unwrap()).run(Some(()));
+    worker.run(Some(()), FaultPlan::parse(faults).unwrap());
     (mailbox.is_stop_sent(), vehicle.turns.take(), reports.take())
 }
 

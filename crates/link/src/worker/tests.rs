@@ -237,7 +237,7 @@ fn serve_with_room(faults: &str, script: &[(u64, Action)], room_from_ms: Option<
             is_taken
         },
     };
-    worker.with_faults(FaultPlan::parse(faults).unwrap()).run(Some(BenchPort));
+    worker.run(Some(BenchPort), FaultPlan::parse(faults).unwrap());
     Served {
         is_stop_sent: mailbox.is_stop_sent(),
         lines: bench.lines.take(),

@@ -6,8 +6,9 @@ use barrelman_vocab::{Timestamp, VesselOrder};
 
 /// Sends commands to a boat.
 pub trait VesselLink {
-    /// Requests a command, and replaces the one requested before. A command that is not neutral is in force until
-    /// `renew_by`: without a renewal by then, the link makes the boat neutral (dead-man's switch). Does not block.
+    /// Requests a command, and replaces the one requested before. A command that is not neutral is in force
+    /// until `renew_by`: without a renewal by then, the link makes the boat neutral (dead-man's switch). Does
+    /// not block.
     fn send(&self, order: VesselOrder, renew_by: Option<Timestamp>);
 
     /// The operator wants the boat, which another program or a person steers. Does not block.

@@ -40,8 +40,8 @@ pub enum Event {
     },
 }
 
-/// Wakes the loop with [`Event::Operator`]. Where the queue is full, the loop is awake, and looks into the gateway before
-/// its next event.
+/// Wakes the loop with [`Event::Operator`]. Where the queue is full, the loop is awake, and looks into the
+/// gateway before its next event.
 pub fn wake_by(events: SyncSender<Event>) -> impl Fn() + Send + Sync + 'static {
     move || {
         let _ = events.try_send(Event::Operator);
@@ -91,7 +91,8 @@ pub trait EventSource {
     /// `Timeout` if no event arrived, `Disconnected` if no further event can arrive.
     fn next_event(&mut self, wait: Duration) -> Result<Event, RecvTimeoutError>;
 
-    /// How long the loop made no turn since the last call, if it was away for a second or more, or the machine was suspended.
+    /// How long the loop made no turn since the last call, if it was away for a second or more, or the
+    /// machine was suspended.
     fn suspension(&mut self) -> Option<Duration> {
         None
     }

@@ -1,8 +1,10 @@
 //! Deliberate faults of the program's own threads: a wrapper of whatever a thread waits for.
 //!
-//! A thread takes its work from an [`Inbox`], the run loop from an [`EventSource`]. Where faults of a thread are planned,
-//! the [`FaultInjector`] wraps that source: its calls panic, stall or hang, and the thread knows nothing of it.
+//! A thread takes its work from an [`Inbox`], the run loop from an [`EventSource`]. Where faults of a thread
+//! are planned, the [`FaultInjector`] wraps that source: its calls panic, stall or hang, and the thread knows
+//! nothing of it.
 
+use std::collections::BTreeMap;
 use std::process::Command;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -20,7 +22,7 @@ use super::inbox::Inbox;
 /// Deliberate faults of the program's own threads, to test that each fault ends in zeros.
 #[derive(Debug, Clone, Default)]
 pub struct FaultInjector {
-    plans: Vec<(String, FaultPlan)>,
+    plans: BTreeMap<String, FaultPlan>,
     /// Suspends that were begun.
     suspended: Arc<AtomicUsize>,
 }
@@ -28,9 +30,15 @@ pub struct FaultInjector {
 /// The thread of the run loop.
 const PILOT: &str = "pilot";
 /// The thread that also suspends the process.
-const TERMINAL: &str = "terminal";
+pub(super) const TERMINAL: &str = "terminal";
+/// The thread that records.
+pub(super) const RECORDER: &str = "recorder";
+/// The thread of the annotated video.
+pub(super) const OVERLAY: &str = "overlay";
+/// The thread of the status line.
+pub(super) const STATUS: &str = "status";
 /// The threads that `--fault` applies to. Faults of the video and the link are part of their URLs.
-pub const FAULT_THREADS: [&str; 5] = [PILOT, "recorder", "overlay", TERMINAL, "status"];
+pub const FAULT_THREADS: [&str; 5] = [PILOT, RECORDER, OVERLAY, TERMINAL, STATUS];
 /// The place of faults of the whole process.
 const PROGRAM: &str = "program";
 
@@ -40,13 +48,13 @@ impl FaultInjector {
     /// # Errors
     /// If a thread or a fault is unknown.
     pub fn parse(texts: &[String]) -> anyhow::Result<Self> {
-        let mut plans = Vec::new();
+        let mut plans = BTreeMap::<_, FaultPlan>::new();
         for text in texts {
             let (thread, plan) =
                 text.split_once(':').filter(|(thread, _)| FAULT_THREADS.contains(thread)).ok_or_else(|| {
                     anyhow::anyhow!("{text:?}: use THREAD:panic@SECONDS or THREAD:stall@SECONDS+DURATION with one of {FAULT_THREADS:?}")
                 })?;
-            plans.push((thread.to_owned(), FaultPlan::parse(plan)?));
+            plans.entry(thread.to_owned()).or_default().extend(FaultPlan::parse(plan)?);
         }
         let injector = Self { plans, ..Self::default() };
         injector.require_effect()?;
@@ -61,7 +69,7 @@ impl FaultInjector {
         if !FAULT_THREADS.contains(&placed.place.as_str()) && placed.place != PROGRAM {
             return Ok(Some(placed));
         }
-        self.plans.push((placed.place, placed.plan));
+        self.plans.entry(placed.place).or_default().extend(placed.plan);
         self.require_effect()?;
         Ok(None)
     }
@@ -94,7 +102,7 @@ impl FaultInjector {
     }
 
     fn has_plan(&self, thread: &str) -> bool {
-        self.plans.iter().any(|(place, _)| place == thread || (thread == TERMINAL && place == PROGRAM))
+        self.plans.contains_key(thread) || (thread == TERMINAL && self.plans.contains_key(PROGRAM))
     }
 
     fn wrap<I>(&self, thread: &'static str, clock: Clock, inner: I) -> Faulty<I> {
@@ -103,9 +111,9 @@ impl FaultInjector {
 
     /// Suspends the whole process, if that is due: a child continues the process after the duration.
     fn suspend(&self, now: Timestamp) {
-        let plans =
-            self.plans.iter().filter(|(place, _)| place == PROGRAM).flat_map(|(_, plan)| plan.faults());
-        let mut due: Vec<_> = plans.filter(|fault| now >= Timestamp::ZERO.plus(fault.start)).collect();
+        let Some(plan) = self.plans.get(PROGRAM) else { return };
+        let mut due: Vec<_> =
+            plan.faults().iter().filter(|fault| now >= Timestamp::ZERO.plus(fault.start)).collect();
         due.sort_by_key(|fault| fault.start);
         let Some(fault) = due.get(self.suspended.load(Ordering::Relaxed)) else { return };
         self.suspended.fetch_add(1, Ordering::Relaxed);
@@ -123,23 +131,20 @@ impl FaultInjector {
         if thread == TERMINAL {
             self.suspend(now);
         }
+        let Some(plan) = self.plans.get(thread) else { return };
         let since_start = now.since(Timestamp::ZERO);
-        let plans = self.plans.iter().filter(|(name, _)| name == thread);
-        let stalls = plans.flat_map(|(_, plan)| plan.faults()).filter(|fault| fault.kind == FaultKind::Stall);
-        let ends =
-            stalls.filter_map(|fault| Some((fault.start, fault.start.saturating_add(fault.duration?))));
-        if let Some((_, end)) = ends.into_iter().find(|(from, end)| (*from..*end).contains(&since_start)) {
+        let stalls = plan.faults().iter().filter(|fault| fault.kind == FaultKind::Stall);
+        // Without a duration a fault lasts without end.
+        let mut ends = stalls
+            .map(|fault| (fault.start, fault.start.saturating_add(fault.duration.unwrap_or(Duration::MAX))));
+        if let Some((_, end)) = ends.find(|(from, end)| (*from..*end).contains(&since_start)) {
             std::thread::sleep(end - since_start);
         }
-        let hangs =
-            |(name, plan): &(String, FaultPlan)| name == thread && plan.is_active(FaultKind::Hang, now);
-        while self.plans.iter().any(hangs) {
+        while plan.is_active(FaultKind::Hang, now) {
             std::thread::park();
         }
-        let panics =
-            |(name, plan): &(String, FaultPlan)| name == thread && plan.is_active(FaultKind::Panic, now);
         #[allow(clippy::panic, reason = "requested on the command line, to test the stops")]
-        if self.plans.iter().any(panics) {
+        if plan.is_active(FaultKind::Panic, now) {
             panic!("the {thread} thread panics on purpose");
         }
     }
@@ -176,7 +181,8 @@ impl<I: EventSource> EventSource for Faulty<I> {
         self.inner.next_event(wait)
     }
 
-    /// The first call of each turn of the loop: here the loop is held up, and sees afterwards that it was away.
+    /// The first call of each turn of the loop: here the loop is held up, and sees afterwards that it was
+    /// away.
     fn suspension(&mut self) -> Option<Duration> {
         self.apply();
         self.inner.suspension()

@@ -1,8 +1,9 @@
 //! Opens the link to the boat of a live run and connects its reports with the loop.
 
+use std::cell::Cell;
 use std::path::PathBuf;
+use std::sync::Arc;
 use std::sync::mpsc::SyncSender;
-use std::sync::{Arc, Mutex, PoisonError};
 
 use anyhow::{Context, Result, bail};
 use barrelman_host::clock::Clock;
@@ -50,14 +51,14 @@ pub(super) fn open_vessel(
     }
     let events = events.clone();
     // A boat repeats what it says; the log names each change.
-    let told = Mutex::new(None);
+    let told = Cell::new(None);
     let report = move |report| match report {
         LinkReport::Stopped(_) => {
             tracing::info!("neutral was sent to the boat; the boat does not answer whether it arrived");
             true
         }
         LinkReport::Telemetry(Telemetry { report: Report::Acceptance(said), .. }) => {
-            let before = told.lock().unwrap_or_else(PoisonError::into_inner).replace(said);
+            let before = told.replace(Some(said));
             if let Some(text) = protocol.acceptance_text(said).filter(|_| before != Some(said)) {
                 tracing::info!("{text}");
             }

@@ -15,7 +15,7 @@ use barrelman_vocab::profile::RegionShares;
 use barrelman_vocab::{VehicleRates, VideoFrame};
 
 use super::event::Event;
-use super::faults::FaultInjector;
+use super::faults::{FaultInjector, OVERLAY};
 use super::inbox::{FOREVER, Inbox};
 use super::run_loop::{LiveStep, LiveStepObserver};
 use super::threads;
@@ -58,7 +58,7 @@ impl OverlayVideo {
         let (frames, queue) = sync_channel::<Option<Box<OverlayFrame>>>(QUEUE_CAPACITY);
         let (send_result, result) = sync_channel(1);
         let thread = threads::spawn("overlay", events, move || {
-            let mut queue = fault_injector.inbox("overlay", clock, queue);
+            let mut queue = fault_injector.inbox(OVERLAY, clock, queue);
             let _ = send_result.send(write(Film::new(file, shares), &mut *queue));
         })?;
         Ok(Self { frames, thread, result })

@@ -18,7 +18,7 @@ use barrelman_trial::records::{
 use barrelman_vocab::{EncodedUnit, Timestamp, VideoFrame};
 
 use super::event::Event;
-use super::faults::FaultInjector;
+use super::faults::{FaultInjector, RECORDER};
 use super::inbox::Inbox;
 use super::recording_folder::DiskReserve;
 use super::run_loop::{LiveStep, LiveStepObserver};
@@ -114,7 +114,7 @@ impl Recorder {
         let input = RecorderInput { items, events: events.clone(), has_failed: Arc::clone(&has_failed) };
         let alarm = events.clone();
         let thread = threads::spawn("recorder", events, move || {
-            let mut queue = fault_injector.inbox("recorder", clock, queue);
+            let mut queue = fault_injector.inbox(RECORDER, clock, queue);
             if let Err(error) = write(&mut *queue, writer, reserve.as_ref()) {
                 has_failed.store(true, Ordering::Relaxed);
                 let reason = format!("{error:#}");

@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 use barrelman_host::clock::Clock;
 
 use super::event::Event;
-use super::faults::FaultInjector;
+use super::faults::{FaultInjector, STATUS};
 use super::inbox::{FOREVER, Inbox};
 use super::status_line::StatusOutput;
 use super::threads;
@@ -71,7 +71,7 @@ impl StatusWriter {
     ) -> std::io::Result<Self> {
         let (lines, queue) = sync_channel(1);
         let thread = threads::spawn("status", events, move || {
-            write_lines(&mut *fault_injector.inbox("status", clock, queue), output, style);
+            write_lines(&mut *fault_injector.inbox(STATUS, clock, queue), output, style);
         })?;
         Ok(Self { lines: Some(lines), thread: Some(thread) })
     }

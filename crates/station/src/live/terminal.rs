@@ -22,7 +22,7 @@ use rustix::termios::{LocalModes, OptionalActions, Termios, tcgetattr, tcsetattr
 use signal_hook::consts::{SIGHUP, SIGINT, SIGQUIT, SIGTERM, SIGTSTP};
 
 use super::event::{Event, QuitCause};
-use super::faults::FaultInjector;
+use super::faults::{FaultInjector, TERMINAL};
 use super::inbox::Inbox;
 use super::threads;
 
@@ -75,7 +75,7 @@ impl Terminal {
             let (stdin, stdout) = (std::io::stdin(), std::io::stdout());
             let keys = watches_keys.then(|| stdin.as_fd());
             let watcher = TerminalPoll { signals: &signals, keys, output: Some(stdout.as_fd()) };
-            let mut inputs = fault_injector.inbox("terminal", clock, watcher);
+            let mut inputs = fault_injector.inbox(TERMINAL, clock, watcher);
             while !end.load(Ordering::Relaxed) {
                 for input in inputs.next(POLL_INTERVAL).unwrap_or_default() {
                     match input {

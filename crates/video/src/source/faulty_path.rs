@@ -1,4 +1,4 @@
-//! Deliberate faults of a video source: the [`UnitPath`] that applies a [`FaultPlan`] to the units on their way.
+//! Deliberate faults of a video source: a [`FaultPlan`] applied to the units on their way to the decoder.
 //!
 //! | kind | effect |
 //! |---|---|
@@ -17,7 +17,6 @@ use std::time::Duration;
 use barrelman_vocab::time::Timestamp;
 use bytes::Bytes;
 
-use super::unit_path::UnitPath;
 use barrelman_host::fault::{FaultKind, FaultPlan};
 use barrelman_vocab::rng::SplitMix64;
 use barrelman_vocab::unit::EncodedUnit;
@@ -39,6 +38,25 @@ impl FaultyPath {
     /// A way whose random numbers are the same in each run.
     pub(super) const fn new(plan: FaultPlan) -> Self {
         Self { plan, delayed: VecDeque::new(), rng: SplitMix64::new(0x5eed), last_check: None }
+    }
+
+    /// Why the line is cut, while it is: a network source then loses its connection.
+    pub(super) fn cut(&self, at: Timestamp) -> Option<&'static str> {
+        self.plan.is_active(FaultKind::Disconnect, at).then_some("the connection is cut on purpose")
+    }
+
+    /// Takes the unit that arrived at `at`, if one did, and passes the units to decode now to `out`.
+    pub(super) fn pass(
+        &mut self,
+        unit: Option<EncodedUnit>,
+        at: Timestamp,
+        out: &mut dyn FnMut(EncodedUnit),
+    ) {
+        self.panic_if_planned(at);
+        self.release(at, out);
+        if let Some(unit) = unit {
+            self.pass_arrived(unit, at, out);
+        }
     }
 
     /// Panics if the plan says so.
@@ -89,20 +107,6 @@ impl FaultyPath {
         }
         unit.payload = Bytes::from(bytes);
         unit
-    }
-}
-
-impl UnitPath for FaultyPath {
-    fn cut(&self, at: Timestamp) -> Option<&'static str> {
-        self.plan.is_active(FaultKind::Disconnect, at).then_some("the connection is cut on purpose")
-    }
-
-    fn pass(&mut self, unit: Option<EncodedUnit>, at: Timestamp, out: &mut dyn FnMut(EncodedUnit)) {
-        self.panic_if_planned(at);
-        self.release(at, out);
-        if let Some(unit) = unit {
-            self.pass_arrived(unit, at, out);
-        }
     }
 }
 

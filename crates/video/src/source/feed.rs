@@ -10,7 +10,6 @@ use barrelman_vocab::video::VideoFrame;
 use super::faulty_path::FaultyPath;
 use super::sender_clock::TimingSettings;
 use super::sink::{VideoSink, VideoState};
-use super::unit_path::{DirectPath, UnitPath};
 use crate::codec::decoder::{DecodeMode, UnitDecoder};
 use crate::error::{DecodeError, VideoError};
 use barrelman_host::clock::Clock;
@@ -64,7 +63,8 @@ pub struct Feed<S> {
     /// The program's clock.
     pub clock: Clock,
     pub(super) address: String,
-    pub(super) path: Box<dyn UnitPath>,
+    /// The deliberate faults on the way to the decoder, if any are planned.
+    pub(super) faults: Option<FaultyPath>,
     pub(super) decoder: UnitDecoder,
     pub(super) timing: TimingSettings,
 }
@@ -84,16 +84,17 @@ impl<S: VideoSink> Feed<S> {
     /// A feed that starts now.
     pub fn new(settings: FeedSettings, clock: Clock, sink: S) -> Self {
         let FeedSettings { address, faults, mode, timing } = settings;
-        let path: Box<dyn UnitPath> =
-            if faults.is_empty() { Box::new(DirectPath) } else { Box::new(FaultyPath::new(faults)) };
-        Self { sink, clock, address, path, decoder: UnitDecoder::new(mode), timing }
+        let faults = (!faults.is_empty()).then(|| FaultyPath::new(faults));
+        Self { sink, clock, address, faults, decoder: UnitDecoder::new(mode), timing }
     }
 
     /// Decodes what comes of a unit on its way. Without a unit: decodes the delayed units that are due.
     pub fn decode(&mut self, unit: Option<EncodedUnit>) -> DecodedUnits {
-        let at = self.clock.now();
         let mut decoded = DecodedUnits::default();
-        self.path.pass(unit, at, &mut |unit| decoded.units.push(unit));
+        match &mut self.faults {
+            Some(path) => path.pass(unit, self.clock.now(), &mut |unit| decoded.units.push(unit)),
+            None => decoded.units.extend(unit),
+        }
         for unit in &decoded.units {
             let result = self.decoder.decode(unit, &mut |frame| decoded.frames.push_back(frame));
             if let Err(error) = result {

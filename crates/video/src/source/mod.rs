@@ -1,7 +1,7 @@
 //! Sources of video: where encoded units come from, live or from a file, and how they reach their receiver.
 //!
-//! A file is read by [`demux`], a network stream by `rtsp`. Both pass their units through a [`feed::Feed`]: a way with or
-//! without deliberate faults, then the decoder, then the receiver's [`sink::VideoSink`].
+//! A file is read by [`demux`], a network stream by `rtsp`. Both pass their units through a [`feed::Feed`]: a
+//! way with or without deliberate faults, then the decoder, then the receiver's [`sink::VideoSink`].
 
 pub mod sink;
 pub mod url;
@@ -13,7 +13,6 @@ pub mod file;
 pub mod feed;
 
 mod faulty_path;
-mod unit_path;
 
 pub mod demux;
 

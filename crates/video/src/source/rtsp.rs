@@ -138,7 +138,7 @@ impl<S: VideoSink> Receiver<'_, S> {
             if self.stop.is_raised() {
                 return End::Stopped;
             }
-            if let Some(reason) = self.feed.path.cut(self.feed.clock.now()) {
+            if let Some(reason) = self.feed.faults.as_ref().and_then(|path| path.cut(self.feed.clock.now())) {
                 self.notify(Event::Broken);
                 return End::Lost(reason.to_owned());
             }
