@@ -1,5 +1,5 @@
-//! The gateway: a bounded queue of requests, the stop latch, whether the controlling page is gone, and how the loop is
-//! woken.
+//! The gateway: a bounded queue of requests, the stop latch, whether the controlling page is gone, and how
+//! the loop is woken.
 
 use std::collections::VecDeque;
 use std::fmt;
@@ -89,7 +89,7 @@ impl Gateway {
     }
 
     /// The boat is no longer watched from a page, or is watched again.
-    pub fn set_vessel_left(&self, is_left: bool) {
+    pub(crate) fn set_vessel_left(&self, is_left: bool) {
         if self.is_vessel_left.swap(is_left, Ordering::Relaxed) != is_left {
             (self.wake)();
         }
@@ -106,8 +106,8 @@ impl Gateway {
             .then_some(OperatorRequest::Vessel(VesselRequest::StopVessel { by: VesselStopper::ConsoleLost }))
     }
 
-    /// Submits a request. The receiver gets the answer; without one, the session has ended. A stop of the operator goes
-    /// to the latch and is answered at once: it is taken before any request.
+    /// Submits a request. The receiver gets the answer; without one, the session has ended. A stop of the
+    /// operator goes to the latch and is answered at once: it is taken before any request.
     pub fn submit(&self, request: SessionRequest) -> oneshot::Receiver<Answer> {
         let (answer, receiver) = AnswerSlot::new();
         self.submit_with(request, answer);

@@ -13,15 +13,16 @@ const MAX_AGE: Duration = Duration::from_secs(1);
 pub(super) fn view(snapshot: &Snapshot, now: Timestamp) -> Shown {
     let Some((captured, picture)) = snapshot.video.frame else { return Shown::default() };
     let target = match &snapshot.outcome {
-        Some(outcome) if !outcome.is_confirming => shown_target(&outcome.track, now.since(captured)),
-        _ => ShownTarget::None,
+        Some(outcome) => shown_target(&outcome.track, outcome.is_confirming, now.since(captured)),
+        None => ShownTarget::None,
     };
     Shown { picture: Some(picture), frames_per_second: snapshot.video.fps as f32, target }
 }
 
-/// What is shown of a confirmed track in a picture of this age.
-fn shown_target(track: &Track, age: Duration) -> ShownTarget {
+/// What is shown of a track in a picture of this age.
+fn shown_target(track: &Track, is_confirming: bool, age: Duration) -> ShownTarget {
     match track {
+        _ if is_confirming => ShownTarget::None,
         Track::Unseeded => ShownTarget::None,
         _ if age > MAX_AGE => ShownTarget::Lost,
         Track::Tracking(seen) => ShownTarget::Seen(seen.bounds),
@@ -43,12 +44,12 @@ mod tests {
         Timestamp::from_nanos(ms * 1_000_000)
     }
 
-    fn shown(track: Track, age_ms: u64) -> ShownTarget {
-        shown_target(&track, Duration::from_millis(age_ms))
+    fn shown(track: Track, is_confirming: bool, age_ms: u64) -> ShownTarget {
+        shown_target(&track, is_confirming, Duration::from_millis(age_ms))
     }
 
     #[test]
-    fn a_target_is_shown_while_the_picture_is_fresh() {
+    fn a_target_is_shown_once_it_is_confirmed_and_while_the_picture_is_fresh() {
         let bounds = PixelBox { u: 300.0, v: 230.0, w: 40.0, h: 20.0 };
         let centre = bounds.centre();
         let seen = Localisation {
@@ -60,11 +61,12 @@ mod tests {
             heading: None,
             confidence: 0.75,
         };
-        assert_eq!(shown(Track::Tracking(seen), 100), ShownTarget::Seen(bounds));
-        assert_eq!(shown(Track::Coasting(seen), 100), ShownTarget::Predicted(bounds));
-        assert_eq!(shown(Track::Tracking(seen), 1500), ShownTarget::Lost);
-        assert_eq!(shown(Track::Lost { since: at(0), confidence: 0.1 }, 100), ShownTarget::Lost);
-        assert_eq!(shown(Track::Unseeded, 5000), ShownTarget::None);
+        assert_eq!(shown(Track::Tracking(seen), false, 100), ShownTarget::Seen(bounds));
+        assert_eq!(shown(Track::Coasting(seen), false, 100), ShownTarget::Predicted(bounds));
+        assert_eq!(shown(Track::Tracking(seen), true, 100), ShownTarget::None);
+        assert_eq!(shown(Track::Tracking(seen), false, 1500), ShownTarget::Lost);
+        assert_eq!(shown(Track::Lost { since: at(0), confidence: 0.1 }, false, 100), ShownTarget::Lost);
+        assert_eq!(shown(Track::Unseeded, false, 5000), ShownTarget::None);
     }
 
     #[test]
