@@ -1,5 +1,5 @@
-//! Emulated vehicles: wire's end of the vehicle, a simulated camera mount, a port or a server, and a server of simulated
-//! video. Links to the camera and the boat of a simulated world.
+//! Emulated vehicles: wire's end of the vehicle, a simulated camera mount, a port or a server, and a server
+//! of simulated video. Links to the camera and the boat of a simulated world.
 //!
 //! ```text
 //! port -> GroundStation or GimbalManager (wire) -> rates -> vehicle boundary -> CameraMount (sim) -> attitude -> telemetry -> port

@@ -1,8 +1,8 @@
-//! Access to the machine for the crates that may have it: the monotonic clock, input and output files, threads,
-//! plans of deliberate faults, and the newest-wins slot between two threads.
+//! Access to the machine for the crates that may have it: the monotonic clock, input and output files,
+//! threads, plans of deliberate faults, and the newest-wins slot between two threads.
 //!
-//! The other crates take time, bytes and files as arguments. The crates with access to the machine use this crate, so
-//! that every clock reading and every output file follows one rule.
+//! The other crates take time, bytes and files as arguments. The crates with access to the machine use this
+//! crate, so that every clock reading and every output file follows one rule.
 
 pub mod absence;
 pub mod clock;

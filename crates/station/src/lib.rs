@@ -1,7 +1,8 @@
 //! The program: command line, configuration, threads, links and live runs.
 //!
-//! A live run is in [`live`], the vehicle's port in [`link`], the demo in [`demo`]. Requests, published state, the web
-//! page, emulated vehicles, trackers, laws and safety are other crates; this crate connects them to the machine.
+//! A live run is in [`live`], the vehicle's port in [`link`], the demo in [`demo`]. Requests, published
+//! state, the web page, emulated vehicles, trackers, laws and safety are other crates; this crate connects
+//! them to the machine.
 
 pub mod cli;
 pub mod commands;

@@ -4,7 +4,8 @@ use strum::{IntoStaticStr, VariantArray};
 
 use crate::named::Named;
 
-/// The reason why an engaged pilot rests the camera: for want of something to follow, or of a camera that may move.
+/// The reason why an engaged pilot rests the camera: for want of something to follow, or of a camera that may
+/// move.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, IntoStaticStr, VariantArray)]
 #[strum(serialize_all = "kebab-case")]
 pub enum HoldCause {

@@ -90,8 +90,8 @@ pub enum OptimalMode {
     MinimumEnergy,
     /// Energy and time in motion: the camera moves at a cruising speed and rests in between.
     TimeFuel,
-    /// Energy, time in motion and number of movements: all are lower than with the motor schema. The target spends
-    /// more time outside of the region than with the other modes.
+    /// Energy, time in motion and number of movements: all are lower than with the motor schema. The target
+    /// spends more time outside of the region than with the other modes.
     Eco,
     /// All of it, and the smoothness of the commands: one movement for each excursion, with a rest after it.
     #[default]

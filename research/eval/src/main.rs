@@ -69,7 +69,8 @@ enum Command {
     Fit(simulator::FitOptions),
     /// Let each vehicle hold the boat in the simulator, through its protocol.
     ClosedLoop(closed_loop::Options),
-    /// Let every fault, and every pair of faults, happen in virtual time, and measure the time until the camera rests.
+    /// Let every fault, and every pair of faults, happen in virtual time, and measure the time until the
+    /// camera rests.
     Faults(faults::Options),
     /// Measure the time from a command to its bytes on the port, through the guard.
     LinkLatency(link_latency::Options),

@@ -47,7 +47,7 @@ pub struct StatusSnapshot {
     pub net_yaw_deg: f64,
     /// Why a search would be refused now; `null`: it can be asked for.
     pub search_refusal: Option<String>,
-    /// The law; `null`: a law that cannot be chosen here.
+    /// The law in force; `null` before the first step.
     pub law: Option<LawId>,
     /// The video.
     pub video: VideoStatus,

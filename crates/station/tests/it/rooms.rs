@@ -1,4 +1,5 @@
-//! What must not be there: a room that knows the protocol of one vehicle; a gateway or a snapshot that knows the server.
+//! What must not be there: a room that knows the protocol of one vehicle; a gateway or a snapshot that knows
+//! the server.
 
 use std::fs;
 use std::path::Path;
@@ -35,7 +36,8 @@ fn only_the_emulators_and_two_named_files_name_the_protocol_of_a_vehicle() {
     let (emulators, others): (Vec<_>, Vec<_>) =
         sources.iter().filter(|(_, text)| knows(text)).partition(|(path, _)| path.contains("/emulators/"));
     assert!(!emulators.is_empty(), "the test finds what it looks for");
-    // The addresses of a MAVLink link are keys of the configuration, and the check asks a gimbal manager what it has.
+    // The addresses of a MAVLink link are keys of the configuration, and the check asks a gimbal manager what
+    // it has.
     let known = ["config/mavlink.rs", "commands/check_gimbal.rs"];
     let is_known = |path: &str| known.iter().any(|known| path.ends_with(known));
     let others: Vec<&String> = others.iter().map(|(path, _)| path).filter(|path| !is_known(path)).collect();
