@@ -3,6 +3,8 @@
 use std::io;
 use std::path::{Path, PathBuf};
 
+use crate::media::{MediaError, MediaProgram};
+
 /// A file, a folder or a stream that cannot be read or written.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -29,6 +31,14 @@ pub enum VideoError {
         what: String,
         /// How to convert it.
         remedy: String,
+    },
+    /// The file holds no video.
+    #[error("`{}` is {what}. Give a video file, Y4M, or a folder of PNG or JPEG pictures", .path.display())]
+    NotVideo {
+        /// The file.
+        path: PathBuf,
+        /// What it is, with its article.
+        what: &'static str,
     },
     /// The file is damaged.
     #[error("`{}` is damaged after {units} pictures: {what}", .path.display())]
@@ -61,6 +71,18 @@ pub enum VideoError {
     /// The thread cannot be started.
     #[error("cannot start the video thread: {0}")]
     Thread(io::Error),
+    /// The program of the second engine cannot be used.
+    #[error(transparent)]
+    Media(#[from] MediaError),
+    /// A source that only the second engine reads, which is not installed.
+    #[error(
+        "`{address}` is read by barrelman-media, which is not beside this program. Build it: {}",
+        MediaProgram::BUILD_COMMANDS
+    )]
+    NoMedia {
+        /// The address, without its password.
+        address: String,
+    },
     /// A source of another crate, such as a simulated world, cannot start.
     #[error("{reason}")]
     Provided {
@@ -97,14 +119,25 @@ pub enum DecodeError {
         reason: String,
     },
     /// The decoder cannot be created.
-    #[error("the H.264 decoder cannot start: {0}")]
-    NoDecoder(String),
+    #[error("the {format} decoder cannot start: {reason}")]
+    NoDecoder {
+        /// The format.
+        format: &'static str,
+        /// Why.
+        reason: String,
+    },
 }
 
 impl DecodeError {
     /// Whether no later unit of the stream can be decoded.
     pub const fn is_final(&self) -> bool {
         !matches!(self, Self::Damaged { .. })
+    }
+}
+
+impl VideoError {
+    pub(crate) fn not_video(path: &Path, what: &'static str) -> Self {
+        Self::NotVideo { path: path.to_owned(), what }
     }
 }
 

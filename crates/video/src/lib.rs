@@ -16,13 +16,17 @@
 //! The crate shields its users from openh264 and retina.
 
 mod codec;
+mod media;
 mod mp4;
 mod source;
+
+pub mod engine;
 
 pub mod error;
 
 pub use codec::{annexb, decoder, encoder, jpeg, png_file, pool};
 pub use error::{DecodeError, VideoError};
+pub use media::{MediaError, MediaProgram};
 pub use mp4::writer;
 pub use source::file::FileFrames;
 pub use source::live::{StopError, VideoHandle, spawn};

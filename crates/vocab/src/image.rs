@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 use core::fmt;
 
 /// Width and height of a picture in pixels.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub struct PictureSize {
     /// Pixels per row.
     pub width: u32,

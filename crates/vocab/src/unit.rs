@@ -6,12 +6,13 @@
 use std::sync::Arc;
 
 use bytes::Bytes;
+use serde::{Deserialize, Serialize};
 
 use crate::image::PictureSize;
 use crate::video::{Capture, ColourEncoding, Picture};
 
 /// Clockwise rotation that displays the picture of a unit upright.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default, Serialize, Deserialize)]
 pub enum Rotation {
     /// No rotation.
     #[default]
@@ -35,11 +36,18 @@ impl Rotation {
 }
 
 /// Format of a unit's payload.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum UnitCodec {
     /// One H.264 access unit: NAL units with start codes (ITU-T H.264, Annex B), with the parameter sets before every
     /// key frame.
     H264AnnexB,
+    /// One H.265 access unit: NAL units with start codes (ITU-T H.265, Annex B), with the parameter sets before every
+    /// key frame.
+    H265AnnexB,
+    /// One VP9 frame, or a superframe.
+    Vp9,
+    /// One AV1 temporal unit as a low overhead OBU stream.
+    Av1,
     /// A JPEG file.
     Jpeg,
     /// A PNG file.

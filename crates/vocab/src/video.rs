@@ -2,11 +2,13 @@
 
 use std::sync::Arc;
 
+use serde::{Deserialize, Serialize};
+
 use crate::image::PictureSize;
 use crate::time::Timestamp;
 
 /// The matrix that converted red, green and blue to Y, U and V.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum ColourMatrix {
     /// ITU-R BT.601: standard definition and JPEG.
     Bt601,
@@ -59,7 +61,7 @@ impl LumaWeights {
 }
 
 /// The range of sample values.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum SampleRange {
     /// Y 16..=235, U and V 16..=240: the default of video.
     Limited,
@@ -68,7 +70,7 @@ pub enum SampleRange {
 }
 
 /// Colour encoding of a picture's samples.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub struct ColourEncoding {
     /// The matrix.
     pub matrix: ColourMatrix,

@@ -178,20 +178,29 @@ impl VideoFile {
             let path = file.path().to_owned();
             let size = match unit.codec {
                 UnitCodec::RawYuv420 { size, .. } => size,
-                UnitCodec::H264AnnexB | UnitCodec::Jpeg | UnitCodec::Png => PictureSize::new(1280, 720),
+                UnitCodec::H264AnnexB
+                | UnitCodec::H265AnnexB
+                | UnitCodec::Vp9
+                | UnitCodec::Av1
+                | UnitCodec::Jpeg
+                | UnitCodec::Png => PictureSize::new(1280, 720),
             };
             let writer = Mp4Writer::new(file, &path, EncoderSettings::for_pictures(size, 30.0));
             self.state = Some((writer, UnitDecoder::new(DecodeMode::File), unit.capture.at));
         }
         let Some((writer, decoder, start)) = &mut self.state else { return Ok(()) };
-        let at = Timestamp::ZERO.plus(unit.capture.at.since(*start));
+        let since_start = |at: Timestamp| Timestamp::ZERO.plus(at.since(*start));
         if unit.codec == UnitCodec::H264AnnexB {
             let mut unit = unit.clone();
-            unit.capture.at = at;
+            unit.capture.at = since_start(unit.capture.at);
             return Ok(writer.write_unit(&unit)?);
         }
         let mut written = Ok(());
-        let decoded = decoder.decode(unit, &mut |frame| written = writer.write_picture(&frame.picture, at));
+        let decoded = decoder.decode(unit, &mut |frame| {
+            if written.is_ok() {
+                written = writer.write_picture(&frame.picture, since_start(frame.capture.at));
+            }
+        });
         if let Err(error) = decoded {
             bail!("picture {} of the video cannot be decoded: {error}", unit.index);
         }
@@ -199,9 +208,16 @@ impl VideoFile {
     }
 
     fn finish(self) -> Result<bool> {
-        match self.state {
-            Some((writer, ..)) => writer.finish().map(|()| true).map_err(Into::into),
-            None => Ok(false),
-        }
+        let Some((mut writer, mut decoder, start)) = self.state else { return Ok(false) };
+        let mut written = Ok(());
+        decoder.finish(&mut |frame| {
+            if written.is_ok() {
+                let at = Timestamp::ZERO.plus(frame.capture.at.since(start));
+                written = writer.write_picture(&frame.picture, at);
+            }
+        });
+        written?;
+        writer.finish()?;
+        Ok(true)
     }
 }

@@ -3,6 +3,8 @@
 use std::path::PathBuf;
 
 use barrelman_control::OptimalSettings;
+use barrelman_video::engine::VideoEngine;
+use barrelman_video::sender_clock::ClockChoice;
 use barrelman_vocab::profile::MAX_COAST_MOTION;
 use barrelman_vocab::{LawName, OptimalMode};
 use schemars::JsonSchema;
@@ -62,7 +64,8 @@ pub struct LawSection {
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct VideoSection {
-    /// Address: `rtsp://...`, `rtsps://...`, `file:...` or `sim:...`.
+    /// Address: `rtsp://...`, `udp://0.0.0.0:5600`, `/dev/video0`, a file, `sim:...` or another of those that
+    /// docs/video.md lists.
     #[schemars(example = "rtsp://camera.example/live")]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub url: Option<String>,
@@ -76,9 +79,12 @@ pub struct VideoSection {
     #[schemars(example = &"BARRELMAN_CAMERA_LOGIN")]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub login_env: Option<String>,
-    /// Which clock gives the times of capture of a stream at `rtsp://` or `rtsps://`.
+    /// Which clock gives the times of capture of a stream.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub clock: Option<VideoClock>,
+    pub clock: Option<ClockChoice>,
+    /// Which engine reads and decodes the video. GStreamer is a program of its own, `barrelman-media`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub engine: Option<VideoEngine>,
     /// Whether a password may be sent in clear text (Basic) to a camera without TLS that takes nothing else:
     /// everybody on the network can read it then.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -93,16 +99,6 @@ pub struct VideoSection {
     #[schemars(example = "/etc/barrelman/authority.pem")]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub ca_file: Option<PathBuf>,
-}
-
-/// The clock that gives the times of capture of a stream.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "kebab-case")]
-pub enum VideoClock {
-    /// The sender's, as long as it can be a clock.
-    Auto,
-    /// Times of arrival.
-    Arrival,
 }
 
 /// The vehicle's link.

@@ -5,6 +5,7 @@ use std::time::Duration;
 
 use anyhow::{Context, Result, bail};
 use barrelman_pilot::NUDGE_RATE_RAD_PER_S;
+use barrelman_video::engine::VideoEngine;
 use barrelman_video::sender_clock::ClockChoice;
 use barrelman_vocab::profile::{AxisRates, AxisSigns, RegionShares, Sign};
 use barrelman_vocab::{AngularRate, VehicleProfile};
@@ -13,9 +14,7 @@ use barrelman_wire::Framing;
 use super::camera::CameraSection;
 use super::console::{ConsoleConfig, ConsoleSection, RecordingConfig, RecordingSection};
 use super::declared;
-use super::file::{
-    ConfigFile, LawSection, LineEnding, LinkSection, SignName, VehicleSection, VideoClock, VideoSection,
-};
+use super::file::{ConfigFile, LawSection, LineEnding, LinkSection, SignName, VehicleSection, VideoSection};
 use super::mavlink;
 use super::tracker::TrackerSection;
 use super::tracking_camera::{TrackingCameraConfig, TrackingCameraSection};
@@ -32,6 +31,8 @@ pub struct Configuration {
     pub video: Option<String>,
     /// Which clock gives the times of capture of a live stream.
     pub video_clock: ClockChoice,
+    /// The engine that reads and decodes the video.
+    pub video_engine: VideoEngine,
     /// The video's login, if it is not in the address, and how it may be used.
     pub video_login: VideoLogin,
     /// Which certificate of a video in TLS is accepted.
@@ -133,10 +134,8 @@ impl Configuration {
         }
         Ok(Self {
             video: file.video.url.clone(),
-            video_clock: match file.video.clock {
-                None | Some(VideoClock::Auto) => ClockChoice::Auto,
-                Some(VideoClock::Arrival) => ClockChoice::Arrival,
-            },
+            video_clock: file.video.clock.unwrap_or_default(),
+            video_engine: file.video.engine.unwrap_or_default(),
             video_login: VideoLogin {
                 source: login_source(&file.video)?,
                 permits_basic: file.video.allow_basic_login.unwrap_or(false),
@@ -188,10 +187,8 @@ impl Configuration {
         ConfigFile {
             video: VideoSection {
                 url: self.video.clone(),
-                clock: Some(match self.video_clock {
-                    ClockChoice::Auto => VideoClock::Auto,
-                    ClockChoice::Arrival => VideoClock::Arrival,
-                }),
+                clock: Some(self.video_clock),
+                engine: Some(self.video_engine),
                 login_file: match &self.video_login.source {
                     Some(LoginSource::File(path)) => Some(path.clone()),
                     Some(LoginSource::Environment(_)) | None => None,

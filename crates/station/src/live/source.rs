@@ -17,7 +17,7 @@ use crate::source_url::{SimulatedUrl, SourceUrl};
 /// A video source that has not started.
 pub enum Source {
     /// A stream, a file, or a folder of pictures.
-    Video(VideoUrl, Trust),
+    Video(Box<VideoUrl>, Trust),
     /// A simulated world.
     Simulated(SimulatedUrl, Box<LiveWorld>),
 }
@@ -31,7 +31,7 @@ impl Source {
     /// `trust`: which certificate of a stream in TLS is accepted.
     pub fn load(url: SourceUrl, trust: Trust) -> Result<Self> {
         Ok(match url {
-            SourceUrl::Video(url) => Self::Video(url, trust),
+            SourceUrl::Video(url) => Self::Video(Box::new(url), trust),
             SourceUrl::Simulated(url) => {
                 let world = Box::new(LiveWorld::load(&url.world)?);
                 Self::Simulated(url, world)
@@ -58,10 +58,11 @@ impl Source {
     /// The address of a stream that others can open, too, without a login; `None`: the source is no stream.
     pub fn stream_address(&self) -> Option<&str> {
         match self {
-            Self::Video(VideoUrl { source: VideoSource::Rtsp { address, .. }, .. }, _) => {
-                Some(address.as_str())
-            }
-            Self::Video(..) | Self::Simulated(..) => None,
+            Self::Video(url, _) => match &url.source {
+                VideoSource::Rtsp { address, .. } => Some(address.as_str()),
+                VideoSource::File(_) | VideoSource::Pipe(_) | VideoSource::Media(_) => None,
+            },
+            Self::Simulated(..) => None,
         }
     }
 
@@ -93,8 +94,9 @@ impl Source {
             Self::Video(mut url, trust) => {
                 let VehicleProfile { video_latency, stale_after, .. } = configuration.profile;
                 let late_after = video_latency.saturating_add(stale_after);
+                url.engine = configuration.video_engine;
                 url.timing = TimingSettings { clock: configuration.video_clock, late_after };
-                encrypted_video::spawn(url, &trust, clock, sink)?
+                encrypted_video::spawn(*url, &trust, clock, sink)?
             }
         })
     }

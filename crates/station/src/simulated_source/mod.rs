@@ -21,6 +21,7 @@ mod rendering;
 
 use barrelman_host::clock::Clock;
 use barrelman_video::decoder::DecodeMode;
+use barrelman_video::engine::VideoEngine;
 use barrelman_video::feed::{Feed, FeedSettings};
 use barrelman_video::sender_clock::TimingSettings;
 use barrelman_video::{VideoError, VideoHandle, VideoSink};
@@ -67,6 +68,7 @@ fn feed_settings(url: &SimulatedUrl) -> FeedSettings {
         address: url.to_string(),
         faults: url.faults.clone(),
         mode: DecodeMode::Live,
+        engine: VideoEngine::Auto,
         timing: TimingSettings::default(),
     }
 }

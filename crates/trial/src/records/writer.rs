@@ -8,7 +8,6 @@ use std::io::Write;
 
 use barrelman_vocab::unit::UnitCodec;
 use barrelman_vocab::{EncodedUnit, Timestamp};
-use bytes::Bytes;
 use foxglove::messages::{CompressedImage, CompressedVideo};
 use mcap::records::MessageHeader;
 use mcap::write::NoSeek;
@@ -22,6 +21,27 @@ use super::topics::Topic;
 #[derive(Debug, thiserror::Error)]
 #[error("the recording cannot be written")]
 pub struct WriteError(#[from] mcap::McapError);
+
+/// Where the pictures of a codec stand, with Foxglove's name of the format.
+enum Channel {
+    Video(&'static str),
+    Picture(&'static str),
+    Raw,
+}
+
+impl Channel {
+    const fn of(codec: UnitCodec) -> Self {
+        match codec {
+            UnitCodec::H264AnnexB => Self::Video("h264"),
+            UnitCodec::H265AnnexB => Self::Video("h265"),
+            UnitCodec::Vp9 => Self::Video("vp9"),
+            UnitCodec::Av1 => Self::Video("av1"),
+            UnitCodec::Jpeg => Self::Picture("jpeg"),
+            UnitCodec::Png => Self::Picture("png"),
+            UnitCodec::RawYuv420 { .. } => Self::Raw,
+        }
+    }
+}
 
 /// Writes an MCAP file.
 pub struct RecordingWriter<W: Write> {
@@ -83,21 +103,18 @@ impl<W: Write> RecordingWriter<W> {
             (unix_ns / 1_000_000_000) as u32,
             (unix_ns % 1_000_000_000) as u32,
         ));
-        let (frame_id, data) = ("camera".to_owned(), unit.payload.clone());
-        let image = |format: &str, data: Bytes| CompressedImage {
-            timestamp,
-            frame_id: "camera".to_owned(),
-            data,
-            format: format.to_owned(),
-        };
-        match unit.codec {
-            UnitCodec::H264AnnexB => {
-                let video = CompressedVideo { timestamp, frame_id, data, format: "h264".to_owned() };
-                self.write_message(Topic::Video, at, &video)
+        let frame_id = "camera".to_owned();
+        let data = unit.payload.clone();
+        match Channel::of(unit.codec) {
+            Channel::Video(format) => {
+                let format = format.to_owned();
+                self.write_message(Topic::Video, at, &CompressedVideo { timestamp, frame_id, data, format })
             }
-            UnitCodec::Jpeg => self.write_message(Topic::VideoPicture, at, &image("jpeg", data)),
-            UnitCodec::Png => self.write_message(Topic::VideoPicture, at, &image("png", data)),
-            UnitCodec::RawYuv420 { .. } => {
+            Channel::Picture(format) => {
+                let image = CompressedImage { timestamp, frame_id, data, format: format.to_owned() };
+                self.write_message(Topic::VideoPicture, at, &image)
+            }
+            Channel::Raw => {
                 self.write_message(Topic::VideoRaw, at, &stored::RawPicture { samples: data.to_vec() })
             }
         }

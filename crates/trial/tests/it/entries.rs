@@ -254,8 +254,11 @@ fn requests_with(value: f64) -> Vec<Entry> {
 pub(crate) fn every_kind() -> Vec<Entry> {
     let mut entries = entries_with(0.25);
     let size = PictureSize::new(3, 1);
-    let codecs: [(UnitCodec, &'static [u8]); 5] = [
+    let codecs: [(UnitCodec, &'static [u8]); 8] = [
         (UnitCodec::H264AnnexB, &[0, 0, 0, 1, 9, 0xf0]),
+        (UnitCodec::H265AnnexB, &[0, 0, 0, 1, 0x46, 1]),
+        (UnitCodec::Vp9, &[0x82, 0x49]),
+        (UnitCodec::Av1, &[0x12, 0]),
         (UnitCodec::Jpeg, &[0xff, 0xd8]),
         (UnitCodec::Png, b"\x89PNG"),
         (UnitCodec::RawYuv420 { size, colour: COLOURS[0] }, &[1, 2, 3, 4, 5, 6, 7]),

@@ -96,6 +96,37 @@ pub fn is_bidirectional(slice: &[u8]) -> bool {
     matches!(slice_type, Ok(1 | 6))
 }
 
+/// Whether an access unit has a recovery point (SEI message 6, D.2.8): decoding can begin here, and the pictures are
+/// intact some units later. Streams with periodic intra refresh have no key picture but these.
+pub fn has_recovery_point(unit: &[u8]) -> bool {
+    const RECOVERY_POINT: u32 = 6;
+    let is_sei = |nal: &&[u8]| unit_type(nal) == Some(UnitType::SEI);
+    nals(unit).filter(is_sei).any(|nal| sei_types(&nal[1..]).any(|kind| kind == RECOVERY_POINT))
+}
+
+/// The types of the messages in the payload of an SEI NAL unit (7.3.2.3.1). Emulation prevention bytes stand only in long
+/// messages: the types behind one may be missed.
+fn sei_types(payload: &[u8]) -> impl Iterator<Item = u32> {
+    let mut rest = payload;
+    std::iter::from_fn(move || {
+        // The trailing bits alone are a byte.
+        if rest.len() < 2 {
+            return None;
+        }
+        let (kind, after) = sei_number(rest)?;
+        let (size, after) = sei_number(after)?;
+        rest = after.get(size as usize..).unwrap_or_default();
+        Some(kind)
+    })
+}
+
+/// A number as a run of 255 and a last byte.
+fn sei_number(bytes: &[u8]) -> Option<(u32, &[u8])> {
+    let full = bytes.iter().take_while(|byte| **byte == 0xff).count();
+    let last = *bytes.get(full)?;
+    Some((255 * u32::try_from(full).ok()? + u32::from(last), &bytes[full + 1..]))
+}
+
 /// The content of an `avcC` box (ISO/IEC 14496-15, 5.3.3.1).
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct AvcConfiguration {
@@ -220,6 +251,16 @@ mod tests {
         {
             assert!(!is_bidirectional(slice), "{slice:?}");
         }
+    }
+
+    #[test]
+    fn a_recovery_point_is_found_among_sei_messages() {
+        // A message of type 5 and 2 bytes, then type 6 and 1 byte, then the trailing bits.
+        assert!(has_recovery_point(&[0, 0, 1, 6, 5, 2, 9, 9, 6, 1, 0xc4, 0x80]));
+        assert!(!has_recovery_point(&[0, 0, 1, 6, 5, 2, 6, 1, 0x80]));
+        assert!(!has_recovery_point(&[0, 0, 1, 6, 0xff, 6, 1, 6]));
+        assert!(!has_recovery_point(&[0, 0, 1, 6, 5, 0xff, 0xff, 0xff]));
+        assert!(!has_recovery_point(&[0, 0, 1, 0x41, 6, 1, 0xc4]));
     }
 
     #[test]

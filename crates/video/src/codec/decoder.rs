@@ -1,36 +1,37 @@
 //! Decodes encoded units to video frames.
 //!
-//! A [`UnitDecoder`] has no thread and no clock: the same units give the same frames with the same sequence numbers, live
-//! and in a replay.
+//! A [`UnitDecoder`] has no clock: the same units give the same frames with the same sequence numbers, live and in a
+//! replay. H.264, JPEG, PNG and uncompressed pictures are decoded in this process. Other formats, and H.264 that the
+//! built-in decoder does not read (interlaced, more than 8 bits, other chroma than 4:2:0, no key frames), are decoded by
+//! GStreamer in another process ([`crate::media`]). The content of the units decides which, so that a replay decides the
+//! same.
 //!
-//! Only intact pictures are delivered. The decoder's own concealment of errors is off, and after damage, or at the start
-//! of an epoch, all units up to the next key frame are skipped.
+//! Only intact pictures are delivered: after damage, or at the start of an epoch, all units up to the next key frame are
+//! skipped.
 //!
-//! In [`DecodeMode::Live`] each unit gives its picture at once. Where the display order differs from the decoding order
-//! (B-frames), pictures come with the delay that they need, as soon as the stream announces this or the first B-frame
-//! arrives (which may cost the pictures up to the next key frame). In [`DecodeMode::File`] frames always come in display
-//! order. The decoder returns pictures in display order, so each picture gets the smallest time that is still pending.
-//!
-//! Not handled: streams without key frames (periodic intra refresh), which never start; bit errors that leave a slice
-//! readable, which an H.264 decoder cannot notice (TCP does, on the way).
+//! In [`DecodeMode::Live`] each unit gives its picture at once, unless the display order differs from the decoding order.
+//! In [`DecodeMode::File`] frames always come in display order.
 
-use std::cmp::Reverse;
-use std::collections::BinaryHeap;
 use std::sync::Arc;
+use std::time::Duration;
 
+use barrelman_media_protocol::role::{CodedFormat, DecoderSettings};
 use barrelman_vocab::image::PictureSize;
 use barrelman_vocab::time::Timestamp;
-use barrelman_vocab::video::{Capture, CaptureQuality, ColourEncoding, Picture, Plane, VideoFrame};
-use openh264::OpenH264API;
-use openh264::decoder::{DecodeOptions, DecodedYUV, Decoder, DecoderConfig, Flush};
-use openh264::formats::YUVSource;
+use barrelman_vocab::unit::{EncodedUnit, UnitCodec};
+use barrelman_vocab::video::{Capture, Picture, Plane, VideoFrame};
 
-use super::annexb::{self, NalKind};
+use super::annexb;
+use super::h264::H264Decoder;
 use super::pool::PicturePool;
-use super::sps::SequenceParameters;
 use super::still::StillDecoder;
+use crate::engine::VideoEngine;
 use crate::error::DecodeError;
-use barrelman_vocab::unit::{EncodedUnit, Rotation, UnitCodec};
+use crate::media::MediaProgram;
+use crate::media::decoder::MediaDecoder;
+
+/// H.264 without a key frame for this long is decoded from a recovery point on.
+const MAX_WAIT_FOR_KEY: Duration = Duration::from_secs(2);
 
 /// The priority of the decoder: low latency or all frames.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -43,44 +44,39 @@ pub enum DecodeMode {
 
 /// Decodes the units of one source, one after the other.
 pub struct UnitDecoder {
+    mode: DecodeMode,
+    engine: VideoEngine,
     pool: PicturePool,
     still: StillDecoder,
-    h264: Option<Decoder>,
-    /// The active sequence parameter set as bytes, and its values.
-    sps: Vec<u8>,
-    parameters: Option<SequenceParameters>,
+    h264: H264Decoder,
+    media: Option<MediaDecoder>,
+    /// Whether the H.264 of this epoch is decoded by GStreamer.
+    h264_by_media: bool,
     is_awaiting_key: bool,
-    /// Whether the display order may differ from the decoding order.
-    reorders: bool,
-    /// Times of the units whose pictures are still in the decoder.
-    pending: BinaryHeap<Reverse<Pending>>,
+    /// Time of the first unit that was skipped in this epoch.
+    skipped_since: Option<Timestamp>,
     epoch: Option<u32>,
     delivered: u64,
-}
-
-/// The properties of a unit that its picture needs, ordered by display time.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-struct Pending {
-    at: Timestamp,
-    /// Pictures that an edit list hides before the start of the video have the time 0 too, and come first.
-    shown: bool,
-    index: u64,
-    quality: CaptureQuality,
-    rotation: Rotation,
 }
 
 impl UnitDecoder {
     /// A decoder without a stream.
     pub fn new(mode: DecodeMode) -> Self {
+        Self::with_engine(mode, VideoEngine::Auto)
+    }
+
+    /// A decoder by this engine.
+    pub fn with_engine(mode: DecodeMode, engine: VideoEngine) -> Self {
         Self {
+            mode,
+            engine,
             pool: PicturePool::default(),
             still: StillDecoder::default(),
-            h264: None,
-            sps: Vec::new(),
-            parameters: None,
+            h264: H264Decoder::new(mode),
+            media: None,
+            h264_by_media: engine == VideoEngine::Gstreamer,
             is_awaiting_key: true,
-            reorders: mode == DecodeMode::File,
-            pending: BinaryHeap::new(),
+            skipped_since: None,
             epoch: None,
             delivered: 0,
         }
@@ -107,10 +103,15 @@ impl UnitDecoder {
                 self.restart(out);
             }
             self.epoch = Some(unit.epoch);
+            self.h264_by_media = self.engine == VideoEngine::Gstreamer;
+            self.skipped_since = None;
         }
         let damaged = |reason: String| DecodeError::Damaged { index: unit.index, reason };
         let picture = match unit.codec {
             UnitCodec::H264AnnexB => return self.decode_h264(unit, out),
+            UnitCodec::H265AnnexB => return self.decode_by_media(CodedFormat::H265, unit, out),
+            UnitCodec::Vp9 => return self.decode_by_media(CodedFormat::Vp9, unit, out),
+            UnitCodec::Av1 => return self.decode_by_media(CodedFormat::Av1, unit, out),
             UnitCodec::Jpeg => self.still.jpeg(&unit.payload, &mut self.pool).map_err(damaged)?,
             UnitCodec::Png => self.still.png(&unit.payload, &mut self.pool).map_err(damaged)?,
             UnitCodec::RawYuv420 { size, colour } => {
@@ -122,7 +123,7 @@ impl UnitDecoder {
         };
         self.is_awaiting_key = false;
         if unit.shown {
-            self.deliver(unit.capture, picture, out);
+            deliver(&mut self.delivered, unit.capture, picture, out);
         }
         Ok(())
     }
@@ -132,138 +133,103 @@ impl UnitDecoder {
         self.restart(out);
     }
 
+    /// Decodes H.264 by the built-in decoder, and from where that cannot go on, by GStreamer.
     fn decode_h264(
         &mut self,
         unit: &EncodedUnit,
         out: &mut impl FnMut(VideoFrame),
     ) -> Result<(), DecodeError> {
-        let mut has_picture = false;
-        let mut bidirectional = false;
-        let mut changed = None;
-        for nal in annexb::nals(&unit.payload) {
-            match annexb::kind(nal) {
-                NalKind::Slice | NalKind::KeySlice => {
-                    has_picture = true;
-                    bidirectional |= annexb::is_bidirectional(nal);
-                }
-                NalKind::Sps if nal != self.sps => changed = Some(nal),
-                _ => {}
+        if !self.h264_by_media && self.waits_in_vain(unit) {
+            self.h264_by_media = self.can_change_over();
+        }
+        if self.h264_by_media {
+            return self.decode_by_media(CodedFormat::H264, unit, out);
+        }
+        let Self { h264, is_awaiting_key, pool, delivered, .. } = self;
+        let mut deliver = |capture, picture| deliver(delivered, capture, picture, out);
+        match h264.decode(unit, is_awaiting_key, pool, &mut deliver) {
+            Ok(()) => Ok(()),
+            Err(DecodeError::Unsupported { .. }) if self.can_change_over() => {
+                self.h264_by_media = true;
+                self.decode_by_media(CodedFormat::H264, unit, out)
+            }
+            Err(error) => {
+                self.restart(out);
+                Err(error)
             }
         }
-        if let Some(sps) = changed {
-            // The decoder loses its pending pictures when the size changes, so they are flushed. A flushed decoder keeps
-            // some of its memory, so a new one continues.
-            self.flush(out);
-            self.pending.clear();
-            self.h264 = None;
-            let parameters = SequenceParameters::parse(sps)?;
-            self.reorders |= parameters.reorders;
-            self.parameters = Some(parameters);
-            self.sps = sps.to_vec();
+    }
+
+    /// Whether a unit of H.264 has a recovery point, and units have been skipped for longer than cameras send no key frame.
+    fn waits_in_vain(&mut self, unit: &EncodedUnit) -> bool {
+        if !self.is_awaiting_key || unit.key {
+            self.skipped_since = None;
+            return false;
         }
-        if self.is_awaiting_key && !unit.key {
+        let since = *self.skipped_since.get_or_insert(unit.capture.at);
+        unit.capture.at.since(since) >= MAX_WAIT_FOR_KEY && annexb::has_recovery_point(&unit.payload)
+    }
+
+    fn can_change_over(&self) -> bool {
+        self.engine != VideoEngine::BuiltIn && MediaProgram::installed().is_some()
+    }
+
+    fn decode_by_media(
+        &mut self,
+        format: CodedFormat,
+        unit: &EncodedUnit,
+        out: &mut impl FnMut(VideoFrame),
+    ) -> Result<(), DecodeError> {
+        let is_start = unit.key
+            || (format == CodedFormat::H264
+                && self.is_awaiting_key
+                && annexb::has_recovery_point(&unit.payload));
+        if self.is_awaiting_key && !is_start {
             return Ok(());
         }
-        self.reorders |= bidirectional;
-        if has_picture {
-            self.pending.push(Reverse(Pending::from_unit(unit)));
+        if self.media.as_ref().is_none_or(|media| media.settings().format != format) {
+            self.restart(out);
+            let settings = DecoderSettings { format, is_live: self.mode == DecodeMode::Live };
+            self.media = Some(self.new_media_decoder(settings)?);
         }
-        let flush = if self.reorders { Flush::NoFlush } else { Flush::Flush };
-        let decoder = match &mut self.h264 {
-            Some(decoder) => decoder,
-            empty => empty.insert(new_decoder()?),
-        };
-        let options = DecodeOptions::new().flush_after_decode(flush);
-        let damage = match decoder.decode_with_options(&unit.payload, options) {
-            Ok(None) => None,
-            Ok(Some(yuv)) => {
-                let frame = take_picture(&yuv, &mut self.pending, self.parameters, &mut self.pool);
-                self.is_awaiting_key = false;
-                if let Some((capture, picture)) = frame {
-                    self.deliver(capture, picture, out);
-                }
-                return Ok(());
-            }
-            Err(error) => Some(error.to_string()),
-        };
-        match damage {
-            None if self.reorders || !has_picture => {
-                self.is_awaiting_key &= !has_picture;
-                Ok(())
-            }
-            damage => {
-                let reason = damage.unwrap_or_else(|| "it gives no picture".to_owned());
-                self.pending.retain(|pending| pending.0.index != unit.index);
-                self.restart(out);
-                Err(DecodeError::Damaged { index: unit.index, reason })
-            }
+        let Self { media: Some(media), pool, delivered, .. } = self else { return Ok(()) };
+        let mut deliver = |capture, picture| deliver(delivered, capture, picture, out);
+        let result = media.decode(unit, is_start, pool, &mut deliver);
+        match result {
+            Ok(()) => self.is_awaiting_key = false,
+            Err(_) => self.restart(out),
         }
+        result
     }
 
-    /// Delivers the pending frames, then discards the decoder's state and waits for a key frame.
+    fn new_media_decoder(&self, settings: DecoderSettings) -> Result<MediaDecoder, DecodeError> {
+        let what = || settings.format.name().to_owned();
+        if self.engine == VideoEngine::BuiltIn {
+            let remedy = "Set video.engine = \"auto\", or set the camera to H.264".to_owned();
+            return Err(DecodeError::Unsupported { what: what(), remedy });
+        }
+        let program = MediaProgram::installed().ok_or_else(|| DecodeError::Unsupported {
+            what: what(),
+            remedy: format!("barrelman-media decodes it: {}", MediaProgram::BUILD_COMMANDS),
+        })?;
+        Ok(MediaDecoder::new(program, settings))
+    }
+
+    /// Delivers the pending frames, then discards the decoders' states and waits for a key frame.
     fn restart(&mut self, out: &mut impl FnMut(VideoFrame)) {
-        self.flush(out);
-        self.pending.clear();
-        self.h264 = None;
+        let Self { h264, media, pool, delivered, .. } = self;
+        let mut deliver = |capture, picture| deliver(delivered, capture, picture, out);
+        h264.flush(pool, &mut deliver);
+        if let Some(media) = media {
+            media.flush(pool, &mut deliver);
+        }
         self.is_awaiting_key = true;
     }
-
-    fn flush(&mut self, out: &mut impl FnMut(VideoFrame)) {
-        let Some(decoder) = &mut self.h264 else { return };
-        // A decoder that fails here has no pending pictures.
-        let Ok(pictures) = decoder.flush_remaining() else { return };
-        for yuv in pictures {
-            if let Some((capture, picture)) =
-                take_picture(&yuv, &mut self.pending, self.parameters, &mut self.pool)
-            {
-                out(VideoFrame { sequence: self.delivered, capture, picture });
-                self.delivered += 1;
-            }
-        }
-    }
-
-    fn deliver(&mut self, capture: Capture, picture: Arc<Picture>, out: &mut impl FnMut(VideoFrame)) {
-        out(VideoFrame { sequence: self.delivered, capture, picture });
-        self.delivered += 1;
-    }
 }
 
-impl Pending {
-    fn from_unit(unit: &EncodedUnit) -> Self {
-        let Capture { at, quality } = unit.capture;
-        Self { at, index: unit.index, quality, shown: unit.shown, rotation: unit.rotation }
-    }
-}
-
-fn new_decoder() -> Result<Decoder, DecodeError> {
-    Decoder::with_api_config(OpenH264API::from_source(), DecoderConfig::new())
-        .map_err(|error| DecodeError::NoDecoder(error.to_string()))
-}
-
-/// Copies a decoded picture out of the decoder and pairs it with the smallest pending time. `None` for a picture that is
-/// not shown.
-fn take_picture(
-    yuv: &DecodedYUV<'_>,
-    pending: &mut BinaryHeap<Reverse<Pending>>,
-    parameters: Option<SequenceParameters>,
-    pool: &mut PicturePool,
-) -> Option<(Capture, Arc<Picture>)> {
-    let Reverse(unit) = pending.pop()?;
-    if !unit.shown {
-        return None;
-    }
-    let (width, height) = yuv.dimensions();
-    let (y_stride, u_stride, v_stride) = yuv.strides();
-    let plane = |data, width, height, stride| Plane { data, width, height, stride };
-    let planes = [
-        plane(yuv.y(), width, height, y_stride),
-        plane(yuv.u(), width.div_ceil(2), height.div_ceil(2), u_stride),
-        plane(yuv.v(), width.div_ceil(2), height.div_ceil(2), v_stride),
-    ];
-    let size = PictureSize::new(width as u32, height as u32);
-    let colour = parameters.map_or_else(|| ColourEncoding::assumed_for(size), |parameters| parameters.colour);
-    let picture = pool.copy(planes, colour, unit.rotation);
-    Some((Capture { at: unit.at, quality: unit.quality }, picture))
+fn deliver(delivered: &mut u64, capture: Capture, picture: Arc<Picture>, out: &mut impl FnMut(VideoFrame)) {
+    out(VideoFrame { sequence: *delivered, capture, picture });
+    *delivered += 1;
 }
 
 fn raw_planes(payload: &[u8], size: PictureSize) -> Option<[Plane<'_>; 3]> {

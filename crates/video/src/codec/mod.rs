@@ -1,6 +1,8 @@
-//! Pictures and encoded bytes: H.264 and JPEG both ways, PNG to pictures.
+//! Pictures and encoded bytes: H.264 and JPEG both ways, PNG to pictures; other formats through [`crate::media`].
 
 pub mod decoder;
+mod h264;
+pub(crate) mod pending;
 
 pub mod annexb;
 pub mod pool;

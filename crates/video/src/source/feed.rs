@@ -11,6 +11,7 @@ use super::faulty_path::FaultyPath;
 use super::sender_clock::TimingSettings;
 use super::sink::{VideoSink, VideoState};
 use crate::codec::decoder::{DecodeMode, UnitDecoder};
+use crate::engine::VideoEngine;
 use crate::error::{DecodeError, VideoError};
 use barrelman_host::clock::Clock;
 use barrelman_host::fault::FaultPlan;
@@ -52,6 +53,8 @@ pub struct FeedSettings {
     pub faults: FaultPlan,
     /// Whether the decoder delivers each picture at once or in the order of display.
     pub mode: DecodeMode,
+    /// The engine that decodes.
+    pub engine: VideoEngine,
     /// How the times of a live stream are judged.
     pub timing: TimingSettings,
 }
@@ -83,9 +86,10 @@ pub struct DecodedUnits {
 impl<S: VideoSink> Feed<S> {
     /// A feed that starts now.
     pub fn new(settings: FeedSettings, clock: Clock, sink: S) -> Self {
-        let FeedSettings { address, faults, mode, timing } = settings;
+        let FeedSettings { address, faults, mode, engine, timing } = settings;
         let faults = (!faults.is_empty()).then(|| FaultyPath::new(faults));
-        Self { sink, clock, address, faults, decoder: UnitDecoder::new(mode), timing }
+        let decoder = UnitDecoder::with_engine(mode, engine);
+        Self { sink, clock, address, faults, decoder, timing }
     }
 
     /// Decodes what comes of a unit on its way. Without a unit: decodes the delayed units that are due.

@@ -2,23 +2,33 @@
 //!
 //! The thread `video` reads or receives units, decodes each of them, and passes units and frames to a [`VideoSink`] at
 //! once. The sink must not block; it decides which frames to drop. A file is paced by its times (time of capture = start +
-//! PTS) and ends. An RTSP source reconnects indefinitely (see [`super::supervision`]).
+//! PTS) and ends. A stream reconnects indefinitely (see [`super::receiver`]).
 
 use std::any::Any;
 use std::fmt;
+use std::path::Path;
 use std::sync::Arc;
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
+use barrelman_host::clock::Clock;
+use barrelman_media_protocol::source::{RtspTransport, SourceAddress, SourceSettings};
 use barrelman_vocab::time::Timestamp;
+use barrelman_vocab::unit::EncodedUnit;
+use barrelman_vocab::video::{Capture, CaptureQuality};
 
 use super::demux::FileReader;
+use super::demux::kind::FileKind;
 use super::feed::{Feed, StopSignal};
-use super::rtsp;
+use super::media_engine::MediaEngine;
+use super::pipe::{OtherPipe, Pipe};
+use super::receiver::{Receiver, ReceiverEnd};
+use super::rtsp::RtspEngine;
 use super::sink::{VideoSink, VideoState};
 use super::url::{VideoSource, VideoUrl};
+use crate::engine::VideoEngine;
 use crate::error::{DecodeError, VideoError};
-use barrelman_host::clock::Clock;
+use crate::media::MediaProgram;
 
 /// A running source.
 #[derive(Debug)]
@@ -58,19 +68,116 @@ impl std::error::Error for StopError {}
 /// The system refuses a thread. An error of the source itself reaches the sink as [`VideoState::Failed`].
 pub fn spawn(url: VideoUrl, clock: Clock, sink: impl VideoSink + 'static) -> Result<VideoHandle, VideoError> {
     VideoHandle::start(move |stop| {
-        let mut feed = Feed::new(url.feed_settings(), clock, sink);
+        let feed = Feed::new(url.feed_settings(), clock, sink);
         match &url.source {
             VideoSource::File(_) => run_file(&url, feed, stop),
-            VideoSource::Rtsp { address, login } => match url.reachable(address) {
-                Some(address) => rtsp::run(&address, login.as_ref(), feed, stop),
-                None => feed.fail(VideoError::Stream {
-                    address: url.to_string(),
-                    what: "is encrypted, which this command does not read".to_owned(),
-                    remedy: "`barrelman run` reads it".to_owned(),
-                }),
-            },
+            VideoSource::Pipe(path) => run_pipe(&url, path, feed, stop),
+            VideoSource::Rtsp { .. } | VideoSource::Media(_) => run_stream(&url, feed, stop),
         }
     })
+}
+
+/// How long a server may be reached by the built-in engine without a picture before GStreamer tries.
+const PATIENCE: Duration = Duration::from_secs(5);
+
+/// Receives a stream by the built-in engine where that reads it. Where it does not, by GStreamer.
+fn run_stream<S: VideoSink>(url: &VideoUrl, mut feed: Feed<S>, stop: &StopSignal) {
+    let program = MediaProgram::installed().filter(|_| url.engine != VideoEngine::BuiltIn);
+    if let Some(mut engine) = built_in_engine(url, feed.clock) {
+        let patience = program.is_some().then_some(PATIENCE);
+        match Receiver::new(&mut feed, patience, stop).run(&mut engine) {
+            ReceiverEnd::GivenUp(reason) => {
+                tracing::warn!("{url}: {reason}: GStreamer reads the stream from now on");
+            }
+            end => return finish(end, &mut feed),
+        }
+    }
+    let Some(settings) = url.media_settings() else {
+        return feed.fail(VideoError::Stream {
+            address: url.to_string(),
+            what: "is encrypted, which this command does not read".to_owned(),
+            remedy: "`barrelman run` reads it".to_owned(),
+        });
+    };
+    match program {
+        Some(program) => run_media(url, program, settings, &mut feed, stop),
+        None => feed.fail(VideoError::NoMedia { address: url.to_string() }),
+    }
+}
+
+fn run_media<S: VideoSink>(
+    url: &VideoUrl,
+    program: MediaProgram,
+    settings: SourceSettings,
+    feed: &mut Feed<S>,
+    stop: &StopSignal,
+) {
+    let mut engine = MediaEngine { program, settings, shown_address: url.to_string(), clock: feed.clock };
+    let end = Receiver::new(feed, None, stop).run(&mut engine);
+    finish(end, feed);
+}
+
+/// The built-in engine for a stream; `None`: it does not read such a stream, or must not.
+fn built_in_engine(url: &VideoUrl, clock: Clock) -> Option<RtspEngine> {
+    let VideoSource::Rtsp { address, login, transport } = &url.source else { return None };
+    let is_tcp = matches!(transport, RtspTransport::Auto | RtspTransport::Tcp);
+    if url.engine == VideoEngine::Gstreamer || !is_tcp {
+        return None;
+    }
+    let address = url.reachable(address)?;
+    Some(RtspEngine { address, login: login.clone(), shown_address: url.to_string(), clock })
+}
+
+/// Tells the sink how a stream ended.
+fn finish<S: VideoSink>(end: ReceiverEnd, feed: &mut Feed<S>) {
+    match end {
+        ReceiverEnd::Stopped => {}
+        ReceiverEnd::Ended => feed.sink.on_state(VideoState::Ended),
+        ReceiverEnd::Failed(error) => feed.fail(error),
+        ReceiverEnd::GivenUp(reason) => feed.sink.on_state(VideoState::Lost { reason }),
+    }
+}
+
+/// Plays what another program writes into a pipe, as it comes. The picture's time is that of its arrival, unless
+/// GStreamer finds times in the stream.
+fn run_pipe<S: VideoSink>(url: &VideoUrl, path: &Path, mut feed: Feed<S>, stop: &StopSignal) {
+    feed.sink.on_state(VideoState::Connecting);
+    let mut reader = match Pipe::open(path) {
+        Ok(Pipe::Y4m(reader)) => reader,
+        Ok(Pipe::Other(OtherPipe { kind: FileKind::NotVideo { what }, .. })) => {
+            return feed.fail(VideoError::not_video(path, what));
+        }
+        Ok(Pipe::Other(pipe)) => {
+            let program = MediaProgram::installed().filter(|_| url.engine != VideoEngine::BuiltIn);
+            let Some(program) = program else {
+                return feed.fail(VideoError::NoMedia { address: url.to_string() });
+            };
+            let address = SourceAddress::File(pipe.path.clone());
+            let settings = SourceSettings { address, is_live: true };
+            return run_media(url, program, settings, &mut feed, stop);
+        }
+        Err(error) => return feed.fail(error),
+    };
+    let mut is_up = false;
+    loop {
+        let unit = match reader.next_unit() {
+            Ok(Some(unit)) => unit,
+            Ok(None) => return feed.sink.on_state(VideoState::Ended),
+            Err(error) => return feed.fail(error),
+        };
+        if stop.is_raised() {
+            return;
+        }
+        let capture = Capture { at: feed.clock.now(), quality: CaptureQuality::Arrival };
+        let decoded = feed.decode(Some(EncodedUnit { capture, ..unit }));
+        decoded.units.iter().for_each(|unit| feed.sink.on_unit(unit));
+        for frame in decoded.frames {
+            if !std::mem::replace(&mut is_up, true) {
+                feed.sink.on_state(VideoState::Up);
+            }
+            feed.sink.on_frame(frame);
+        }
+    }
 }
 
 impl VideoHandle {

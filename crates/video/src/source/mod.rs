@@ -15,9 +15,16 @@ pub mod feed;
 mod faulty_path;
 
 pub mod demux;
+mod pipe;
+
+mod receiver;
 
 mod rtsp;
 mod rtsp_filter;
 mod rtsp_relay;
+
+mod media_engine;
+
 pub mod sender_clock;
 pub mod supervision;
+mod wall_time;

@@ -1,345 +1,225 @@
-//! Receives H.264 over RTSP (RFC 2326), interleaved in the TCP connection, so that no packet is lost or out of order.
+//! The built-in engine for live streams: H.264 over RTSP (RFC 2326), interleaved in the TCP connection, so that no packet
+//! is lost or out of order.
 //!
-//! This module moves bytes; [`super::supervision`] decides when to connect and when to disconnect. Each connection has an
-//! asynchronous runtime of its own, which ends with the connection and leaves no task behind. Not handled: RTP over UDP,
-//! TLS, other codecs, several video streams in one session (the first H.264 stream is used).
+//! Each connection has an asynchronous runtime of its own, which ends with the connection and leaves no task behind. Not
+//! handled: RTP over UDP, TLS, other codecs, several video streams in one session (the first H.264 stream is used).
 
-use std::pin::{Pin, pin};
-use std::time::{Duration, SystemTime, UNIX_EPOCH};
+use std::pin::Pin;
+use std::time::{Duration, Instant};
 
+use barrelman_host::clock::Clock;
+use barrelman_vocab::unit::{Rotation, UnitCodec};
 use bytes::Bytes;
 use futures_util::StreamExt;
 use retina::client::{
     Credentials, Demuxed, PlayOptions, Session, SessionOptions, SetupOptions, TcpTransportOptions, Transport,
 };
-use retina::codec::{CodecItem, FrameFormat};
+use retina::codec::{CodecItem, FrameFormat, ParametersRef};
 use retina::rtcp::ReceivedCompoundPacket;
 use tokio::runtime::{Builder, Runtime};
-use tokio::time::{Instant, timeout_at};
+use tokio::time::timeout_at;
 use url::Url;
 
-use super::feed::{Feed, StopSignal};
+use super::receiver::{Broken, Connection, ConnectionEvent, Engine, ReceivedTime, ReceivedUnit};
 use super::rtsp_filter::Refusal;
 use super::rtsp_relay::{self, RelayEnd};
-use super::sender_clock::{ArrivedPicture, SenderClock, SenderReport, VideoTiming};
-use super::sink::{VideoSink, VideoState};
-use super::supervision::{Action, Event, Loss, State, Supervision};
+use super::sender_clock::SenderReport;
+use super::supervision::{CONNECT_TIMEOUT, Loss};
 use super::url::Login;
+use super::wall_time::{sender_wall_ns, since_1900_ns};
+use crate::codec::annexb::AvcConfiguration;
 use crate::error::VideoError;
-use barrelman_host::clock::Clock;
-use barrelman_host::suspend::SuspendWatch;
-use barrelman_vocab::unit::{EncodedUnit, Rotation, UnitCodec};
-
-/// Interval of the checks for the stop signal, a cut line and delayed units.
-const POLL_INTERVAL: Duration = Duration::from_millis(50);
 
 /// Time for the session to send its TEARDOWN to the server.
 const TEARDOWN_TIMEOUT: Duration = Duration::from_millis(100);
 
-/// Receives until the stop signal, or until the stream turns out to be unusable.
-pub(super) fn run<S: VideoSink>(address: &Url, login: Option<&Login>, feed: Feed<S>, stop: &StopSignal) {
-    let supervision = Supervision::new(feed.clock.now());
-    let clock = SenderClock::new(CLOCK_RATE, feed.timing);
-    let timing = VideoTiming::default();
-    let suspensions = SuspendWatch::start();
-    let mut receiver =
-        Receiver { feed, supervision, clock, timing, suspensions, stop, epoch: 0, units: 0, was_up: false };
-    loop {
-        let wake_at = receiver.feed.clock.instant(receiver.supervision.wake_at());
-        if stop.wait_until(wake_at) {
-            return;
-        }
-        if receiver.notify(Event::Tick) != Some(Action::Connect) {
-            continue;
-        }
-        let runtime = match Builder::new_current_thread().enable_all().build() {
-            Ok(runtime) => runtime,
-            Err(error) => return receiver.feed.fail(VideoError::Thread(error)),
-        };
-        let end = runtime.block_on(receiver.connection(address, login));
-        tear_down(runtime);
-        receiver.epoch += 1;
-        match end {
-            End::Stopped => return,
-            End::Lost(reason) => receiver.feed.sink.on_state(VideoState::Lost { reason }),
-            End::Final(error) if !receiver.was_up => return receiver.feed.fail(error),
-            // The stream was usable before: its settings were changed and may be changed back.
-            End::Final(error) => {
-                receiver.notify(Event::Broken);
-                receiver.feed.sink.on_state(VideoState::Lost { reason: error.to_string() });
-            }
-        }
+/// The built-in engine for one address.
+pub(super) struct RtspEngine {
+    /// The address, without user and password.
+    pub(super) address: Url,
+    pub(super) login: Option<Login>,
+    /// The address for messages.
+    pub(super) shown_address: String,
+    pub(super) clock: Clock,
+}
+
+impl Engine for RtspEngine {
+    const CONNECT_TIMEOUT: Duration = CONNECT_TIMEOUT;
+
+    fn connect(&mut self) -> Result<impl Connection, VideoError> {
+        let runtime = Builder::new_current_thread().enable_all().build().map_err(VideoError::Thread)?;
+        let attempt = Box::pin(connect(self.address.clone(), self.login.clone(), self.shown_address.clone()));
+        Ok(RtspConnection {
+            phase: Some(Phase::Connecting(attempt)),
+            runtime: Some(runtime),
+            clock: self.clock,
+            units: 0,
+        })
     }
 }
 
-/// Lets the session send its TEARDOWN, then ends its tasks.
-fn tear_down(runtime: Runtime) {
-    runtime.block_on(async { tokio::time::sleep(TEARDOWN_TIMEOUT).await });
-    runtime.shutdown_background();
+type Attempt = Pin<Box<dyn Future<Output = Result<(Demuxed, RelayEnd), Broken>>>>;
+
+/// A connection with an asynchronous runtime of its own, which leaves no task behind.
+struct RtspConnection {
+    /// `None` only while the connection is dropped.
+    phase: Option<Phase>,
+    runtime: Option<Runtime>,
+    clock: Clock,
+    units: u64,
 }
 
-/// The end of a connection.
-enum End {
-    Stopped,
-    Lost(String),
-    Final(VideoError),
-}
-
-/// A connection, or an attempt to connect.
-enum Connection<'a> {
-    Connecting(Pin<&'a mut dyn Future<Output = Result<(Demuxed, RelayEnd), ConnectError>>>),
+enum Phase {
+    Connecting(Attempt),
     Up(Box<Demuxed>, RelayEnd),
 }
 
-/// A failed attempt to connect, or a broken connection.
-enum ConnectError {
-    /// The next attempt may succeed.
-    Temporary(String),
-    /// No further attempt can succeed.
-    Permanent(VideoError),
-}
-
-/// An event of a connection.
-enum ConnectionEvent {
-    /// No event before the timeout.
-    Timeout,
-    Connected(Box<Demuxed>, RelayEnd),
-    Item(CodecItem),
-    Broken(ConnectError),
-}
-
-struct Receiver<'a, S> {
-    feed: Feed<S>,
-    supervision: Supervision,
-    clock: SenderClock,
-    /// What the sink knows of the times.
-    timing: VideoTiming,
-    suspensions: SuspendWatch,
-    stop: &'a StopSignal,
-    epoch: u32,
-    units: u64,
-    was_up: bool,
-}
-
-impl<S: VideoSink> Receiver<'_, S> {
-    fn notify(&mut self, event: Event) -> Option<Action> {
-        self.supervision.handle(event, self.feed.clock.now())
-    }
-
-    /// Runs one connection, from the attempt to the end.
-    async fn connection(&mut self, address: &Url, login: Option<&Login>) -> End {
-        self.feed.sink.on_state(VideoState::Connecting);
-        let shown_address = self.feed.address.clone();
-        let attempt = pin!(connect(address, login, &shown_address));
-        let mut connection = Connection::Connecting(attempt);
-        loop {
-            let wake_at = self.supervision.wake_at().min(self.feed.clock.now().plus(POLL_INTERVAL));
-            let event = connection.next(self.feed.clock.instant(wake_at).into()).await;
-            if self.stop.is_raised() {
-                return End::Stopped;
-            }
-            if let Some(reason) = self.feed.faults.as_ref().and_then(|path| path.cut(self.feed.clock.now())) {
-                self.notify(Event::Broken);
-                return End::Lost(reason.to_owned());
-            }
-            let action = match event {
-                ConnectionEvent::Timeout => match self.deliver(None) {
-                    Ok(()) => self.notify(Event::Tick),
-                    Err(end) => return end,
-                },
-                ConnectionEvent::Connected(session, relay) => {
-                    connection = Connection::Up(session, relay);
-                    self.clock.on_connected();
-                    self.notify(Event::Connected)
+impl Connection for RtspConnection {
+    fn next(&mut self, until: Instant) -> ConnectionEvent {
+        let (Some(runtime), Some(phase)) = (&self.runtime, &mut self.phase) else {
+            return ConnectionEvent::Timeout;
+        };
+        let until = until.into();
+        match phase {
+            Phase::Connecting(attempt) => {
+                match runtime.block_on(async { timeout_at(until, attempt.as_mut()).await }) {
+                    Err(_) => ConnectionEvent::Timeout,
+                    Ok(Ok((session, relay))) => {
+                        self.phase = Some(Phase::Up(Box::new(session), relay));
+                        ConnectionEvent::Connected
+                    }
+                    Ok(Err(broken)) => ConnectionEvent::Broken(broken),
                 }
-                ConnectionEvent::Item(item) => match self.on_item(item) {
-                    Ok(()) => self.judge_times(),
-                    Err(end) => return end,
-                },
-                ConnectionEvent::Broken(ConnectError::Permanent(error)) => return End::Final(error),
-                ConnectionEvent::Broken(ConnectError::Temporary(reason)) => {
-                    self.notify(Event::Broken);
-                    return End::Lost(reason);
+            }
+            Phase::Up(session, relay) => {
+                let broken = |reason: String| {
+                    let reason = relay.reason().unwrap_or(reason);
+                    ConnectionEvent::Broken(Broken::Temporary { reason, is_reached: true })
+                };
+                match runtime.block_on(async { timeout_at(until, session.next()).await }) {
+                    Err(_) => ConnectionEvent::Timeout,
+                    Ok(Some(Ok(item))) => self.event(item),
+                    Ok(Some(Err(error))) => broken(error.to_string()),
+                    Ok(None) => broken(Loss::Broken.to_string()),
                 }
-            };
-            if let Some(Action::Disconnect(loss)) = action {
-                return End::Lost(loss.to_string());
             }
         }
     }
+}
 
-    fn on_item(&mut self, item: CodecItem) -> Result<(), End> {
-        if let Some(gap) = self.suspensions.check() {
-            self.clock.on_suspension(gap);
-        }
+impl RtspConnection {
+    fn event(&mut self, item: CodecItem) -> ConnectionEvent {
         match item {
             CodecItem::VideoFrame(video) => {
                 // The sender's RTP time is in the low 32 bits.
-                let rtp = video.timestamp().timestamp() as u32;
+                let time = ReceivedTime::Ticks(video.timestamp().timestamp() as u32);
                 // The arrival of the first packet of a picture is nearest to its capture.
-                let arrival = self.feed.clock.at(video.start_ctx().received());
-                let bytes = video.data().len();
-                let capture = self.clock.capture(ArrivedPicture { rtp, bytes, arrival });
-                let unit = EncodedUnit {
-                    epoch: self.epoch,
-                    index: self.units,
-                    capture,
-                    key: video.is_random_access_point(),
-                    shown: true,
-                    rotation: Rotation::None,
-                    codec: UnitCodec::H264AnnexB,
-                    payload: Bytes::from(video.into_data()),
-                };
+                let arrival = self.clock.at(video.start_ctx().received());
+                let key = video.is_random_access_point();
+                let mut payload = video.into_data();
+                // A stream without key pictures may name its parameters in the description alone.
+                if self.units == 0 && !key {
+                    payload = [self.described_parameters(), payload].concat();
+                }
                 self.units += 1;
-                self.deliver(Some(unit))
+                ConnectionEvent::Unit(ReceivedUnit {
+                    codec: UnitCodec::H264AnnexB,
+                    key,
+                    follows_loss: false,
+                    rotation: Rotation::None,
+                    time,
+                    arrival,
+                    payload: Bytes::from(payload),
+                })
             }
             CodecItem::Rtcp(report) => {
-                for report in sender_reports(&report, self.feed.clock) {
-                    self.clock.on_sender_report(report);
-                }
-                Ok(())
+                ConnectionEvent::Reports(sender_reports(&report, self.clock).collect())
             }
-            _ => Ok(()),
+            _ => ConnectionEvent::Timeout,
         }
     }
 
-    /// Tells the sink what the times of the pictures say, where that changed. A delay that stays ends the connection.
-    fn judge_times(&mut self) -> Option<Action> {
-        let timing = self.clock.timing();
-        if timing.differs_from(self.timing) {
-            self.timing = timing;
-            self.feed.sink.on_timing(timing);
-        }
-        match timing {
-            VideoTiming::Late { since, .. } => self.notify(Event::Late { since }),
-            VideoTiming::InTime | VideoTiming::ClockWrong(_) => self.notify(Event::Tick),
-        }
-    }
-
-    /// Passes a unit, or the delayed units that are due, through the decoder to the sink.
-    fn deliver(&mut self, unit: Option<EncodedUnit>) -> Result<(), End> {
-        let decoded = self.feed.decode(unit);
-        for unit in &decoded.units {
-            self.feed.sink.on_unit(unit);
-            self.notify(Event::Unit);
-        }
-        for frame in decoded.frames {
-            if !matches!(self.supervision.state(), State::Up { .. }) {
-                self.feed.sink.on_state(VideoState::Up);
-            }
-            self.was_up = true;
-            self.notify(Event::Picture);
-            self.feed.sink.on_frame(frame);
-        }
-        match decoded.error {
-            None => Ok(()),
-            Some(source) if source.is_final() => {
-                let address = self.feed.address.clone();
-                Err(End::Final(VideoError::Decode { address, cause: source }))
-            }
-            Some(_) => {
-                self.notify(Event::KeyNeeded);
-                Ok(())
-            }
-        }
+    /// The parameter sets of the stream's description, Annex B.
+    fn described_parameters(&self) -> Vec<u8> {
+        let Some(Phase::Up(session, _)) = &self.phase else { return Vec::new() };
+        let parameters = session.streams().iter().find_map(|stream| match stream.parameters() {
+            Some(ParametersRef::Video(parameters)) => AvcConfiguration::parse(parameters.extra_data()),
+            _ => None,
+        });
+        parameters.map_or_else(Vec::new, |parameters| parameters.parameter_sets)
     }
 }
 
-/// Ticks of RTP time per second of an H.264 stream (RFC 6184, 8.2.1).
-const CLOCK_RATE: u32 = 90_000;
-
-/// Nanoseconds from 1900, where NTP time begins (RFC 5905), to 1970, where Unix time begins.
-const UNIX_EPOCH_SINCE_1900_NS: i128 = 2_208_988_800 * 1_000_000_000;
+impl Drop for RtspConnection {
+    /// Lets the session send its TEARDOWN, then ends its tasks.
+    fn drop(&mut self) {
+        let Some(runtime) = self.runtime.take() else { return };
+        runtime.block_on(async {
+            self.phase = None;
+            tokio::time::sleep(TEARDOWN_TIMEOUT).await;
+        });
+        runtime.shutdown_background();
+    }
+}
 
 /// The sender reports of a packet.
 fn sender_reports(packet: &ReceivedCompoundPacket, clock: Clock) -> impl Iterator<Item = SenderReport> {
     let received = packet.ctx().received();
     let arrival = clock.at(received);
-    let unix = SystemTime::now().checked_sub(received.elapsed()).unwrap_or(UNIX_EPOCH);
-    let unix_ns = unix.duration_since(UNIX_EPOCH).map_or(0, |unix| unix.as_nanos() as i128);
+    let wall_ns = since_1900_ns(received.elapsed());
     packet.pkts().filter_map(|packet| packet.as_sender_report().ok().flatten()).map(move |report| {
-        // Seconds in the upper half, fractions of 2^-32 s in the lower. 0: the sender has no wall clock.
-        let ntp = report.ntp_timestamp().0;
-        let ntp_ns = (i128::from(ntp) * 1_000_000_000) >> 32;
-        SenderReport {
-            rtp: report.rtp_timestamp(),
-            sender_wall_ns: (ntp != 0).then_some(ntp_ns),
-            arrival,
-            wall_ns: unix_ns + UNIX_EPOCH_SINCE_1900_NS,
-        }
+        let sender_wall_ns = sender_wall_ns(report.ntp_timestamp().0);
+        SenderReport { rtp: report.rtp_timestamp(), sender_wall_ns, arrival, wall_ns }
     })
-}
-
-impl Connection<'_> {
-    async fn next(&mut self, until: Instant) -> ConnectionEvent {
-        match self {
-            Self::Connecting(attempt) => match timeout_at(until, attempt.as_mut()).await {
-                Err(_) => ConnectionEvent::Timeout,
-                Ok(Ok((session, relay))) => ConnectionEvent::Connected(Box::new(session), relay),
-                Ok(Err(error)) => ConnectionEvent::Broken(error),
-            },
-            Self::Up(session, relay) => match timeout_at(until, session.next()).await {
-                Err(_) => ConnectionEvent::Timeout,
-                Ok(Some(Ok(item))) => ConnectionEvent::Item(item),
-                Ok(Some(Err(error))) => {
-                    let reason = relay.reason().unwrap_or_else(|| error.to_string());
-                    ConnectionEvent::Broken(ConnectError::Temporary(reason))
-                }
-                Ok(None) => {
-                    let reason = relay.reason().unwrap_or_else(|| Loss::Broken.to_string());
-                    ConnectionEvent::Broken(ConnectError::Temporary(reason))
-                }
-            },
-        }
-    }
 }
 
 /// Connects through a relay that bounds what the server sends, and that keeps a password from being sent in clear.
 async fn connect(
-    address: &Url,
-    login: Option<&Login>,
-    shown_address: &str,
-) -> Result<(Demuxed, RelayEnd), ConnectError> {
-    let permits_basic = login.is_some_and(|login| login.permits_basic);
-    let relay = rtsp_relay::start(address, permits_basic).await;
-    let (address, end) = relay.map_err(|error| ConnectError::Temporary(error.to_string()))?;
-    match describe_and_play(address, login, shown_address).await {
+    address: Url,
+    login: Option<Login>,
+    shown_address: String,
+) -> Result<(Demuxed, RelayEnd), Broken> {
+    let permits_basic = login.as_ref().is_some_and(|login| login.permits_basic);
+    let relay = rtsp_relay::start(&address, permits_basic).await;
+    let (address, end) =
+        relay.map_err(|error| Broken::Temporary { reason: error.to_string(), is_reached: false })?;
+    match describe_and_play(address, login, &shown_address).await {
         Ok(session) => Ok((session, end)),
         Err(error) => Err(match (end.refusal(), end.reason(), error) {
-            (Some(Refusal::BasicInClear), ..) => permanent(
-                shown_address,
+            (Some(Refusal::BasicInClear), ..) => refused(
+                &shown_address,
                 "takes a password in clear text only (Basic, without TLS), and everybody on the network could read it",
                 "Set the camera to Digest, or use its rtsps:// address; on a network that you trust, \
                  video.allow_basic_login = true in the configuration sends it in clear",
             ),
-            (_, _, ConnectError::Permanent(error)) => ConnectError::Permanent(error),
-            (_, Some(reason), ConnectError::Temporary(_)) => ConnectError::Temporary(reason),
-            (_, None, error) => error,
+            (_, Some(reason), Broken::Temporary { .. }) => {
+                Broken::Temporary { reason, is_reached: end.is_reached() }
+            }
+            (_, _, broken) => broken,
         }),
     }
 }
 
 async fn describe_and_play(
     address: Url,
-    login: Option<&Login>,
+    login: Option<Login>,
     shown_address: &str,
-) -> Result<Demuxed, ConnectError> {
-    let credentials =
-        login.map(|login| Credentials { username: login.user.clone(), password: login.password.clone() });
+) -> Result<Demuxed, Broken> {
+    let credentials = login.map(|login| Credentials { username: login.user, password: login.password });
     let options = SessionOptions::default().creds(credentials).user_agent("barrelman".to_owned());
     let connect_error = |error: retina::Error| match error.status_code() {
-        Some(401 | 403) => permanent(
+        Some(401 | 403) => refused(
             shown_address,
             "does not let us in",
             "Write USER:PASSWORD on the first line of a file and give --video-login-file FILE, or name the file as \
              video.login_file in the configuration",
         ),
-        Some(300..=399) => permanent(
+        Some(300..=399) => refused(
             shown_address,
             "leads to another address (an RTSP redirect), and no redirect is followed",
             "Give the address of the stream itself with --video",
         ),
-        _ => ConnectError::Temporary(error.to_string()),
+        _ => Broken::Temporary { reason: error.to_string(), is_reached: true },
     };
     let mut session = Session::describe(address, options).await.map_err(connect_error)?;
     let is_video = |stream: &&retina::client::Stream| stream.media() == "video";
@@ -350,7 +230,8 @@ async fn describe_and_play(
             session.streams().iter().find(is_video).map(|stream| stream.encoding_name().to_uppercase());
         let what = found
             .map_or("offers no video".to_owned(), |codec| format!("sends {codec}, and only H.264 is read"));
-        return Err(permanent(shown_address, &what, "Set the camera, or this profile of it, to H.264"));
+        let remedy = "Set the camera, or this profile of it, to H.264";
+        return Err(Broken::Unsupported(unusable(shown_address, &what, remedy)));
     };
     let transport = Transport::Tcp(TcpTransportOptions::default());
     let setup = SetupOptions::default().transport(transport).frame_format(FrameFormat::SIMPLE);
@@ -359,10 +240,10 @@ async fn describe_and_play(
     playing.demuxed().map_err(connect_error)
 }
 
-fn permanent(shown_address: &str, what: &str, remedy: &str) -> ConnectError {
-    ConnectError::Permanent(VideoError::Stream {
-        address: shown_address.to_owned(),
-        what: what.to_owned(),
-        remedy: remedy.to_owned(),
-    })
+fn refused(shown_address: &str, what: &str, remedy: &str) -> Broken {
+    Broken::Refused(unusable(shown_address, what, remedy))
+}
+
+fn unusable(shown_address: &str, what: &str, remedy: &str) -> VideoError {
+    VideoError::Stream { address: shown_address.to_owned(), what: what.to_owned(), remedy: remedy.to_owned() }
 }

@@ -43,6 +43,11 @@ impl RelayEnd {
         }
     }
 
+    /// Whether the server was reached.
+    pub(super) fn is_reached(&self) -> bool {
+        !matches!(self.get(), Some(Ended::Unreachable(_)))
+    }
+
     /// Why there was no connection, or an early end of it, in words.
     pub(super) fn reason(&self) -> Option<String> {
         match self.get()? {

@@ -41,7 +41,10 @@ use picture_rate::Step;
 use wall_clock::WallClock;
 
 /// Which clock gives the times of capture.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(
+    Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize, schemars::JsonSchema,
+)]
+#[serde(rename_all = "kebab-case")]
 pub enum ClockChoice {
     /// The sender's, as long as it can be a clock.
     #[default]

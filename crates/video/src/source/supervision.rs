@@ -126,6 +126,7 @@ pub enum Loss {
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Supervision {
     state: State,
+    connect_timeout: Duration,
     pause: Duration,
     /// The newest disconnection for late pictures.
     late: Option<LateDisconnection>,
@@ -141,7 +142,18 @@ struct LateDisconnection {
 impl Supervision {
     /// A source to connect at once.
     pub const fn new(now: Timestamp) -> Self {
-        Self { state: State::Resting { until: now }, pause: MIN_RETRY_PAUSE, late: None }
+        Self {
+            state: State::Resting { until: now },
+            connect_timeout: CONNECT_TIMEOUT,
+            pause: MIN_RETRY_PAUSE,
+            late: None,
+        }
+    }
+
+    /// The supervision of a source whose attempts to connect may take another time.
+    #[must_use]
+    pub const fn with_connect_timeout(self, connect_timeout: Duration) -> Self {
+        Self { connect_timeout, ..self }
     }
 
     /// The current state.
@@ -153,7 +165,7 @@ impl Supervision {
     pub fn wake_at(&self) -> Timestamp {
         match self.state {
             State::Resting { until } => until,
-            State::Connecting { since } => since.plus(CONNECT_TIMEOUT),
+            State::Connecting { since } => since.plus(self.connect_timeout),
             State::AwaitingKey { since, last_unit } => {
                 since.plus(KEY_FRAME_TIMEOUT).min(last_unit.plus(MAX_SILENCE))
             }
@@ -252,7 +264,7 @@ mod tests {
 
     /// From a state that was entered at 0, one event at `millis`.
     fn check(from: State, event: Event, millis: u64, expected: State, action: Option<Action>) {
-        let mut supervision = Supervision { state: from, pause: MIN_RETRY_PAUSE, late: None };
+        let mut supervision = Supervision { state: from, ..Supervision::new(at(0)) };
         assert_eq!(supervision.handle(event, at(millis)), action, "{from:?} {event:?} at {millis} ms");
         assert_eq!(supervision.state, expected, "{from:?} {event:?} at {millis} ms");
     }

@@ -37,6 +37,9 @@ impl From<&EncodedUnit> for stored::VideoUnit {
         };
         message.codec = match unit.codec {
             UnitCodec::H264AnnexB => stored::UnitCodec::H264,
+            UnitCodec::H265AnnexB => stored::UnitCodec::H265,
+            UnitCodec::Vp9 => stored::UnitCodec::Vp9,
+            UnitCodec::Av1 => stored::UnitCodec::Av1,
             UnitCodec::Jpeg => stored::UnitCodec::Jpeg,
             UnitCodec::Png => stored::UnitCodec::Png,
             UnitCodec::RawYuv420 { size, colour } => {
@@ -57,6 +60,9 @@ impl stored::VideoUnit {
         let unit = self;
         let codec = match unit.codec() {
             stored::UnitCodec::H264 => UnitCodec::H264AnnexB,
+            stored::UnitCodec::H265 => UnitCodec::H265AnnexB,
+            stored::UnitCodec::Vp9 => UnitCodec::Vp9,
+            stored::UnitCodec::Av1 => UnitCodec::Av1,
             stored::UnitCodec::Jpeg => UnitCodec::Jpeg,
             stored::UnitCodec::Png => UnitCodec::Png,
             stored::UnitCodec::Raw => UnitCodec::RawYuv420 {

@@ -6,8 +6,6 @@ pub const HEAD_BYTES: u64 = 4096;
 const REENCODE: &str = "Convert it: ffmpeg -i IN -c:v libx264 -pix_fmt yuv420p OUT.mp4";
 const REPACK: &str = "Put it into MP4 without loss: ffmpeg -i IN -c copy OUT.mp4 \
                       (if its codec is not H.264: ffmpeg -i IN -c:v libx264 -pix_fmt yuv420p OUT.mp4)";
-const NOT_VIDEO: &str = "Give a video: MP4 or MOV with H.264, Y4M, or a folder of PNG or JPEG pictures";
-
 /// The kind of a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum FileKind {
@@ -19,7 +17,12 @@ pub enum FileKind {
     Png,
     /// A JPEG picture.
     Jpeg,
-    /// A kind that is not supported.
+    /// No video.
+    NotVideo {
+        /// What it is, with its article.
+        what: &'static str,
+    },
+    /// A kind that the built-in engine does not read.
     Other {
         /// The kind, with its article.
         what: &'static str,
@@ -33,7 +36,7 @@ impl FileKind {
     pub fn detect(head: &[u8]) -> Self {
         let other = |what, remedy| Self::Other { what, remedy };
         match head {
-            [] => other("an empty file", NOT_VIDEO),
+            [] => Self::NotVideo { what: "an empty file" },
             [b'Y', b'U', b'V', b'4', b'M', b'P', b'E', b'G', b'2', ..] => Self::Y4m,
             [0x89, b'P', b'N', b'G', b'\r', b'\n', 0x1a, b'\n', ..] => Self::Png,
             [0xff, 0xd8, 0xff, ..] => Self::Jpeg,
@@ -41,7 +44,7 @@ impl FileKind {
             [b'R', b'I', b'F', b'F', _, _, _, _, b'A', b'V', b'I', b' ', ..] => {
                 other("an AVI file", REENCODE)
             }
-            [b'R', b'I', b'F', b'F', ..] => other("a RIFF file (sound or WebP)", NOT_VIDEO),
+            [b'R', b'I', b'F', b'F', ..] => other("a RIFF file (sound or WebP)", REENCODE),
             [0x1a, 0x45, 0xdf, 0xa3, ..] if contains(head, b"webm") => other("a WebM file", REENCODE),
             [0x1a, 0x45, 0xdf, 0xa3, ..] => other("a Matroska (MKV) file", REPACK),
             [b'D', b'K', b'I', b'F', ..] => other("an IVF file", REENCODE),
@@ -57,8 +60,8 @@ impl FileKind {
                 "a raw H.264 or H.265 stream without times",
                 "Put it into MP4: ffmpeg -r 30 -i IN -c copy OUT.mp4 (H.264 only)",
             ),
-            _ if is_text(head) => other("a text file", NOT_VIDEO),
-            _ => other("of a kind that is not known", NOT_VIDEO),
+            _ if is_text(head) => Self::NotVideo { what: "a text file" },
+            _ => other("of a kind that is not known", REENCODE),
         }
     }
 }
@@ -88,7 +91,9 @@ mod tests {
 
     fn check(head: &[u8], expected: &str) {
         match FileKind::detect(head) {
-            FileKind::Other { what, .. } => assert!(what.contains(expected), "{head:?}: {what}"),
+            FileKind::Other { what, .. } | FileKind::NotVideo { what } => {
+                assert!(what.contains(expected), "{head:?}: {what}")
+            }
             known => panic!("{head:?} was detected as {known:?}"),
         }
     }

@@ -7,14 +7,18 @@
 //! | Y4M | [`y4m`] |
 //! | PNG, JPEG, a folder of them | [`folder`] |
 //!
-//! For other kinds, the error names the command that converts the file. Memory is bounded: only the index and one picture
-//! of a file are held.
+//! | everything else | [`media`], by GStreamer |
+//!
+//! Where GStreamer is not installed, the error names the commands that install it and that convert the file. Memory is
+//! bounded: only the index and one picture of a file are held.
 
 mod reader;
 
 pub mod folder;
 pub mod mp4;
 pub mod y4m;
+
+pub mod media;
 
 mod mp4_boxes;
 mod mp4_index;

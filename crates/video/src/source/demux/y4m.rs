@@ -1,4 +1,4 @@
-//! Reads Y4M files (YUV4MPEG2): uncompressed pictures after a text header, as ffmpeg and mjpegtools write them.
+//! Reads Y4M files and pipes (YUV4MPEG2): uncompressed pictures after a text header, as ffmpeg and mjpegtools write them.
 //!
 //! Supported: 8 bit, 4:2:0 in every siting (without a distinction), and mono. Unsupported, with an error that names them:
 //! more bits, other chroma formats, interlaced pictures. `XCOLORRANGE=FULL` is respected; the matrix is the customary one
@@ -49,13 +49,11 @@ enum HeaderError {
 }
 
 impl Y4mReader {
-    /// Reads the header.
+    /// Reads the header, with which the file or pipe begins.
     ///
     /// # Errors
     /// A malformed header, or unsupported pictures.
-    pub fn open(path: &Path, mut file: File) -> Result<Self, VideoError> {
-        use std::io::Seek;
-        file.rewind().map_err(|error| cannot_read(path, error))?;
+    pub fn open(path: &Path, file: File) -> Result<Self, VideoError> {
         let mut input = BufReader::new(file);
         let line = read_line(&mut input).map_err(|error| cannot_read(path, error))?;
         let header = Header::parse(&line).map_err(|error| match error {

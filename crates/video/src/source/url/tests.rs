@@ -1,3 +1,7 @@
+use barrelman_media_protocol::role::CodedFormat;
+use barrelman_media_protocol::source::{DeviceFormat, DeviceSettings};
+use barrelman_vocab::PictureSize;
+
 use super::*;
 
 fn parsed(text: &str) -> VideoUrl {
@@ -40,7 +44,7 @@ fn a_file_of_exactly_that_name_wins() {
 fn an_rtsp_address_keeps_its_own_options_and_loses_ours() {
     let url = parsed("rtsp://cam.example:8554/live?profile=2&fault=stall@3&fps=9");
     assert_eq!(url.to_string(), "rtsp://cam.example:8554/live?profile=2&fps=9&fault=stall@3");
-    let VideoSource::Rtsp { address, login: None } = url.source else { panic!("it is RTSP") };
+    let VideoSource::Rtsp { address, login: None, .. } = url.source else { panic!("it is RTSP") };
     assert_eq!(address.as_str(), "rtsp://cam.example:8554/live?profile=2");
 }
 
@@ -67,11 +71,16 @@ fn a_password_is_used_and_never_printed() {
     for text in [url.to_string(), format!("{url:?}"), format!("{:?}", url.source)] {
         assert!(!text.contains("cret") && !text.contains("admin"), "{text}");
     }
-    let VideoSource::Rtsp { login: Some(login), address } = url.source else { panic!("it has a login") };
+    let VideoSource::Rtsp { login: Some(login), address, .. } = url.source else { panic!("it has a login") };
     assert_eq!((login.user.as_str(), login.password.as_str()), ("admin", "s@cret"));
     assert_eq!(address.as_str(), "rtsp://cam.example/live");
     assert!(!format!("{login:?}").contains("cret"));
-    for text in ["rtmp://u:secret@h/x", "rtsp://u:secret@", "rtsp://u:sec/ret@h:x/"] {
+    for text in ["rtmp://u:secret@h/x", "https://u:secret@h/x.m3u8"] {
+        let url = parsed(text);
+        let printed = format!("{url} {url:?} {:?}", url.source);
+        assert!(printed.contains("://***@h/x") && !printed.contains("secret"), "{printed}");
+    }
+    for text in ["rtsp://u:secret@", "rtsp://u:sec/ret@h:x/", "udp://u:secret@h:1"] {
         let error = VideoUrl::parse(text).unwrap_err();
         assert!(!format!("{error} {error:?}").contains("ret@"), "{error:?}");
     }
@@ -94,22 +103,66 @@ fn a_login_given_beside_the_address_is_used_and_given_once() {
 }
 
 #[test]
-fn what_is_not_read_by_this_build_comes_with_a_remedy() {
+fn what_cannot_be_an_address_comes_with_a_remedy() {
     for (text, remedy) in [
-        ("v4l2:///dev/video0", "ffmpeg -f v4l2 -i /dev/video0"),
-        ("udp://127.0.0.1:5600", "MediaMTX"),
-        ("https://cam.example/live.m3u8", "MediaMTX"),
         ("sim:arena1", "barrelman run --video sim:arena1"),
         ("gopher://cam.example/live", "rtsp://HOST/PATH"),
+        ("cam.example:554/live", "write rtsp://cam.example:554/live"),
+        ("192.168.0.7:8554", "write rtsp://192.168.0.7:8554"),
         ("clip.mp4?fps=0", "more than 0"),
-        ("clip.mp4?fps=many", "?fps=30"),
+        ("clip.mp4?fps=many", "fps=30"),
         ("clip.mp4?fault=explode@1", "use stall"),
         ("rtsp:///live", "rtsp://HOST"),
+        ("rtsp://h/live?transport=pigeon", "transport=udp"),
+        ("udp://0.0.0.0", "there is no port"),
+        ("udp://cam.example:5600", "in numbers"),
+        ("udp://:5600?codec=vp8", "codec=h265"),
+        ("udp://:5600?codec=h264&x=1", "x=1 is no option"),
+        ("/dev/video0?size=big", "size=1280x720"),
+        ("/dev/video0?speed=9", "an option is unknown"),
+        ("gst:", "gst:videotestsrc"),
         ("", "no video source"),
     ] {
         let error = VideoUrl::parse(text).unwrap_err().to_string();
         assert!(error.contains(remedy), "{text}: {error}");
     }
+}
+
+fn check_media(text: &str, shown: &str, address: &SourceAddress) {
+    let url = parsed(text);
+    assert_eq!(url.to_string(), shown, "{text}");
+    let VideoSource::Media(source) = url.source else { panic!("{text} is read by GStreamer") };
+    assert!(source.address == *address, "{text}");
+}
+
+#[test]
+fn addresses_of_gstreamer_are_told_apart() {
+    let udp = |bind: &str, format| SourceAddress::Udp { bind: bind.parse().unwrap(), format };
+    let h265 = Some(CodedFormat::H265);
+    check_media("udp://:5600", "udp://0.0.0.0:5600", &udp("0.0.0.0:5600", None));
+    check_media("rtp://239.1.2.3:5004", "udp://239.1.2.3:5004", &udp("239.1.2.3:5004", None));
+    check_media("udp://[::]:5600?codec=h265", "udp://[::]:5600", &udp("[::]:5600", h265));
+    check_media("UDP://127.0.0.1:5600", "udp://127.0.0.1:5600", &udp("127.0.0.1:5600", None));
+    check_media("camera.sdp", "camera.sdp", &SourceAddress::Sdp("camera.sdp".into()));
+    let device = |path: &str| DeviceSettings { path: path.into(), size: None, fps: None, format: None };
+    check_media("/dev/video7", "/dev/video7", &SourceAddress::Device(device("/dev/video7")));
+    let settings = DeviceSettings {
+        size: Some(PictureSize::new(1280, 720)),
+        fps: Some(30.0),
+        format: Some(DeviceFormat::Mjpeg),
+        ..device("/dev/video0")
+    };
+    let text = "v4l2:/dev/video0?size=1280x720&fps=30&format=mjpeg";
+    check_media(text, "/dev/video0", &SourceAddress::Device(settings));
+    let pipeline = "videotestsrc ! x264enc";
+    check_media(
+        "gst:videotestsrc ! x264enc",
+        "gst:videotestsrc ! x264enc",
+        &SourceAddress::Pipeline(pipeline.into()),
+    );
+    let login = SourceLogin { user: "u".into(), password: "p".into(), permits_basic: false };
+    let network = SourceAddress::Network { url: "http://cam.example/video?x=1".into(), login: Some(login) };
+    check_media("http://u:p@cam.example/video?x=1", "http://***@cam.example/video?x=1", &network);
 }
 
 #[test]

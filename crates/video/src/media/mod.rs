@@ -1,0 +1,10 @@
+//! The second engine: GStreamer in processes of its own, `barrelman-media` (see [`barrelman_media_protocol`]).
+//!
+//! One process reads a source, another decodes its units. A process that ends, stops or sends nonsense is a lost
+//! connection or a damaged unit; the next one is started by whoever asks for the next connection or the next key frame.
+
+pub(crate) mod process;
+
+pub(crate) mod decoder;
+
+pub use process::{MediaError, MediaProgram};

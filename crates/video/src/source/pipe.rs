@@ -1,0 +1,59 @@
+//! Pipes that another program writes to: Y4M, or what GStreamer recognises.
+
+use std::fs::File;
+use std::io::Read as _;
+use std::os::fd::AsRawFd as _;
+use std::path::{Path, PathBuf};
+
+use rustix::pipe::{SpliceFlags, pipe, tee};
+
+use super::demux::kind::{FileKind, HEAD_BYTES};
+use super::demux::y4m::Y4mReader;
+use crate::error::{VideoError, cannot_read};
+
+/// An open pipe, of which nothing has been read.
+pub(super) enum Pipe {
+    /// Y4M, whose header has been read.
+    Y4m(Y4mReader),
+    /// Anything else.
+    Other(OtherPipe),
+}
+
+/// A pipe whose content GStreamer must recognise.
+pub(super) struct OtherPipe {
+    /// Stays open as long as `path` is used.
+    _file: File,
+    /// A name of the open pipe for another process.
+    pub(super) path: PathBuf,
+    /// The kind of the content.
+    pub(super) kind: FileKind,
+}
+
+impl Pipe {
+    /// Opens a pipe and waits for its first bytes.
+    ///
+    /// # Errors
+    /// A pipe that cannot be read, or a Y4M header that is not supported.
+    pub(super) fn open(path: &Path) -> Result<Self, VideoError> {
+        let file = File::open(path).map_err(|error| cannot_read(path, error))?;
+        let head = peek(&file).map_err(|error| cannot_read(path, error.into()))?;
+        Ok(match FileKind::detect(&head) {
+            FileKind::Y4m => Self::Y4m(Y4mReader::open(path, file)?),
+            kind => {
+                let name = format!("/proc/{}/fd/{}", std::process::id(), file.as_raw_fd());
+                Self::Other(OtherPipe { _file: file, path: name.into(), kind })
+            }
+        })
+    }
+}
+
+/// The bytes at the head of a pipe, which stay in it.
+fn peek(file: &File) -> Result<Vec<u8>, rustix::io::Errno> {
+    let (copy, to) = pipe()?;
+    tee(file, &to, HEAD_BYTES as usize, SpliceFlags::empty())?;
+    drop(to);
+    let mut head = Vec::new();
+    // A pipe of this process, which is closed at its end.
+    let _ = File::from(copy).read_to_end(&mut head);
+    Ok(head)
+}
