@@ -1,0 +1,8 @@
+//! Drives the real program over the channel.
+#![allow(clippy::unwrap_used, clippy::panic, clippy::print_stderr)]
+
+mod clip;
+mod media;
+
+mod decoding;
+mod roles;
