@@ -1,8 +1,9 @@
 //! Video files and encoded pictures.
 
 use barrelman_video::annexb::{AvcConfiguration, is_bidirectional, kind, nals};
-use barrelman_video::decoder::{DecodeMode, UnitDecoder};
+use barrelman_video::decoder::UnitDecoder;
 use barrelman_video::demux::FileReader;
+use barrelman_video::mode::DecodeMode;
 use barrelman_video::url::VideoUrl;
 use barrelman_vocab::time::Timestamp;
 use barrelman_vocab::unit::{EncodedUnit, Rotation, UnitCodec};

@@ -8,7 +8,7 @@ use barrelman_vocab::image::PictureSize;
 use barrelman_vocab::video::ColourEncoding;
 use serde::{Deserialize, Serialize};
 
-use crate::role::CodedFormat;
+use crate::format::CodedFormat;
 
 /// Largest picture that a decoder delivers, in either direction. Larger pictures are scaled down.
 pub const MAX_SIDE: u32 = 4096;

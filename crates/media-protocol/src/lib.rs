@@ -26,3 +26,5 @@ pub mod role;
 pub mod source;
 
 pub mod decoder;
+
+pub mod format;

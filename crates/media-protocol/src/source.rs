@@ -9,7 +9,7 @@ use barrelman_vocab::image::PictureSize;
 use barrelman_vocab::unit::{Rotation, UnitCodec};
 use serde::{Deserialize, Serialize};
 
-use crate::role::CodedFormat;
+use crate::format::CodedFormat;
 
 /// Longest silence of a source that runs: [`FromSource::Alive`] comes at least this often.
 pub const ALIVE_INTERVAL_MS: u64 = 100;

@@ -3,6 +3,7 @@
 use anyhow::{Context, Result};
 use barrelman_host::clock::Clock;
 use barrelman_link_http::{RelayFailures, TlsRelay, TlsServer, Trust};
+use barrelman_video::sender_clock::VideoTiming;
 use barrelman_video::{DecodeError, VideoHandle, VideoSink, VideoState, VideoUrl};
 use barrelman_vocab::{EncodedUnit, PixelBox, VideoFrame};
 
@@ -43,6 +44,10 @@ impl<S: VideoSink> VideoSink for Explained<S> {
 
     fn on_target(&mut self, target: PixelBox) {
         self.sink.on_target(target);
+    }
+
+    fn on_timing(&mut self, timing: VideoTiming) {
+        self.sink.on_timing(timing);
     }
 
     fn on_damage(&mut self, error: &DecodeError) {

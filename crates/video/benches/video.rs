@@ -3,8 +3,9 @@
 //! The clip is generated: 1280x720, a moving texture, baseline profile, 4 Mbit/s. With nasm on the PATH at build time, the
 //! cost is half.
 
-use barrelman_video::decoder::{DecodeMode, UnitDecoder};
+use barrelman_video::decoder::UnitDecoder;
 use barrelman_video::encoder::{EncoderSettings, H264Encoder};
+use barrelman_video::mode::DecodeMode;
 use barrelman_vocab::image::PictureSize;
 use barrelman_vocab::time::Timestamp;
 use barrelman_vocab::unit::{EncodedUnit, Rotation, UnitCodec};

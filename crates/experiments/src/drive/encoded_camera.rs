@@ -11,8 +11,9 @@ use barrelman_vocab::unit::{Rotation, UnitCodec};
 use barrelman_vocab::{EncodedUnit, VideoFrame};
 use bytes::Bytes;
 
-use barrelman_video::decoder::{DecodeMode, UnitDecoder};
+use barrelman_video::decoder::UnitDecoder;
 use barrelman_video::encoder::{EncoderSettings, H264Encoder};
+use barrelman_video::mode::DecodeMode;
 
 /// Renders, encodes and decodes the pictures of a world.
 pub(super) struct EncodedCamera<'a> {

@@ -1,7 +1,7 @@
 //! The parser and the decoder of a format.
 
 use barrelman_media_protocol::decoder::DecoderElement;
-use barrelman_media_protocol::role::CodedFormat;
+use barrelman_media_protocol::format::CodedFormat;
 use gst::prelude::*;
 use gstreamer as gst;
 use gstreamer_video::VideoDecoder;

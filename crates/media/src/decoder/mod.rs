@@ -27,7 +27,8 @@ use std::time::{Duration, Instant};
 
 use barrelman_media_protocol::channel::{Channel, ChannelError};
 use barrelman_media_protocol::decoder::{DecoderElement, DecoderList, FromDecoder, ToDecoder};
-use barrelman_media_protocol::role::{CodedFormat, DecoderSettings};
+use barrelman_media_protocol::format::CodedFormat;
+use barrelman_media_protocol::role::DecoderSettings;
 use gst::prelude::*;
 use gstreamer as gst;
 

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::atomic::{AtomicU32, Ordering};
 
-use barrelman_media_protocol::role::CodedFormat;
+use barrelman_media_protocol::format::CodedFormat;
 use gst::prelude::*;
 use gstreamer as gst;
 use gstreamer_app::AppSink;

@@ -1,7 +1,7 @@
 //! Decoded pictures against those of FFmpeg.
 
 use barrelman_media_protocol::decoder::{DecodedPicture, ToDecoder};
-use barrelman_media_protocol::role::CodedFormat;
+use barrelman_media_protocol::format::CodedFormat;
 use barrelman_vocab::image::PictureSize;
 use barrelman_vocab::video::{ColourEncoding, ColourMatrix, SampleRange};
 

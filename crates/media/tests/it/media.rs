@@ -6,7 +6,8 @@ use std::time::{Duration, Instant};
 
 use barrelman_media_protocol::channel::{Channel, ChannelError};
 use barrelman_media_protocol::decoder::{DecodedPicture, FromDecoder, ToDecoder};
-use barrelman_media_protocol::role::{BUILD, CodedFormat, DecoderSettings, Role, Start};
+use barrelman_media_protocol::format::CodedFormat;
+use barrelman_media_protocol::role::{BUILD, DecoderSettings, Role, Start};
 
 use crate::clip::Unit;
 

@@ -4,7 +4,8 @@ use std::process::{Command, Stdio};
 
 use barrelman_media_protocol::channel::ChannelError;
 use barrelman_media_protocol::decoder::{DecoderList, FromDecoder};
-use barrelman_media_protocol::role::{CodedFormat, DecoderSettings, Role};
+use barrelman_media_protocol::format::CodedFormat;
+use barrelman_media_protocol::role::{DecoderSettings, Role};
 
 use crate::media::Media;
 

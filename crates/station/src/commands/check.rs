@@ -27,10 +27,12 @@ use crate::simulated_source;
 use crate::source_url::SourceUrl;
 use barrelman_host::clock::Clock;
 use barrelman_link_http::Trust;
-use barrelman_video::{FileFrames, VideoSink, VideoState, VideoUrl};
+use barrelman_video::media::{self, CodedFormat, DecoderElement, MediaProgram};
+use barrelman_video::{VideoFrames, VideoSink, VideoState, VideoUrl};
 
-/// How long a live source may take to deliver its first picture: 5 s to connect, and up to 5 s to the next key frame.
-const FIRST_PICTURE_TIMEOUT: Duration = Duration::from_secs(10);
+/// How long a live source may take to deliver its first picture: 5 s by the built-in engine, 5 s to connect by GStreamer,
+/// and up to 5 s to the next key frame.
+const FIRST_PICTURE_TIMEOUT: Duration = Duration::from_secs(15);
 /// Path of this project's udev rule, when installed.
 const UDEV_RULE: &str = "/etc/udev/rules.d/70-barrelman.rules";
 
@@ -44,6 +46,7 @@ pub fn run(args: &CheckArgs, clock: Clock) -> Result<ExitCode> {
     let ConnectionOptions { video, link, .. } = &args.connection;
     let video = video.clone().or_else(|| configuration.as_ref().and_then(|found| found.video.clone()));
     let link = link.clone().or_else(|| configuration.as_ref().and_then(|found| found.link.clone()));
+    results.push(check_decoders());
     results.push(match video {
         Some(url) => check_video(&url, configuration.as_ref(), clock),
         None => CheckResult::new("video", Verdict::Warning, "none configured: give --video or video.url"),
@@ -90,12 +93,40 @@ fn check_configuration(args: &CheckArgs, results: &mut Vec<CheckResult>) -> Opti
     }
 }
 
+/// What can be decoded, and by which part.
+fn check_decoders() -> CheckResult {
+    let Some(program) = MediaProgram::installed() else {
+        let commands = MediaProgram::BUILD_COMMANDS;
+        let details = format!("H.264, JPEG, PNG: built in. barrelman-media decodes the rest: {commands}");
+        return CheckResult::new("decoders", Verdict::Ok, details);
+    };
+    match media::decoders(&program) {
+        Ok(list) => {
+            let of = |(format, element): &(CodedFormat, Option<DecoderElement>)| match element {
+                Some(DecoderElement { name, is_hardware: true }) => {
+                    format!("{}: {name} (hardware)", format.name())
+                }
+                Some(DecoderElement { name, is_hardware: false }) => format!("{}: {name}", format.name()),
+                None => format!("{}: none", format.name()),
+            };
+            let media: Vec<_> = list.decoders.iter().map(of).collect();
+            let details =
+                format!("H.264, JPEG, PNG: built in. GStreamer {}: {}", list.version, media.join(", "));
+            CheckResult::new("decoders", Verdict::Ok, details)
+        }
+        Err(error) => CheckResult::new("decoders", Verdict::Warning, error.to_string()),
+    }
+}
+
 fn check_video(url: &str, configuration: Option<&Configuration>, clock: Clock) -> CheckResult {
     let login = configuration.map(|configuration| configuration.video_login.clone()).unwrap_or_default();
-    let parsed = match secrets::source_url(url, &login) {
+    let mut parsed = match secrets::source_url(url, &login) {
         Ok(parsed) => parsed,
         Err(error) => return CheckResult::new("video", Verdict::Failed, format!("{error:#}")),
     };
+    if let (SourceUrl::Video(url), Some(configuration)) = (&mut parsed, configuration) {
+        url.engine = configuration.video_engine;
+    }
     let files = configuration.map(|configuration| configuration.video_trust.clone()).unwrap_or_default();
     let trust = match secrets::trust(&files) {
         Ok(trust) => trust,
@@ -121,7 +152,7 @@ fn check_video(url: &str, configuration: Option<&Configuration>, clock: Clock) -
 }
 
 fn first_stored_picture(url: &VideoUrl) -> Result<VideoFrame, String> {
-    let mut frames = FileFrames::open(url).map_err(|error| error.to_string())?;
+    let mut frames = VideoFrames::open(url).map_err(|error| error.to_string())?;
     frames
         .next_frame()
         .map_err(|error| error.to_string())?

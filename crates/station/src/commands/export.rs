@@ -18,8 +18,9 @@ use crate::cli::ExportArgs;
 use barrelman_experiments::campaign::recorded_trial;
 use barrelman_host::input;
 use barrelman_host::output::OutputFile;
-use barrelman_video::decoder::{DecodeMode, UnitDecoder};
+use barrelman_video::decoder::UnitDecoder;
 use barrelman_video::encoder::EncoderSettings;
+use barrelman_video::mode::DecodeMode;
 use barrelman_video::writer::Mp4Writer;
 
 /// The name of the trial's table, without its extension.

@@ -19,7 +19,7 @@ use crate::cli::ReplayArgs;
 use crate::config::{self, Configuration};
 use barrelman_host::input;
 use barrelman_host::program::identity;
-use barrelman_video::decoder::DecodeMode;
+use barrelman_video::mode::DecodeMode;
 
 /// Limit of the encoded video that waits for its step. In this program's recordings about ten units wait, because the
 /// pilot takes the newest frame. A gigabyte is three seconds of raw video at 3840 x 2160 and 30 frames per second.

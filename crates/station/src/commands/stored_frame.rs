@@ -1,7 +1,7 @@
 //! One frame of a stored video.
 
 use anyhow::{Result, bail};
-use barrelman_video::{DecodeError, FileFrames, VideoError, VideoUrl};
+use barrelman_video::{DecodeError, VideoError, VideoFrames, VideoUrl};
 use barrelman_vocab::VideoFrame;
 
 /// The frame with this number, counted from 0 as `track` counts: damaged pictures are left out.
@@ -9,7 +9,7 @@ use barrelman_vocab::VideoFrame;
 /// # Errors
 /// If the video cannot be read, or has fewer frames; the message says how many.
 pub(super) fn stored_frame(url: &VideoUrl, number: u64) -> Result<VideoFrame> {
-    let mut frames = FileFrames::open(url)?;
+    let mut frames = VideoFrames::open(url)?;
     let mut index = 0;
     loop {
         match frames.next_frame() {

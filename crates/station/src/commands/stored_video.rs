@@ -10,7 +10,8 @@ use anyhow::{Result, anyhow, bail};
 use barrelman_trial::records::FrameFingerprint;
 use barrelman_vocab::{EncodedUnit, VideoFrame};
 
-use barrelman_video::decoder::{DecodeMode, UnitDecoder};
+use barrelman_video::decoder::UnitDecoder;
+use barrelman_video::mode::DecodeMode;
 
 /// The video of a recording.
 pub struct StoredVideo {

@@ -20,7 +20,7 @@ use crate::interruption::flag_of_signals;
 use barrelman_experiments::tracker_choice::TrackerSettings;
 use barrelman_host::output::OutputFile;
 use barrelman_overlay::film::Film;
-use barrelman_video::{DecodeError, FileFrames, VideoError, VideoUrl};
+use barrelman_video::{DecodeError, VideoError, VideoFrames, VideoUrl};
 
 /// The header of `track.csv`.
 pub const HEADER: &str =
@@ -45,7 +45,7 @@ pub fn run(args: &TrackArgs) -> Result<ExitCode> {
         Some(selection) => selection,
         None => drawn_selection(args, &url)?,
     };
-    let mut frames = FileFrames::open(&url)?;
+    let mut frames = VideoFrames::open(&url)?;
     let mut track = TrackWriter {
         tracker: TrackerSettings::new(args.tracker).build()?,
         rows: BufWriter::new(rows),
@@ -140,7 +140,7 @@ fn cpu_time() -> Duration {
     Duration::new(time.tv_sec as u64, time.tv_nsec as u32)
 }
 
-fn progress_bar(frames: &FileFrames) -> ProgressBar {
+fn progress_bar(frames: &VideoFrames) -> ProgressBar {
     let style = "{bar:40} {pos}/{len} frames, {eta} left";
     match (frames.frame_count(), ProgressStyle::with_template(style)) {
         (Some(count), Ok(style)) => ProgressBar::new(count).with_style(style),

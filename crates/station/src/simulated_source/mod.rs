@@ -20,9 +20,9 @@ mod moments;
 mod rendering;
 
 use barrelman_host::clock::Clock;
-use barrelman_video::decoder::DecodeMode;
 use barrelman_video::engine::VideoEngine;
 use barrelman_video::feed::{Feed, FeedSettings};
+use barrelman_video::mode::DecodeMode;
 use barrelman_video::sender_clock::TimingSettings;
 use barrelman_video::{VideoError, VideoHandle, VideoSink};
 

@@ -12,7 +12,7 @@ use barrelman_sim::{Truth, World};
 use barrelman_simd::{Simd, SimdLevel};
 use barrelman_trial::campaign::{FrameSource as _, RenderedCamera, StepObserver};
 use barrelman_trial::target_in_picture::TargetInPicture;
-use barrelman_video::{FileFrames, VideoUrl};
+use barrelman_video::{VideoFrames, VideoUrl};
 use barrelman_vocab::{PictureSize, Timestamp, VehicleRates};
 
 use crate::program::{barrelman_in, empty_folder, failed, succeeded};
@@ -143,7 +143,7 @@ fn a_rendered_clip_has_a_row_of_truth_and_a_mask_for_every_frame() {
     ];
     succeeded(&barrelman_in(&folder, &arguments));
     failed(&barrelman_in(&folder, &arguments), 1, &["--force"]);
-    let mut frames = FileFrames::open(&VideoUrl::file(folder.join("clip.mp4"))).unwrap();
+    let mut frames = VideoFrames::open(&VideoUrl::file(folder.join("clip.mp4"))).unwrap();
     let mut count = 0;
     while let Some(frame) = frames.next_frame().unwrap() {
         assert_eq!(frame.picture.size(), size);

@@ -15,7 +15,8 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use barrelman_media_protocol::role::{CodedFormat, DecoderSettings};
+use barrelman_media_protocol::format::CodedFormat;
+use barrelman_media_protocol::role::DecoderSettings;
 use barrelman_vocab::image::PictureSize;
 use barrelman_vocab::time::Timestamp;
 use barrelman_vocab::unit::{EncodedUnit, UnitCodec};
@@ -23,6 +24,7 @@ use barrelman_vocab::video::{Capture, Picture, Plane, VideoFrame};
 
 use super::annexb;
 use super::h264::H264Decoder;
+use super::mode::DecodeMode;
 use super::pool::PicturePool;
 use super::still::StillDecoder;
 use crate::engine::VideoEngine;
@@ -32,15 +34,6 @@ use crate::media::decoder::MediaDecoder;
 
 /// H.264 without a key frame for this long is decoded from a recovery point on.
 const MAX_WAIT_FOR_KEY: Duration = Duration::from_secs(2);
-
-/// The priority of the decoder: low latency or all frames.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum DecodeMode {
-    /// Each picture as soon as its unit arrives.
-    Live,
-    /// All pictures, in display order.
-    File,
-}
 
 /// Decodes the units of one source, one after the other.
 pub struct UnitDecoder {

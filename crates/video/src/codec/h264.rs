@@ -20,7 +20,7 @@ use openh264::decoder::{DecodeOptions, DecodedYUV, Decoder, DecoderConfig, Flush
 use openh264::formats::YUVSource;
 
 use super::annexb::{self, NalKind};
-use super::decoder::DecodeMode;
+use super::mode::DecodeMode;
 use super::pending::Pending;
 use super::pool::PicturePool;
 use super::sps::SequenceParameters;

@@ -2,6 +2,7 @@
 
 pub mod decoder;
 mod h264;
+pub mod mode;
 pub(crate) mod pending;
 
 pub mod annexb;

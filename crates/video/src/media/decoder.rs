@@ -12,13 +12,10 @@ use barrelman_media_protocol::role::{DecoderSettings, Role};
 use barrelman_vocab::unit::{EncodedUnit, Rotation};
 use barrelman_vocab::video::{Capture, Picture, Plane};
 
-use super::process::{MediaProcess, MediaProgram};
+use super::process::{MediaProcess, MediaProgram, START_TIMEOUT};
 use crate::codec::pending::Pending;
 use crate::codec::pool::PicturePool;
 use crate::error::DecodeError;
-
-/// Longest start of a process. The first start after an installation reads all of GStreamer's plugins.
-const START_TIMEOUT: Duration = Duration::from_secs(20);
 
 /// Longest time to decode a unit: 30 pictures.
 const ANSWER_TIMEOUT: Duration = Duration::from_secs(1);

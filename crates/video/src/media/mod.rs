@@ -7,4 +7,6 @@ pub(crate) mod process;
 
 pub(crate) mod decoder;
 
-pub use process::{MediaError, MediaProgram};
+pub use barrelman_media_protocol::decoder::{DecoderElement, DecoderList};
+pub use barrelman_media_protocol::format::CodedFormat;
+pub use process::{MediaError, MediaProgram, decoders};

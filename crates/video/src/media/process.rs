@@ -3,12 +3,16 @@
 use std::io::{self, BufRead as _, BufReader, Read as _};
 use std::path::{Path, PathBuf};
 use std::process::{Child, ChildStderr, Command, Stdio};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use barrelman_media_protocol::channel::{Channel, ChannelError};
+use barrelman_media_protocol::decoder::DecoderList;
 use barrelman_media_protocol::role::{BUILD, MEDIA_NAME, Role, Start};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
+
+/// Longest start of a process. The first start after an installation reads all of GStreamer's plugins.
+pub(crate) const START_TIMEOUT: Duration = Duration::from_secs(20);
 
 /// Bytes of one process's error output that reach the log.
 const MAX_LOGGED_BYTES: u64 = 16 * 1024;
@@ -128,6 +132,18 @@ impl Drop for MediaProcess {
         let _ = self.child.kill();
         let _ = self.child.wait();
     }
+}
+
+/// What an installed `barrelman-media` decodes.
+///
+/// # Errors
+/// The program cannot be started, or does not answer.
+pub fn decoders(program: &MediaProgram) -> Result<DecoderList, MediaError> {
+    let mut process = MediaProcess::start(program, Role::ListDecoders)?;
+    let answer = process.receive(Instant::now() + START_TIMEOUT);
+    let failed = |cause| MediaError::Channel { program: program.0.clone(), cause };
+    let (list, _) = answer.map_err(failed)?.ok_or_else(|| failed(ChannelError::Stopped))?;
+    Ok(list)
 }
 
 /// Logs what a process prints, up to a bound; the rest is read and dropped, so that the process never blocks.

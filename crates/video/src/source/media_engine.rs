@@ -14,13 +14,10 @@ use super::sender_clock::SenderReport;
 use super::wall_time::{sender_wall_ns, since_1900_ns};
 use crate::error::VideoError;
 use crate::media::MediaProgram;
-use crate::media::process::MediaProcess;
+use crate::media::process::{MediaProcess, START_TIMEOUT};
 
 /// A process that says nothing for this long has stopped.
 const MAX_SILENCE: Duration = Duration::from_millis(700);
-
-/// Longest time to the first message. The first start after an installation reads all of GStreamer's plugins.
-const START_TIMEOUT: Duration = Duration::from_secs(20);
 
 /// The engine for one source.
 pub(super) struct MediaEngine {

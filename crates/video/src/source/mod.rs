@@ -8,7 +8,7 @@ pub mod url;
 
 pub mod live;
 
-pub mod file;
+pub mod frames;
 
 pub mod feed;
 

@@ -30,7 +30,7 @@ use url::{Position, Url};
 
 use super::feed::FeedSettings;
 use super::sender_clock::TimingSettings;
-use crate::codec::decoder::DecodeMode;
+use crate::codec::mode::DecodeMode;
 use crate::engine::VideoEngine;
 
 pub use error::VideoUrlError;

@@ -2,9 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
-use barrelman_video::decoder::{DecodeMode, UnitDecoder};
+use barrelman_video::decoder::UnitDecoder;
 use barrelman_video::demux::FileReader;
-use barrelman_video::{DecodeError, FileFrames, VideoError, VideoUrl};
+use barrelman_video::mode::DecodeMode;
+use barrelman_video::{DecodeError, VideoError, VideoFrames, VideoUrl};
 use barrelman_vocab::unit::EncodedUnit;
 use barrelman_vocab::video::VideoFrame;
 
@@ -15,7 +16,7 @@ pub(crate) fn fixture(name: &str) -> PathBuf {
 
 /// All frames of a file, and the error at its end, if any.
 pub(crate) fn read(path: PathBuf) -> (Vec<VideoFrame>, Option<VideoError>) {
-    let mut frames = match FileFrames::open(&VideoUrl::file(path)) {
+    let mut frames = match VideoFrames::open(&VideoUrl::file(path)) {
         Ok(frames) => frames,
         Err(error) => return (Vec::new(), Some(error)),
     };

@@ -1,6 +1,7 @@
 //! Units decoded: live and from a file, with pictures missing, and over epochs.
 
-use barrelman_video::decoder::{DecodeMode, UnitDecoder};
+use barrelman_video::decoder::UnitDecoder;
+use barrelman_video::mode::DecodeMode;
 
 use crate::clips::{decode, units};
 

@@ -1,7 +1,7 @@
 //! Video files read, against what ffmpeg makes of the same files
 //! (`fixtures/video/expected.csv`, made by `fixtures/video/make.sh`).
 
-use barrelman_video::{FileFrames, VideoUrl};
+use barrelman_video::{VideoFrames, VideoUrl};
 use barrelman_vocab::video::{ColourEncoding, ColourMatrix, Plane, SampleRange};
 
 use crate::clips::{fixture, read};
@@ -148,7 +148,7 @@ fn pictures_become_planes_of_bt_601_in_full_range() {
 #[test]
 fn a_folder_of_pictures_is_a_video_in_natural_order() {
     let url = VideoUrl::parse(&format!("{}?fps=10", fixture("png").display())).unwrap();
-    let mut frames = FileFrames::open(&url).unwrap();
+    let mut frames = VideoFrames::open(&url).unwrap();
     assert_eq!(frames.frame_count(), Some(5));
     let mut means = Vec::new();
     while let Some(frame) = frames.next_frame().unwrap() {

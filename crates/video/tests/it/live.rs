@@ -8,7 +8,8 @@ use std::sync::mpsc::{self, Receiver, Sender};
 use std::time::{Duration, Instant};
 
 use barrelman_host::clock::Clock;
-use barrelman_video::decoder::{DecodeMode, UnitDecoder};
+use barrelman_video::decoder::UnitDecoder;
+use barrelman_video::mode::DecodeMode;
 use barrelman_video::{StopError, VideoError, VideoHandle, VideoSink, VideoState, VideoUrl, spawn};
 use barrelman_vocab::image::PictureSize;
 use barrelman_vocab::time::Timestamp;

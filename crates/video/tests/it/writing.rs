@@ -4,8 +4,8 @@ use std::fs::File;
 use std::path::Path;
 use std::time::Duration;
 
-use barrelman_video::decoder::DecodeMode;
 use barrelman_video::encoder::EncoderSettings;
+use barrelman_video::mode::DecodeMode;
 use barrelman_video::writer::Mp4Writer;
 use barrelman_vocab::image::PictureSize;
 use barrelman_vocab::time::Timestamp;

@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail, ensure};
-use barrelman_video::{FileFrames, VideoUrl};
+use barrelman_video::{VideoFrames, VideoUrl};
 use barrelman_vocab::{PictureSize, PixelBox, VideoFrame};
 
 use super::scoring::Label;
@@ -128,7 +128,7 @@ impl ClipFolder {
     /// If the video or the labels cannot be read, or no frame is labelled.
     pub(crate) fn load(&self) -> Result<Clip> {
         let video = self.video_path();
-        let mut reader = FileFrames::open(&VideoUrl::parse(&video.to_string_lossy())?)?;
+        let mut reader = VideoFrames::open(&VideoUrl::parse(&video.to_string_lossy())?)?;
         let mut frames = Vec::new();
         while let Some(frame) = reader.next_frame()? {
             frames.push(frame);

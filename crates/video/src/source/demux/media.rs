@@ -1,6 +1,6 @@
 //! Reads files of any kind that GStreamer knows, in a process `barrelman-media`.
 
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use barrelman_media_protocol::channel::ChannelError;
 use barrelman_media_protocol::role::Role;
@@ -13,10 +13,7 @@ use bytes::Bytes;
 use super::stamp::capture_at;
 use crate::error::VideoError;
 use crate::media::MediaProgram;
-use crate::media::process::MediaProcess;
-
-/// Longest silence of a process: GStreamer's first start reads all of its plugins, and a slow disk takes its time.
-const MAX_SILENCE: Duration = Duration::from_secs(20);
+use crate::media::process::{MediaProcess, START_TIMEOUT};
 
 /// Pictures per second that are assumed where a file has no times.
 const ASSUMED_FPS: u64 = 30;
@@ -74,7 +71,7 @@ impl MediaReader {
     }
 
     fn receive(&mut self) -> Result<(FromSource, Vec<u8>), VideoError> {
-        match self.process.receive(Instant::now() + MAX_SILENCE) {
+        match self.process.receive(Instant::now() + START_TIMEOUT) {
             Ok(Some(message)) => Ok(message),
             Ok(None) => Err(self.failed(&ChannelError::Stopped)),
             Err(error) => Err(self.failed(&error)),

@@ -1,7 +1,7 @@
 //! This program's own options in an address: `?fps=30&fault=stall@12`.
 
 use barrelman_host::fault::FaultPlan;
-use barrelman_media_protocol::role::CodedFormat;
+use barrelman_media_protocol::format::CodedFormat;
 use barrelman_media_protocol::source::{DeviceFormat, RtspTransport};
 use barrelman_vocab::PictureSize;
 

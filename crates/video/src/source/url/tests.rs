@@ -1,4 +1,4 @@
-use barrelman_media_protocol::role::CodedFormat;
+use barrelman_media_protocol::format::CodedFormat;
 use barrelman_media_protocol::source::{DeviceFormat, DeviceSettings};
 use barrelman_vocab::PictureSize;
 
