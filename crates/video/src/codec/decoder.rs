@@ -19,7 +19,7 @@ use barrelman_media_protocol::format::CodedFormat;
 use barrelman_media_protocol::role::DecoderSettings;
 use barrelman_vocab::image::PictureSize;
 use barrelman_vocab::time::Timestamp;
-use barrelman_vocab::unit::{EncodedUnit, UnitCodec};
+use barrelman_vocab::unit::{EncodedUnit, Rotation, UnitCodec};
 use barrelman_vocab::video::{Capture, Picture, Plane, VideoFrame};
 
 use super::annexb;
@@ -116,6 +116,13 @@ impl UnitDecoder {
         };
         self.is_awaiting_key = false;
         if unit.shown {
+            let picture = match (unit.codec, unit.rotation) {
+                (UnitCodec::RawYuv420 { .. }, _) | (_, Rotation::None) => picture,
+                (_, rotation) => {
+                    let planes = [picture.y(), picture.u(), picture.v()];
+                    self.pool.copy(planes, picture.colour(), rotation)
+                }
+            };
             deliver(&mut self.delivered, unit.capture, picture, out);
         }
         Ok(())

@@ -1,4 +1,4 @@
-//! Reads a folder of PNG and JPEG files as a video, in natural order (`2.png` before `10.png`), at a constant rate (30 per
+//! Reads a folder of PNG, JPEG, WebP and TIFF files as a video, in natural order (`2.png` before `10.png`), at a constant rate (30 per
 //! second unless the address has `?fps=`).
 //!
 //! Hidden files and files of other kinds are skipped. The content decides the kind. Pictures may differ in size.
@@ -7,12 +7,11 @@ use std::cmp::Ordering;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use bytes::Bytes;
-
 use super::kind::{FileKind, HEAD_BYTES};
+use super::picture_file::PictureFile;
 use super::stamp::capture_at_rate;
 use crate::error::{VideoError, cannot_read};
-use barrelman_vocab::unit::{EncodedUnit, Rotation, UnitCodec};
+use barrelman_vocab::unit::EncodedUnit;
 
 /// Pictures per second where the address does not state them.
 pub const DEFAULT_FPS: f64 = 30.0;
@@ -37,14 +36,14 @@ impl FolderReader {
         for entry in fs::read_dir(folder).map_err(|error| cannot_read(folder, error))? {
             let path = entry.map_err(|error| cannot_read(folder, error))?.path();
             let hidden = path.file_name().is_some_and(|name| name.to_string_lossy().starts_with('.'));
-            if !hidden && path.is_file() && picture_kind(&head_of(&path)?).is_some() {
+            if !hidden && path.is_file() && FileKind::detect(&head_of(&path)?).is_picture() {
                 files.push(path);
             }
         }
         if files.is_empty() {
             return Err(VideoError::Unsupported {
                 path: folder.to_owned(),
-                what: "a folder without PNG or JPEG pictures".to_owned(),
+                what: "a folder without PNG, JPEG, WebP or TIFF pictures".to_owned(),
                 remedy: "Give a folder with the pictures themselves in it, or a video file".to_owned(),
             });
         }
@@ -77,16 +76,17 @@ impl FolderReader {
             return Err(damaged("the picture file is larger than 256 MiB"));
         }
         let file = fs::read(path).map_err(|error| cannot_read(path, error))?;
-        let codec = picture_kind(&file).ok_or_else(|| damaged("it is neither PNG nor JPEG"))?;
+        let read = PictureFile::read(FileKind::detect(&file), file);
+        let PictureFile { codec, rotation, payload } = read.map_err(|what| damaged(&what))?;
         Ok(Some(EncodedUnit {
             epoch: 0,
             index,
             capture: capture_at_rate(index, self.fps),
             key: true,
             shown: true,
-            rotation: Rotation::None,
+            rotation,
             codec,
-            payload: Bytes::from(file),
+            payload,
         }))
     }
 }
@@ -98,14 +98,6 @@ fn head_of(path: &Path) -> Result<Vec<u8>, VideoError> {
         .and_then(|file| file.take(HEAD_BYTES).read_to_end(&mut head))
         .map_err(|error| cannot_read(path, error))?;
     Ok(head)
-}
-
-fn picture_kind(head: &[u8]) -> Option<UnitCodec> {
-    match FileKind::detect(head) {
-        FileKind::Png => Some(UnitCodec::Png),
-        FileKind::Jpeg => Some(UnitCodec::Jpeg),
-        _ => None,
-    }
 }
 
 /// Natural order: runs of digits are compared by value, other text by character.

@@ -17,6 +17,10 @@ pub enum FileKind {
     Png,
     /// A JPEG picture.
     Jpeg,
+    /// A WebP picture.
+    Webp,
+    /// A TIFF picture.
+    Tiff,
     /// No video.
     NotVideo {
         /// What it is, with its article.
@@ -44,7 +48,9 @@ impl FileKind {
             [b'R', b'I', b'F', b'F', _, _, _, _, b'A', b'V', b'I', b' ', ..] => {
                 other("an AVI file", REENCODE)
             }
-            [b'R', b'I', b'F', b'F', ..] => other("a RIFF file (sound or WebP)", REENCODE),
+            [b'R', b'I', b'F', b'F', _, _, _, _, b'W', b'E', b'B', b'P', ..] => Self::Webp,
+            [b'R', b'I', b'F', b'F', ..] => other("a RIFF file", REENCODE),
+            [b'I', b'I', 42, 0, ..] | [b'M', b'M', 0, 42, ..] => Self::Tiff,
             [0x1a, 0x45, 0xdf, 0xa3, ..] if contains(head, b"webm") => other("a WebM file", REENCODE),
             [0x1a, 0x45, 0xdf, 0xa3, ..] => other("a Matroska (MKV) file", REPACK),
             [b'D', b'K', b'I', b'F', ..] => other("an IVF file", REENCODE),
@@ -63,6 +69,13 @@ impl FileKind {
             _ if is_text(head) => Self::NotVideo { what: "a text file" },
             _ => other("of a kind that is not known", REENCODE),
         }
+    }
+}
+
+impl FileKind {
+    /// Whether the file is a single picture.
+    pub const fn is_picture(self) -> bool {
+        matches!(self, Self::Png | Self::Jpeg | Self::Webp | Self::Tiff)
     }
 }
 

@@ -5,7 +5,7 @@
 //! |---|---|
 //! | MP4, MOV with H.264 | [`mp4`] |
 //! | Y4M | [`y4m`] |
-//! | PNG, JPEG, a folder of them | [`folder`] |
+//! | PNG, JPEG, WebP, TIFF, a folder of them | [`folder`] |
 //!
 //! | everything else | [`media`], by GStreamer |
 //!
@@ -19,6 +19,8 @@ pub mod mp4;
 pub mod y4m;
 
 pub mod media;
+
+mod picture_file;
 
 mod mp4_boxes;
 mod mp4_index;

@@ -4,6 +4,7 @@ use std::fs::{self, File};
 use std::io::{Read as _, Seek as _};
 use std::path::Path;
 
+use barrelman_media_protocol::source::{SourceAddress, SourceSettings};
 use barrelman_vocab::unit::EncodedUnit;
 
 use super::kind::{self, FileKind};
@@ -62,10 +63,8 @@ impl FileReader {
         };
         match (MediaProgram::installed(), error) {
             (Some(program), _) => {
-                let settings = barrelman_media_protocol::source::SourceSettings {
-                    address: barrelman_media_protocol::source::SourceAddress::File(path.to_owned()),
-                    is_live: false,
-                };
+                let settings =
+                    SourceSettings { address: SourceAddress::File(path.to_owned()), is_live: false };
                 let reader = MediaReader::open(&program, settings, url.to_string())?;
                 Ok(Reader::Media(Box::new(reader)).into())
             }
@@ -84,10 +83,7 @@ impl FileReader {
         }
         let program = MediaProgram::installed().filter(|_| url.engine != VideoEngine::BuiltIn);
         let program = program.ok_or_else(|| VideoError::NoMedia { address: url.to_string() })?;
-        let settings = barrelman_media_protocol::source::SourceSettings {
-            address: barrelman_media_protocol::source::SourceAddress::File(pipe.path.clone()),
-            is_live: false,
-        };
+        let settings = SourceSettings { address: SourceAddress::File(pipe.path.clone()), is_live: false };
         let reader = MediaReader::open(&program, settings, url.to_string())?;
         Ok(Self { reader: Reader::Media(Box::new(reader)), _pipe: Some(pipe) })
     }
@@ -123,7 +119,9 @@ fn open_built_in(path: &Path, fps: Option<f64>) -> Result<Reader, VideoError> {
     Ok(match FileKind::detect(&head) {
         FileKind::Mp4 => Reader::Mp4(mp4::Mp4Reader::open(path, file)?),
         FileKind::Y4m => Reader::Y4m(y4m::Y4mReader::open(path, file)?),
-        FileKind::Png | FileKind::Jpeg => Reader::Folder(folder::FolderReader::from_picture(path, fps)),
+        FileKind::Png | FileKind::Jpeg | FileKind::Webp | FileKind::Tiff => {
+            Reader::Folder(folder::FolderReader::from_picture(path, fps))
+        }
         FileKind::NotVideo { what } => return Err(VideoError::not_video(path, what)),
         FileKind::Other { what, remedy } => {
             let path = path.to_owned();
