@@ -1,4 +1,4 @@
-// Decodes H.264 by WebCodecs. Reports when the browser cannot do it, so that JPEG takes over.
+// Decodes H.264 and H.265 by WebCodecs. Reports when the browser cannot do it, so that JPEG takes over.
 
 import { codecOf } from "./video_message.js";
 
@@ -10,7 +10,7 @@ const MAX_REORDERED = 6;
 
 export const isWebCodecsPossible = () => "VideoDecoder" in window && window.isSecureContext;
 
-export class H264Decoder {
+export class UnitDecoder {
   #decoder = null;
   #codec = null;
   #epoch = null;
@@ -51,7 +51,7 @@ export class H264Decoder {
   }
 
   #configure(unit) {
-    const codec = codecOf(unit.payload);
+    const codec = codecOf(unit.kind, unit.payload);
     if (codec === null) return this.#codec !== null;
     if (codec === this.#codec && this.#decoder?.state === "configured") return true;
     this.close();
@@ -76,6 +76,8 @@ export class H264Decoder {
   }
 
   #onError(error) {
+    // The browser, or its machine, has no decoder of the codec.
+    if (error?.name === "NotSupportedError") return this.#giveUp(String(error));
     const now = performance.now();
     this.#errors = this.#errors.filter((at) => now - at < ERROR_WINDOW_MS);
     this.#errors.push(now);

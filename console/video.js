@@ -1,16 +1,18 @@
-// Video: chooses H.264 or JPEG, and pairs each picture with the snapshot that belongs to it.
+// Video: chooses the codec of the stream or JPEG, and pairs each picture with the snapshot that belongs to it.
 
 import { Percentiles } from "./clock.js";
-import { H264Decoder, isWebCodecsPossible } from "./decoder.js";
+import { UnitDecoder, isWebCodecsPossible } from "./decoder.js";
 import { SnapshotHistory } from "./snapshot_history.js";
-import { H264, JPEG, readVideoMessage } from "./video_message.js";
+import { H264, H265, JPEG, readVideoMessage } from "./video_message.js";
 
 /** A picture waits this long for its snapshot, ms. */
 const WAIT_MS = 50;
 
 export class Video extends EventTarget {
   path = "none";
-  #isH264Refused = new URLSearchParams(location.search).get("video") === "jpeg" || !isWebCodecsPossible();
+  #isJpegAsked = new URLSearchParams(location.search).get("video") === "jpeg" || !isWebCodecsPossible();
+  /** Codecs that this browser does not decode. */
+  #refused = new Set();
   #waiting = [];
   #snapshot = null;
   #history = new SnapshotHistory();
@@ -24,13 +26,13 @@ export class Video extends EventTarget {
   constructor(link, draw) {
     super();
     [this.link, this.draw] = [link, draw];
-    this.decoder = new H264Decoder((frame, captured, quarters) => this.#add(frame, captured, quarters), () => {
-      this.#isH264Refused = true;
+    this.decoder = new UnitDecoder((frame, captured, quarters) => this.#add(frame, captured, quarters), () => {
+      this.#refused.add(this.path);
       this.#choose();
     });
     link.addEventListener("video", ({ detail }) => this.#onMessage(detail));
     link.addEventListener("snapshot", ({ detail }) => {
-      const isNew = !this.#snapshot || this.#snapshot.video.h264 !== detail.video.h264;
+      const isNew = !this.#snapshot || this.#snapshot.video.codec !== detail.video.codec;
       [this.#snapshot, this.#snapshotAt] = [detail, performance.now()];
       this.#history.add(detail);
       if (isNew) this.#choose();
@@ -53,7 +55,8 @@ export class Video extends EventTarget {
 
   #choose() {
     if (!this.#snapshot) return;
-    const path = this.#snapshot.video.h264 && !this.#isH264Refused ? "h264" : "jpeg";
+    const codec = this.#snapshot.video.codec;
+    const path = codec && !this.#isJpegAsked && !this.#refused.has(codec) ? codec : "jpeg";
     if (path === this.path) return;
     this.path = path;
     this.link.chooseVideo(path);
@@ -62,7 +65,7 @@ export class Video extends EventTarget {
   async #onMessage(message) {
     const unit = readVideoMessage(message);
     if (!unit) return;
-    if (unit.kind === H264 && this.path === "h264") {
+    if ((unit.kind === H264 && this.path === "h264") || (unit.kind === H265 && this.path === "h265")) {
       this.decoder.decode(unit);
     } else if (unit.kind === JPEG && this.path === "jpeg") {
       const image = await createImageBitmap(new Blob([unit.payload], { type: "image/jpeg" })).catch(() => null);

@@ -84,7 +84,7 @@ export default {
     region: "Region and sectors", box: "Box and axis", heading: "Heading", trail: "Trail", p: "P",
     command: "Camera command", advice: "Advice", marks: "Marks and circles", map: "Map",
   },
-  paths: { h264: "H.264 (WebCodecs)", jpeg: "JPEG", none: "no video" },
+  paths: { h264: "H.264 (WebCodecs)", h265: "H.265 (WebCodecs)", jpeg: "JPEG", none: "no video" },
   picturePath: (path, median, p95) => `${path}, ${median === null ? "delay not known" : `${median} ms (95 %: ${p95} ms)`}`,
   facts: {
     track: "Track", p: "P", confidence: "Confidence", video: "Video", link: "Link", camera: "Camera command", recording: "Recording",

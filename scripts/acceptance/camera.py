@@ -16,7 +16,9 @@ SELECTION = f"{WIDTH // 2 - 26},{HEIGHT // 2 - 26},52,52"
 
 
 class Camera:
-    def __init__(self) -> None:
+    """`way`: "tcp" and "udp" for an RTSP server, "rtp" and "ts" for packets that are sent to `url`."""
+
+    def __init__(self, way: str = "tcp", codec: str = "h264") -> None:
         try:
             done = run([PYTHON, SERVER, "--check"])
             missing = done.stderr.strip().splitlines()[-1] if done.returncode else None
@@ -25,7 +27,9 @@ class Camera:
         if missing:
             skip(f"no RTSP server to try ({missing}): scripts/setup.sh test installs one")
         self.port = free_port()
-        self.url = f"rtsp://127.0.0.1:{self.port}/video"
+        is_server = way in ("tcp", "udp")
+        self.url = f"rtsp://127.0.0.1:{self.port}/video" if is_server else f"udp://127.0.0.1:{self.port}"
+        self.options = [*(["--transport", way] if is_server else ["--send", way]), "--codec", codec]
         self.child: Child
         self.start()
 
@@ -42,9 +46,10 @@ class Camera:
             f"{WIDTH}x{HEIGHT}",
             "--fps",
             FPS,
+            *self.options,
         ]
         self.child = spawn(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL)
-        return Lines(self.child.stdout).wait_for("rtsp://")[0]
+        return Lines(self.child.stdout).wait_for("://")[0]
 
     def kill(self) -> None:
         self.child.kill()

@@ -55,6 +55,6 @@ class Recording:
         )
 
     def stream(self, path: pathlib.Path) -> pathlib.Path:
-        """Writes the stored H.264 to a file."""
+        """Writes the stored video to a file."""
         path.write_bytes(b"".join(message.data for message in self["/video"]))
         return path

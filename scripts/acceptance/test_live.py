@@ -10,20 +10,19 @@ import pathlib
 import time
 from collections.abc import Iterator
 
-import cv2
 import pytest
 
-from camera import FPS, HEIGHT, SELECTION, WIDTH, Camera
+from camera import FPS, SELECTION, Camera
 from conftest import Check
 from machine import Delay, lost, median, percentile, took, wait_until
 from process import Lines, end, memory_mb, spawn, threads_of
 from recording import Recording
+from timecodes import read_codes
 
 SECONDS = 12.0
 LATENCY_LIMIT_MS = 10
 BACK_WITHIN = 3.0
 GROWS_AT_MOST_MB = 4.0
-BIT_ROWS = HEIGHT // 16
 UP = "video: up"
 
 
@@ -31,21 +30,6 @@ UP = "video: up"
 def camera() -> Iterator[Camera]:
     with Camera() as camera:
         yield camera
-
-
-def read_codes(stream: pathlib.Path) -> list[int]:
-    """The time code of every picture, in milliseconds of CLOCK_MONOTONIC (its lower 32 bits)."""
-    capture = cv2.VideoCapture(str(stream))
-    codes: list[int] = []
-    while True:
-        there, picture = capture.read()
-        if not there:
-            return codes
-        grey = cv2.cvtColor(picture[: BIT_ROWS - 8], cv2.COLOR_BGR2GRAY)
-        bits = [
-            grey[8:, bit * WIDTH // 32 + 8 : (bit + 1) * WIDTH // 32 - 8].mean() > 128 for bit in range(32)
-        ]
-        codes.append(sum(1 << (31 - bit) for bit, one in enumerate(bits) if one))
 
 
 @dataclasses.dataclass
@@ -73,8 +57,7 @@ def latency(barrelman: pathlib.Path, camera: Camera, tmp_path_factory: pytest.Te
     seconds, cpu = took(began, time.monotonic()), (sum(threads_of(child).values()) - cpu) / SECONDS
     end(child)
     recording = Recording(record)
-    codes, units = read_codes(recording.stream(folder / "stream.h264")), recording["/video/unit"]
-    code_of = {unit.captured_ns: code for unit, code in zip(units, codes, strict=True)}
+    code_of = read_codes(recording, folder)
     outcomes = {outcome.step: outcome for outcome in recording.outcomes}
     found = []
     for frame in recording.frames:

@@ -249,7 +249,7 @@ pub(super) fn log_in(access: &Access, headers: &HeaderMap) -> Response {
 
 async fn status(State(console): Shared, headers: HeaderMap) -> Response {
     match role_of(&console, &headers) {
-        Ok(_) => json(&status_of(&console.snapshots.borrow(), console.relay.has_h264())),
+        Ok(_) => json(&status_of(&console.snapshots.borrow(), console.relay.codec())),
         Err(response) => *response,
     }
 }
@@ -258,7 +258,7 @@ async fn metrics(State(console): Shared, headers: HeaderMap) -> Response {
     if let Err(response) = role_of(&console, &headers) {
         return *response;
     }
-    let status = status_of(&console.snapshots.borrow(), console.relay.has_h264());
+    let status = status_of(&console.snapshots.borrow(), console.relay.codec());
     let clients = console.with_seats(|seats| seats.state().clients.len());
     ([(header::CONTENT_TYPE, "text/plain; version=0.0.4")], metrics_text(&status, clients)).into_response()
 }

@@ -106,7 +106,7 @@ impl Console {
             return;
         }
         let now = self.time.now();
-        let is_engaged = super::status::status_of(&self.snapshots.borrow(), false).mode.engaged;
+        let is_engaged = super::status::status_of(&self.snapshots.borrow(), None).mode.engaged;
         if self.on_lost == OnConsoleLost::Stop {
             self.events.add(now, Level::Alarm, "console-lost", "the controlling page is gone: stopped");
             self.gateway.stop();

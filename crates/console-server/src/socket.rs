@@ -209,7 +209,7 @@ async fn write(
             changed = newest(&mut snapshots, snapshot_at) => {
                 changed.map_err(|_| Closed)?;
                 snapshot_at = Instant::now() + SNAPSHOT_INTERVAL;
-                let status = status_of(&snapshots.borrow_and_update(), console.relay.has_h264());
+                let status = status_of(&snapshots.borrow_and_update(), console.relay.codec());
                 writer.send_json(&ServerMessage::Snapshot(Box::new(status))).await?;
             }
             event = next_event(&mut later_events) => {
@@ -254,7 +254,7 @@ async fn next_event(events: &mut broadcast::Receiver<EventEntry>) -> Option<Even
 enum VideoFeed {
     None,
     Jpeg(PictureViewer),
-    H264 {
+    Encoded {
         /// Units of the group of pictures that is going on, next one last.
         group: Vec<RelayedUnit>,
         units: broadcast::Receiver<RelayedUnit>,
@@ -268,11 +268,11 @@ impl VideoFeed {
         match path {
             VideoPath::None => Self::None,
             VideoPath::Jpeg => Self::Jpeg(PictureViewer::new(Arc::clone(&console.pictures))),
-            VideoPath::H264 => {
+            VideoPath::H264 | VideoPath::H265 => {
                 let (mut group, units) = console.relay.subscribe();
                 group.reverse();
                 let waits_for_key = group.is_empty();
-                Self::H264 { group, units, waits_for_key }
+                Self::Encoded { group, units, waits_for_key }
             }
         }
     }
@@ -282,7 +282,7 @@ impl VideoFeed {
         match self {
             Self::None => std::future::pending().await,
             Self::Jpeg(viewer) => viewer.next().await,
-            Self::H264 { group, units, waits_for_key } => {
+            Self::Encoded { group, units, waits_for_key } => {
                 if let Some(unit) = group.pop() {
                     return Some(unit.message);
                 }

@@ -8,14 +8,14 @@ use barrelman_vocab::telemetry::{ControlState, FlightState};
 use barrelman_vocab::{Angle, CameraCommand, Named as _, PixelBox, Track};
 
 use super::api::{
-    AxisPair, BoatStatus, CameraWork, LinkStatus, ModeStatus, PerceptStatus, PositionStatus, RecordingStatus,
-    RegionStatus, StatusSnapshot, TrackStatus, VideoStatus, WorkFigures,
+    AxisPair, BoatStatus, CameraWork, EncodedVideo, LinkStatus, ModeStatus, PerceptStatus, PositionStatus,
+    RecordingStatus, RegionStatus, StatusSnapshot, TrackStatus, VideoStatus, WorkFigures,
 };
 use super::vessel_status::vessel_of;
 use crate::snapshot::{self, RecordingState, Snapshot, VehicleSnapshot, VideoSnapshot, VideoSourceState};
 
-/// The API's form of a snapshot. `h264`: whether the video can be sent as H.264.
-pub(super) fn status_of(snapshot: &Snapshot, h264: bool) -> StatusSnapshot {
+/// The API's form of a snapshot. `codec`: the codec in which the video can be sent as it comes.
+pub(super) fn status_of(snapshot: &Snapshot, codec: Option<EncodedVideo>) -> StatusSnapshot {
     let outcome = snapshot.outcome.as_ref();
     StatusSnapshot {
         step: snapshot.steps,
@@ -34,7 +34,7 @@ pub(super) fn status_of(snapshot: &Snapshot, h264: bool) -> StatusSnapshot {
         net_yaw_deg: outcome.map_or(0.0, |outcome| outcome.net_yaw.angle.degrees()),
         search_refusal: outcome.and_then(|outcome| outcome.search_refusal).map(|refusal| refusal.to_string()),
         law: snapshot.law,
-        video: video_of(&snapshot.video, h264),
+        video: video_of(&snapshot.video, codec),
         boat: snapshot.boat.map(boat_of),
         earth: match outcome.map(|outcome| outcome.earth) {
             Some(Ok(_)) => "known",
@@ -123,7 +123,7 @@ fn axes_of(command: CameraCommand) -> AxisPair {
     AxisPair { pan: command.pan.radians_per_second(), tilt: command.tilt.radians_per_second() }
 }
 
-fn video_of(video: &VideoSnapshot, h264: bool) -> VideoStatus {
+fn video_of(video: &VideoSnapshot, codec: Option<EncodedVideo>) -> VideoStatus {
     let (state, reason) = match &video.state {
         VideoSourceState::Connecting => ("connecting", None),
         VideoSourceState::Up => ("up", video.timing_text.as_deref().map(str::to_owned)),
@@ -139,7 +139,7 @@ fn video_of(video: &VideoSnapshot, h264: bool) -> VideoStatus {
         step_ms: video.step_time.map(|time| time.as_secs_f64() * 1e3),
         fps: video.fps,
         dropped: video.dropped,
-        h264,
+        codec,
     }
 }
 

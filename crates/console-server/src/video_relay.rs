@@ -1,6 +1,5 @@
-//! Received H.264 for the pages, unchanged, with the group of pictures that a new page needs to begin.
+//! Received H.264 and H.265 for the pages, unchanged, with the group of pictures that a new page needs to begin.
 
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use barrelman_vocab::EncodedUnit;
@@ -8,7 +7,7 @@ use barrelman_vocab::unit::UnitCodec;
 use bytes::Bytes;
 use tokio::sync::broadcast;
 
-use super::api::{HEAD_BYTES, VideoHead, VideoKind};
+use super::api::{EncodedVideo, HEAD_BYTES, VideoHead, VideoKind};
 
 /// Units that a page may be behind before it loses some: about one second.
 const BACKLOG: usize = 32;
@@ -27,45 +26,54 @@ pub(super) struct RelayedUnit {
 
 #[derive(Debug, Default)]
 struct Group {
+    codec: Option<EncodedVideo>,
     units: Vec<RelayedUnit>,
     bytes: usize,
 }
 
-/// Passes H.264 units on to the pages. Adding a unit never waits for a page.
+impl Group {
+    fn clear(&mut self) {
+        self.units.clear();
+        self.bytes = 0;
+    }
+}
+
+/// Passes H.264 and H.265 units on to the pages. Adding a unit never waits for a page.
 #[derive(Debug)]
 pub struct VideoRelay {
     group: Mutex<Group>,
     units: broadcast::Sender<RelayedUnit>,
-    has_h264: AtomicBool,
 }
 
 impl Default for VideoRelay {
     fn default() -> Self {
-        Self {
-            group: Mutex::default(),
-            units: broadcast::channel(BACKLOG).0,
-            has_h264: AtomicBool::new(false),
-        }
+        Self { group: Mutex::default(), units: broadcast::channel(BACKLOG).0 }
     }
 }
 
 impl VideoRelay {
     /// Adds a unit. Units of another codec are not relayed.
     pub fn add(&self, unit: &EncodedUnit) {
-        let is_h264 = unit.codec == UnitCodec::H264AnnexB;
-        self.has_h264.store(is_h264, Ordering::Relaxed);
-        if !is_h264 {
-            return;
-        }
-        let unit = RelayedUnit { message: message_of(unit), key: unit.key };
+        let codec = match unit.codec {
+            UnitCodec::H264AnnexB => Some((EncodedVideo::H264, VideoKind::H264)),
+            UnitCodec::H265AnnexB => Some((EncodedVideo::H265, VideoKind::H265)),
+            UnitCodec::Vp9
+            | UnitCodec::Av1
+            | UnitCodec::Jpeg
+            | UnitCodec::Png
+            | UnitCodec::RawYuv420 { .. } => None,
+        };
         let mut group = self.group();
+        group.codec = codec.map(|(codec, _)| codec);
+        let Some((_, kind)) = codec else { return };
+        let unit = RelayedUnit { message: message_of(unit, kind), key: unit.key };
         if unit.key {
-            *group = Group::default();
+            group.clear();
         }
         let is_decodable = unit.key || !group.units.is_empty();
         group.bytes += unit.message.len();
         if group.units.len() >= MAX_GROUP_UNITS || group.bytes > MAX_GROUP_BYTES {
-            *group = Group::default();
+            group.clear();
         } else if is_decodable {
             group.units.push(unit.clone());
         }
@@ -73,9 +81,9 @@ impl VideoRelay {
         let _ = self.units.send(unit);
     }
 
-    /// Whether the newest unit was H.264.
-    pub(super) fn has_h264(&self) -> bool {
-        self.has_h264.load(Ordering::Relaxed)
+    /// The codec of the newest unit, if units of it are relayed.
+    pub(super) fn codec(&self) -> Option<EncodedVideo> {
+        self.group().codec
     }
 
     /// The units since the newest key frame, and a receiver of those that follow.
@@ -89,9 +97,9 @@ impl VideoRelay {
     }
 }
 
-fn message_of(unit: &EncodedUnit) -> Bytes {
+fn message_of(unit: &EncodedUnit, kind: VideoKind) -> Bytes {
     let head = VideoHead {
-        kind: VideoKind::H264,
+        kind,
         key: unit.key,
         shown: unit.shown,
         rotation: unit.rotation,

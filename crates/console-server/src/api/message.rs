@@ -13,6 +13,8 @@ use barrelman_vocab::{LawId, Request};
 pub enum VideoPath {
     /// Received H.264 unchanged, for WebCodecs.
     H264,
+    /// Received H.265 unchanged, for WebCodecs.
+    H265,
     /// The newest picture as JPEG.
     Jpeg,
     /// No video.

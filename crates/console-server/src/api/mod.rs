@@ -24,8 +24,8 @@ pub use message::{Answer, AnswerKind, ClientMessage, Hello, RequestBody, ServerM
 pub use place::PlaceStatus;
 pub use schema::api_document;
 pub use snapshot::{
-    AxisPair, BoatStatus, CameraWork, ControlSeat, LinkStatus, ModeStatus, PerceptStatus, PositionStatus,
-    RecordingStatus, RegionStatus, StatusSnapshot, TrackStatus, VideoStatus, WorkFigures,
+    AxisPair, BoatStatus, CameraWork, ControlSeat, EncodedVideo, LinkStatus, ModeStatus, PerceptStatus,
+    PositionStatus, RecordingStatus, RegionStatus, StatusSnapshot, TrackStatus, VideoStatus, WorkFigures,
 };
 pub use vessel::{MarkStatus, ProgressStatus, VesselStatus};
 pub use video_message::{HEAD_BYTES, VideoHead, VideoKind};

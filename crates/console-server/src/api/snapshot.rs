@@ -156,8 +156,18 @@ pub struct VideoStatus {
     pub step_ms: Option<f64>,
     /// Video frames that were replaced by newer ones before the pilot took them.
     pub dropped: u64,
-    /// Whether the video can be sent as H.264.
-    pub h264: bool,
+    /// The codec in which the video can be sent as it comes; `null`: only as JPEG.
+    pub codec: Option<EncodedVideo>,
+}
+
+/// A codec in which video can be sent as it comes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum EncodedVideo {
+    /// H.264.
+    H264,
+    /// H.265.
+    H265,
 }
 
 /// Where the boat is on the water, seen from the point below the camera.

@@ -3,7 +3,7 @@
 //! | bytes | content (little-endian) |
 //! |---|---|
 //! | 0 | version, 1 |
-//! | 1 | kind: 1 an H.264 access unit (Annex B), 2 a JPEG picture |
+//! | 1 | kind: 1 an H.264 access unit (Annex B), 2 a JPEG picture, 3 an H.265 access unit (Annex B) |
 //! | 2 | flags: bit 0 key frame, bit 1 displayed |
 //! | 3 | clockwise quarter turns that make the picture upright, 0 to 3 |
 //! | 4..8 | number of the connection to the source; decode no unit with those of another |
@@ -27,6 +27,8 @@ pub enum VideoKind {
     H264 = 1,
     /// A JPEG picture.
     Jpeg = 2,
+    /// An H.265 access unit.
+    H265 = 3,
 }
 
 /// The head of a binary message.

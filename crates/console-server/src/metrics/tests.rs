@@ -34,7 +34,7 @@ fn samples_of(text: &str) -> Vec<(&str, f64)> {
 /// The metrics of a snapshot, with two pages, contain these.
 #[track_caller]
 fn check(snapshot: &Snapshot, expected: &[(&str, f64)]) {
-    let text = metrics_text(&status_of(snapshot, false), 2);
+    let text = metrics_text(&status_of(snapshot, None), 2);
     let samples = samples_of(&text);
     for sample in expected {
         assert!(samples.contains(sample), "{sample:?} is not in {samples:?}");
@@ -47,7 +47,7 @@ fn after(outcome: Outcome) -> Snapshot {
 
 #[test]
 fn what_is_not_known_is_left_out() {
-    let text = metrics_text(&status_of(&Snapshot::default(), false), 0);
+    let text = metrics_text(&status_of(&Snapshot::default(), None), 0);
     let names: Vec<_> = samples_of(&text).into_iter().map(|(name, _)| name).collect();
     for unknown in ["p", "track_confidence", "video_age_seconds"] {
         assert!(!names.contains(&unknown), "{unknown}");

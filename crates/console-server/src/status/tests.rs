@@ -19,7 +19,7 @@ use crate::test_scenes::{PICTURE, at, command, idle, localisation};
 
 /// The JSON of a snapshot.
 fn status(snapshot: Snapshot) -> Value {
-    serde_json::to_value(status_of(&snapshot, false)).unwrap()
+    serde_json::to_value(status_of(&snapshot, None)).unwrap()
 }
 
 /// The JSON after a step.
@@ -188,10 +188,10 @@ fn the_video_is_given_in_milliseconds_and_frames_a_second() {
             step_time: Some(Duration::from_micros(3500)),
             dropped: 3,
         };
-        let status = status_of(&Snapshot { video, ..Snapshot::default() }, true);
+        let status = status_of(&Snapshot { video, ..Snapshot::default() }, Some(EncodedVideo::H264));
         let expected = json!({
             "state": name, "reason": reason, "size": [640, 480], "captured_ns": 40_000_000, "age_ms": 12.5,
-            "fps": 25.0, "step_ms": 3.5, "dropped": 3, "h264": true,
+            "fps": 25.0, "step_ms": 3.5, "dropped": 3, "codec": "h264",
         });
         assert_eq!(serde_json::to_value(status.video).unwrap(), expected);
     }
@@ -299,7 +299,7 @@ fn alarms_are_given_by_their_keys() {
     let alarms = vec![Alarm::NoVideo, Alarm::EndStop];
     let shared: SharedSnapshot =
         Arc::new(Snapshot { alarms, stops_taken: 4, steps: 9, ..Snapshot::default() });
-    let status = status_of(&shared, false);
+    let status = status_of(&shared, None);
     assert_eq!(status.alarms, ["no-video", "end-stop"]);
     assert_eq!((status.stops_taken, status.step), (4, 9));
 }
