@@ -10,7 +10,13 @@
 
 mod rights;
 
+mod monotonic;
+
+mod picture;
+
 mod decoder;
+
+mod source;
 
 use std::io::{self, IsTerminal as _, Write as _};
 use std::os::fd::AsFd as _;
@@ -63,10 +69,11 @@ fn run() -> Result<(), String> {
     let is_other_build = start.build != BUILD;
     let ended = match start.role {
         Role::Decoder(_) if is_other_build => decoder::refuse(&mut channel, OTHER_BUILD, INSTALL_BOTH),
+        Role::Source(_) if is_other_build => source::refuse(&mut channel, OTHER_BUILD, INSTALL_BOTH),
         Role::ListDecoders if is_other_build => return Err(format!("{OTHER_BUILD}. {INSTALL_BOTH}")),
         Role::Decoder(settings) => decoder::serve(channel, settings),
         Role::ListDecoders => decoder::list(&mut channel),
-        Role::Source(_) => Ok(()),
+        Role::Source(settings) => source::serve(channel, settings),
     };
     match ended {
         Ok(()) | Err(ChannelError::Closed) => Ok(()),

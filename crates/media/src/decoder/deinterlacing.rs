@@ -4,7 +4,7 @@
 //! GStreamer's `deinterlace` holds back one picture, and looks at several. Half of the rows are lost here, which a tracker
 //! bears better than a target with two outlines.
 
-use super::output::FramePlane;
+use crate::picture::FramePlane;
 
 /// Appends the rows of an interlaced plane.
 pub(super) fn keep_top_field(plane: &FramePlane<'_>, joined: &mut Vec<u8>) {

@@ -1,20 +1,17 @@
 //! The end of the line: decoded pictures to messages.
 
-use std::str::FromStr as _;
 use std::sync::Arc;
 
 use barrelman_media_protocol::channel::{Channel, ChannelError};
-use barrelman_media_protocol::decoder::{DecodedPicture, FromDecoder, MAX_SIDE};
+use barrelman_media_protocol::decoder::{DecodedPicture, FromDecoder};
 use barrelman_vocab::image::PictureSize;
-use barrelman_vocab::video::{ColourEncoding, ColourMatrix, SampleRange};
+use barrelman_vocab::video::ColourEncoding;
 use gstreamer as gst;
-use gstreamer_video::{
-    VideoColorMatrix, VideoColorRange, VideoColorimetry, VideoFrameExt as _, VideoFrameFlags, VideoFrameRef,
-    VideoInfo, VideoInterlaceMode,
-};
+use gstreamer_video::{VideoFrameExt as _, VideoFrameFlags, VideoFrameRef, VideoInfo, VideoInterlaceMode};
 
 use super::damage::LibavErrors;
 use super::deinterlacing::keep_top_field;
+use crate::picture::{FramePlane, append_rows, colour_encoding, delivered_caps, planes, size_of};
 
 /// Sends pictures as they come out of the last element.
 pub(super) struct Output {
@@ -60,16 +57,8 @@ impl Output {
 
     /// Takes over what the decoder says, and returns the caps of what is delivered.
     pub(super) fn set_decoded(&mut self, caps: &gst::CapsRef) -> gst::Caps {
-        let delivered = gst::Caps::builder("video/x-raw").field("format", "I420");
-        let Ok(info) = VideoInfo::from_caps(caps) else { return delivered.build() };
-        let size = PictureSize::new(info.width(), info.height());
-        let colour = colour_encoding(caps, size);
-        self.decoded = Some(Decoded { size, colour });
-        let fitting = fit(size);
-        if fitting == size {
-            return delivered.build();
-        }
-        delivered.field("width", fitting.width as i32).field("height", fitting.height as i32).build()
+        self.decoded = size_of(caps).map(|size| Decoded { size, colour: colour_encoding(caps, size) });
+        delivered_caps(Some(caps))
     }
 
     pub(super) fn set_caps(&mut self, caps: &gst::CapsRef) {
@@ -113,114 +102,11 @@ impl Output {
     }
 }
 
-/// One plane of a frame.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct FramePlane<'a> {
-    pub data: &'a [u8],
-    pub width: usize,
-    pub height: usize,
-    pub stride: usize,
-}
-
-impl<'a> FramePlane<'a> {
-    pub(super) fn row(&self, row: usize) -> &'a [u8] {
-        &self.data[row * self.stride..][..self.width]
-    }
-}
-
-/// The planes of a frame; `None`: its memory is shorter than its layout.
-fn planes<'a>(frame: &'a VideoFrameRef<&gst::BufferRef>, size: PictureSize) -> Option<[FramePlane<'a>; 3]> {
-    let chroma = PictureSize::new(size.width.div_ceil(2), size.height.div_ceil(2));
-    let plane = |index: u32, size: PictureSize| {
-        let (width, height) = (size.width as usize, size.height as usize);
-        let data = frame.plane_data(index).ok()?;
-        let stride = usize::try_from(*frame.plane_stride().get(index as usize)?).ok()?;
-        let needed = stride.checked_mul(height.checked_sub(1)?)?.checked_add(width)?;
-        (stride >= width && data.len() >= needed).then_some(FramePlane { data, width, height, stride })
-    };
-    Some([plane(0, size)?, plane(1, chroma)?, plane(2, chroma)?])
-}
-
 fn join(planes: &[FramePlane<'_>], is_interlaced: bool, joined: &mut Vec<u8>) {
     joined.clear();
-    for plane in planes {
-        if is_interlaced {
-            keep_top_field(plane, joined);
-        } else {
-            (0..plane.height).for_each(|row| joined.extend_from_slice(plane.row(row)));
-        }
-    }
-}
-
-/// The size that a picture of this size is delivered with: the same, or scaled down to [`MAX_SIDE`], with even sides.
-fn fit(size: PictureSize) -> PictureSize {
-    let longest = size.width.max(size.height);
-    if longest <= MAX_SIDE {
-        return size;
-    }
-    let scaled = |side: u32| {
-        let exact = u64::from(side) * u64::from(MAX_SIDE) / u64::from(longest);
-        (exact as u32 & !1).max(2)
-    };
-    PictureSize::new(scaled(size.width), scaled(size.height))
-}
-
-/// The colours that caps declare; what they leave open is assumed.
-fn colour_encoding(caps: &gst::CapsRef, size: PictureSize) -> ColourEncoding {
-    let assumed = ColourEncoding::assumed_for(size);
-    let declared = caps.structure(0).and_then(|structure| structure.get::<&str>("colorimetry").ok());
-    let Some(declared) = declared.and_then(|text| VideoColorimetry::from_str(text).ok()) else {
-        return assumed;
-    };
-    let matrix = match declared.matrix() {
-        VideoColorMatrix::Bt709 => ColourMatrix::Bt709,
-        // The samples of an RGB picture are converted with the matrix that is assumed for the size.
-        VideoColorMatrix::Unknown | VideoColorMatrix::Rgb => assumed.matrix,
-        _ => ColourMatrix::Bt601,
-    };
-    let range = match declared.range() {
-        VideoColorRange::Range0_255 if declared.matrix() != VideoColorMatrix::Rgb => SampleRange::Full,
-        _ => SampleRange::Limited,
-    };
-    ColourEncoding { matrix, range }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_picture_that_is_too_large_keeps_its_shape() {
-        let sizes = [
-            ((1920, 1080), (1920, 1080)),
-            ((4096, 4096), (4096, 4096)),
-            ((5312, 2988), (4096, 2304)),
-            ((2000, 8000), (1024, 4096)),
-            ((9000, 2), (4096, 2)),
-        ];
-        for ((width, height), (fitting_width, fitting_height)) in sizes {
-            let fitting = fit(PictureSize::new(width, height));
-            assert_eq!(fitting, PictureSize::new(fitting_width, fitting_height), "{width} x {height}");
-        }
-    }
-
-    #[test]
-    fn colours_are_those_of_the_stream_or_assumed() {
-        gst::init().unwrap();
-        let encoding = |matrix, range| ColourEncoding { matrix, range };
-        let cases = [
-            ("video/x-raw", encoding(ColourMatrix::Bt709, SampleRange::Limited)),
-            ("video/x-raw, colorimetry=bt709", encoding(ColourMatrix::Bt709, SampleRange::Limited)),
-            ("video/x-raw, colorimetry=bt601", encoding(ColourMatrix::Bt601, SampleRange::Limited)),
-            ("video/x-raw, colorimetry=(string)1:4:0:0", encoding(ColourMatrix::Bt601, SampleRange::Full)),
-            ("video/x-raw, colorimetry=(string)1:0:0:0", encoding(ColourMatrix::Bt709, SampleRange::Full)),
-            ("video/x-raw, colorimetry=(string)1:3:5:1", encoding(ColourMatrix::Bt709, SampleRange::Full)),
-            ("video/x-raw, colorimetry=sRGB", encoding(ColourMatrix::Bt709, SampleRange::Limited)),
-            ("video/x-raw, colorimetry=bt2020", encoding(ColourMatrix::Bt601, SampleRange::Limited)),
-        ];
-        for (text, expected) in cases {
-            let caps = gst::Caps::from_str(text).unwrap();
-            assert_eq!(colour_encoding(&caps, PictureSize::new(1280, 720)), expected, "{text}");
-        }
+    if is_interlaced {
+        planes.iter().for_each(|plane| keep_top_field(plane, joined));
+    } else {
+        append_rows(planes, joined);
     }
 }

@@ -56,6 +56,11 @@ pub(crate) fn encode(input: &str, encoder: &str, file: &Path) {
     run(&format!("-f lavfi -i testsrc2={input} {encoder}"), file);
 }
 
+/// A clip in another container, or with other metadata.
+pub(crate) fn remux(input: &Path, options: &str, file: &Path) {
+    run(&format!("-i {} -c copy {options}", input.to_str().unwrap()), file);
+}
+
 /// The pictures of a clip, one after the other, in planes of this format.
 pub(crate) fn pictures(file: &Path, format: &str) -> Vec<u8> {
     let folder = Folder::new();

@@ -5,4 +5,5 @@ mod clip;
 mod media;
 
 mod decoding;
+mod files;
 mod roles;

@@ -1,0 +1,224 @@
+//! What all addresses share: the pipeline, the way from a pad to units, and the messages of the bus.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
+
+use barrelman_media_protocol::source::{FromSource, SourceFailure};
+use gst::prelude::*;
+use gstreamer as gst;
+
+use super::failure::{self, missing_element, unlinked};
+use super::outbox::Outbox;
+use super::rtp_times::RtpTimes;
+use super::units;
+
+/// Largest number of bytes that wait between a demultiplexer and its streams.
+const QUEUED_BYTES: u32 = 8 << 20;
+
+/// Compressed video that is passed on as it is.
+const KEPT: &str = "video/x-h264; video/x-h265; video/x-vp9; video/x-av1; image/jpeg";
+
+/// What the time stamps of the buffers mean.
+#[derive(Debug, Clone)]
+pub(super) enum Times {
+    /// Extended RTP time stamps in nanoseconds.
+    Rtp(Arc<Mutex<RtpTimes>>),
+    /// The sender's clock.
+    Sender,
+    /// Time of capture, as running time of the pipeline.
+    Captured,
+    /// Time in a file.
+    SinceStart,
+}
+
+/// The way of the packets, for people, and what their times mean.
+#[derive(Debug, Clone)]
+pub(super) struct Way {
+    /// "by RTP over UDP"
+    pub name: String,
+    pub times: Times,
+}
+
+/// A source that plays.
+pub(super) struct Play {
+    pub pipeline: gst::Pipeline,
+    pub outbox: Arc<Outbox>,
+    pub is_live: bool,
+    has_video: AtomicBool,
+    /// What the failure of the pipeline really is, where an observer of the connection knows it better.
+    reason: Mutex<Option<SourceFailure>>,
+    /// What to do instead of failing, once.
+    second_attempt: Mutex<Option<SecondAttempt>>,
+}
+
+/// Decides, knowing a failure, whether it has begun another attempt.
+pub(super) type SecondAttempt = Box<dyn FnOnce(&Arc<Play>, &SourceFailure) -> bool + Send>;
+
+impl Play {
+    pub(super) fn new(pipeline: gst::Pipeline, outbox: Arc<Outbox>, is_live: bool) -> Arc<Self> {
+        let (reason, second_attempt) = (Mutex::default(), Mutex::default());
+        Arc::new(Self {
+            pipeline,
+            outbox,
+            is_live,
+            has_video: AtomicBool::new(false),
+            reason,
+            second_attempt,
+        })
+    }
+
+    /// Adds an element to the pipeline.
+    pub(super) fn add(&self, name: &str) -> Result<gst::Element, SourceFailure> {
+        let element = gst::ElementFactory::make(name).build().map_err(|_| missing_element(name))?;
+        self.pipeline.add(&element).map_err(unlinked)?;
+        Ok(element)
+    }
+
+    /// Starts the pipeline.
+    pub(super) fn start(&self) {
+        if self.pipeline.set_state(gst::State::Playing).is_err() {
+            // The bus has the reason, if an element gave one; the failure that is queued first counts.
+            self.follow_bus_until_empty();
+            self.outbox.fail(failure::temporary("does not start", ""));
+        }
+    }
+
+    /// Leads whatever comes out of a pad through `decodebin` to units.
+    pub(super) fn decode(self: &Arc<Self>, pad: &gst::Pad, way: &Way) -> Result<(), SourceFailure> {
+        let decode = self.decodebin(way)?;
+        let sink = decode.static_pad("sink").ok_or_else(|| unlinked("decodebin has no sink"))?;
+        pad.link(&sink).map_err(unlinked)?;
+        decode.sync_state_with_parent().map_err(unlinked)
+    }
+
+    fn decodebin(self: &Arc<Self>, way: &Way) -> Result<gst::Element, SourceFailure> {
+        let decode = self.add("decodebin")?;
+        let mut kept: gst::Caps = KEPT.parse().map_err(unlinked)?;
+        kept.make_mut().append(gst::Caps::builder("video/x-raw").any_features().build());
+        decode.set_property("caps", &kept);
+        decode.set_property("max-size-bytes", QUEUED_BYTES);
+        // What is no video is left as it is, so that no decoder of it is looked for.
+        decode.connect("autoplug-continue", false, |arguments| {
+            let caps: gst::Caps = arguments.get(2)?.get().ok()?;
+            let name = caps.structure(0)?.name();
+            let is_other = ["audio/", "text/", "subpicture/", "closedcaption/"];
+            Some((!is_other.iter().any(|prefix| name.starts_with(prefix))).to_value())
+        });
+        let (play, way) = (Arc::downgrade(self), way.clone());
+        decode.connect_pad_added(move |_, pad| {
+            if let Some(play) = play.upgrade() {
+                play.take(pad, &way);
+            }
+        });
+        let play = Arc::downgrade(self);
+        decode.connect_no_more_pads(move |_| {
+            if let Some(play) = play.upgrade()
+                && !play.has_video.load(Ordering::Relaxed)
+            {
+                play.outbox.fail(failure::permanent("has no video", "Give the address of a video"));
+            }
+        });
+        Ok(decode)
+    }
+
+    /// Takes the stream of a pad, if it is the first video.
+    pub(super) fn take(self: &Arc<Self>, pad: &gst::Pad, way: &Way) {
+        let caps = pad.current_caps().unwrap_or_else(|| pad.query_caps(None));
+        let Some(name) = caps.structure(0).map(|structure| structure.name().to_string()) else { return };
+        if !(name.starts_with("video/") || name == "image/jpeg") {
+            return;
+        }
+        if !self.takes_video()
+            && let Err(failure) = units::attach(self, pad, &name, way)
+        {
+            self.outbox.fail(failure);
+        }
+    }
+
+    /// Whether there was a video already. From now on there is one.
+    pub(super) fn takes_video(&self) -> bool {
+        self.has_video.swap(true, Ordering::Relaxed)
+    }
+
+    /// What was said of the pipeline's failure holds no more.
+    pub(super) fn forget_reason(&self) {
+        *self.reason.lock().unwrap_or_else(PoisonError::into_inner) = None;
+    }
+
+    /// Says why the pipeline will fail.
+    pub(super) fn set_reason(&self, failure: SourceFailure) {
+        self.reason.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(failure);
+    }
+
+    /// Sets what to do instead of failing.
+    pub(super) fn set_second_attempt(&self, attempt: SecondAttempt) {
+        *self.second_attempt.lock().unwrap_or_else(PoisonError::into_inner) = Some(attempt);
+    }
+
+    /// Forgets what is known of a failed attempt.
+    pub(super) fn begin_anew(&self) {
+        self.forget_reason();
+        self.has_video.store(false, Ordering::Relaxed);
+    }
+
+    /// Handles the messages of the bus until the end.
+    pub(super) fn follow_bus(self: &Arc<Self>) {
+        let Some(bus) = self.pipeline.bus() else { return };
+        for message in bus.iter_timed(gst::ClockTime::NONE) {
+            if self.on_message(&message) {
+                return;
+            }
+        }
+    }
+
+    fn follow_bus_until_empty(&self) {
+        let Some(bus) = self.pipeline.bus() else { return };
+        for message in bus.iter() {
+            if let gst::MessageView::Error(error) = message.view() {
+                self.outbox.fail(self.failure(error));
+            }
+        }
+    }
+
+    /// Returns whether the source has ended.
+    fn on_message(self: &Arc<Self>, message: &gst::Message) -> bool {
+        match message.view() {
+            gst::MessageView::Eos(_) => self.outbox.end(FromSource::Ended),
+            gst::MessageView::Error(error) => {
+                let failure = self.failure(error);
+                let attempt = self.second_attempt.lock().unwrap_or_else(PoisonError::into_inner).take();
+                if attempt.is_some_and(|attempt| attempt(self, &failure)) {
+                    return false;
+                }
+                self.outbox.fail(failure);
+            }
+            gst::MessageView::Element(element) => {
+                if let Some(missing) = element.structure().and_then(missing_plugin) {
+                    self.set_reason(failure::missing_codec(&missing));
+                }
+                return false;
+            }
+            _ => return false,
+        }
+        true
+    }
+
+    fn failure(&self, error: &gst::message::Error) -> SourceFailure {
+        let known = self.reason.lock().unwrap_or_else(PoisonError::into_inner).clone();
+        known.unwrap_or_else(|| {
+            let debug = error.debug().unwrap_or_default();
+            failure::from_gst(&error.error(), &debug)
+        })
+    }
+}
+
+/// The name of a codec of video that is not installed.
+fn missing_plugin(structure: &gst::StructureRef) -> Option<String> {
+    if structure.name() != "missing-plugin" {
+        return None;
+    }
+    let detail = structure.get::<gst::Caps>("detail").ok()?;
+    let name = detail.structure(0)?.name();
+    let is_video = ["video/", "image/"].iter().any(|prefix| name.starts_with(prefix));
+    is_video.then(|| structure.get::<String>("name").ok()).flatten()
+}

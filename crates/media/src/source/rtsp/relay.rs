@@ -1,0 +1,157 @@
+//! A relay on the loopback in front of one connection to an RTSP server.
+//!
+//! `rtspsrc` sends a password as Basic to a server that offers nothing else, follows redirects with the login, and tells
+//! little of a server's answers. The relay sees all messages ([`super::messages`]). It accepts one connection and reaches one
+//! server: wherever an answer leads, a login goes nowhere else.
+
+use std::io::{self, Read as _, Write as _};
+use std::net::{Ipv4Addr, Shutdown, TcpListener, TcpStream, ToSocketAddrs as _};
+use std::sync::{Arc, Mutex, PoisonError, Weak};
+use std::time::Duration;
+
+use url::Url;
+
+use super::super::failure::{self, from_status, temporary};
+use super::super::play::Play;
+use super::messages::{Answers, Refusal, Requests};
+
+/// Bytes that are read at once.
+const READ_BYTES: usize = 64 << 10;
+
+/// Longest wait for a connection to the server.
+const CONNECT_TIMEOUT: Duration = Duration::from_secs(5);
+
+/// The port of RTSP.
+const RTSP_PORT: u16 = 554;
+
+/// Requests whose answer decides about the stream. The others keep the session alive.
+const DECISIVE: [&str; 3] = ["DESCRIBE", "SETUP", "PLAY"];
+
+/// Starts a relay to the server of an address. Returns the address that leads through the relay.
+pub(super) fn start(play: &Arc<Play>, url: &Url, permits_basic: bool) -> io::Result<Url> {
+    let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, 0))?;
+    let near = listener.local_addr()?;
+    let mut through = url.clone();
+    let is_set = through.set_host(Some("127.0.0.1")).is_ok() && through.set_port(Some(near.port())).is_ok();
+    if !is_set {
+        return Err(io::Error::from(io::ErrorKind::InvalidInput));
+    }
+    let (play, url) = (Arc::downgrade(play), url.clone());
+    std::thread::spawn(move || {
+        let Ok((client, _)) = listener.accept() else { return };
+        drop(listener);
+        match connect(&url) {
+            Ok(server) => {
+                let relay = Arc::new(Relay { play, client, server, method: Mutex::default() });
+                relay.pass(permits_basic, near);
+            }
+            Err(error) => {
+                if let Some(play) = play.upgrade() {
+                    play.set_reason(unreachable(&error));
+                }
+            }
+        }
+    });
+    Ok(through)
+}
+
+fn connect(url: &Url) -> io::Result<TcpStream> {
+    let host = url.host_str().unwrap_or_default().trim_matches(['[', ']']);
+    let mut last = io::Error::from(io::ErrorKind::NotFound);
+    for address in (host, url.port().unwrap_or(RTSP_PORT)).to_socket_addrs().map_err(unknown_name)? {
+        match TcpStream::connect_timeout(&address, CONNECT_TIMEOUT) {
+            Ok(stream) => return Ok(stream),
+            Err(error) => last = error,
+        }
+    }
+    Err(last)
+}
+
+fn unknown_name(_: io::Error) -> io::Error {
+    io::Error::from(io::ErrorKind::NotFound)
+}
+
+fn unreachable(error: &io::Error) -> barrelman_media_protocol::source::SourceFailure {
+    let words = match error.kind() {
+        io::ErrorKind::NotFound => "unknown host",
+        io::ErrorKind::ConnectionRefused => "connection refused",
+        io::ErrorKind::HostUnreachable | io::ErrorKind::NetworkUnreachable => "no route",
+        io::ErrorKind::TimedOut => "timed out",
+        _ => "",
+    };
+    failure::from_words(words).unwrap_or_else(|| temporary(format!("cannot be reached: {error}"), ""))
+}
+
+struct Relay {
+    play: Weak<Play>,
+    client: TcpStream,
+    server: TcpStream,
+    /// Method of the last request.
+    method: Mutex<String>,
+}
+
+impl Relay {
+    /// Passes messages in both directions until an end closes.
+    fn pass(self: Arc<Self>, permits_basic: bool, near: std::net::SocketAddr) {
+        let _ = self.client.set_nodelay(true);
+        let _ = self.server.set_nodelay(true);
+        let answering = self.clone();
+        std::thread::spawn(move || {
+            let mut answers = Answers::new(near);
+            answering.pass_one_way(&answering.server, &answering.client, |relay, bytes, out| {
+                let status = answers.pass(bytes, out)?;
+                status.into_iter().for_each(|status| relay.on_status(status));
+                Ok(())
+            });
+        });
+        let mut requests = Requests::new(permits_basic);
+        self.pass_one_way(&self.client, &self.server, |relay, bytes, out| {
+            if let Some(method) = requests.pass(bytes, out)? {
+                *relay.method.lock().unwrap_or_else(PoisonError::into_inner) = method;
+            }
+            Ok(())
+        });
+    }
+
+    fn pass_one_way(
+        &self,
+        mut from: &TcpStream,
+        mut to: &TcpStream,
+        mut filter: impl FnMut(&Self, &[u8], &mut Vec<u8>) -> Result<(), Refusal>,
+    ) {
+        let (mut bytes, mut out) = (vec![0; READ_BYTES], Vec::new());
+        loop {
+            let read = match from.read(&mut bytes) {
+                Ok(0) => break,
+                Ok(read) => read,
+                Err(error) if error.kind() == io::ErrorKind::Interrupted => continue,
+                Err(_) => break,
+            };
+            out.clear();
+            if let Err(refusal) = filter(self, &bytes[..read], &mut out) {
+                if let (Some(play), Some(failure)) = (self.play.upgrade(), refusal.failure()) {
+                    play.set_reason(failure);
+                }
+                break;
+            }
+            if to.write_all(&out).is_err() {
+                break;
+            }
+        }
+        let _ = self.client.shutdown(Shutdown::Both);
+        let _ = self.server.shutdown(Shutdown::Both);
+    }
+
+    /// A status explains the failure that follows it. A good one explains nothing.
+    fn on_status(&self, status: u16) {
+        let method = self.method.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(play) = self.play.upgrade()
+            && DECISIVE.contains(&method.as_str())
+        {
+            match from_status(status) {
+                Some(failure) => play.set_reason(failure),
+                None => play.forget_reason(),
+            }
+        }
+    }
+}

@@ -1,0 +1,144 @@
+//! What the first packets contain.
+//!
+//! A transport stream has packets of 188 bytes that begin with 0x47 (ITU-T H.222.0, 2.4.3.2). RTP names fixed payload types
+//! only (RFC 3551, table 5); the others are told apart by the heads of their NAL units, since the values that cameras send
+//! in H.264 are none in H.265, and the other way round:
+//! ```text
+//!  H.264 (RFC 6184, 1.3)  |F|NRI| type 5 |                       sets 7 and 8, slices 1 and 5, FU-A 28
+//!  H.265 (RFC 7798, 1.1.4)|F| type 6 | layer 6 | TID 3 |         sets 32 to 34, slices 0 to 21, FU 49; layer 0, TID 1 to 7
+//! ```
+
+use barrelman_media_protocol::role::CodedFormat;
+
+use super::super::rtp_times::RtpHead;
+
+/// Packets after which what is still unknown is forgotten.
+pub(super) const MAX_PACKETS: usize = 256;
+
+/// Packets of one format that decide, without one of the other between.
+const DECISIVE: usize = 5;
+
+/// Length of a packet of a transport stream.
+const TS_PACKET: usize = 188;
+
+const TS_SYNC: u8 = 0x47;
+const RTP_JPEG: u8 = 26;
+const RTP_MPEG_TS: u8 = 33;
+const FIRST_DYNAMIC: u8 = 96;
+
+/// What packets contain.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) enum Content {
+    /// It cannot be told yet.
+    Unknown,
+    TransportStream,
+    /// RTP packets with this encoding name.
+    Rtp {
+        encoding: &'static str,
+        payload_type: u8,
+    },
+    /// Something that is not read here.
+    Other(String),
+}
+
+/// Judges packets until their content is known.
+#[derive(Debug)]
+pub(super) struct Detector {
+    format: Option<CodedFormat>,
+    h264: usize,
+    h265: usize,
+}
+
+impl Detector {
+    /// `format`: of RTP packets whose payload type says nothing.
+    pub(super) fn new(format: Option<CodedFormat>) -> Self {
+        Self { format, h264: 0, h265: 0 }
+    }
+
+    pub(super) fn judge(&mut self, packet: &[u8]) -> Content {
+        if packet.first() == Some(&TS_SYNC) && packet.len().is_multiple_of(TS_PACKET) {
+            return Content::TransportStream;
+        }
+        let Some(head) = RtpHead::parse(packet) else { return Content::Unknown };
+        let rtp = |encoding| Content::Rtp { encoding, payload_type: head.payload_type };
+        match head.payload_type {
+            RTP_MPEG_TS => rtp("MP2T"),
+            RTP_JPEG => rtp("JPEG"),
+            FIRST_DYNAMIC.. => match self.format {
+                Some(CodedFormat::H264) => rtp("H264"),
+                Some(CodedFormat::H265) => rtp("H265"),
+                Some(CodedFormat::Vp9) => rtp("VP9"),
+                Some(CodedFormat::Av1) => rtp("AV1"),
+                None => self.guess(&packet[head.payload..]).map_or(Content::Unknown, rtp),
+            },
+            // Reports (RTCP) to the same port have types of 72 to 76 here (RFC 5761, 4).
+            72..=76 => Content::Unknown,
+            other => Content::Other(format!(
+                "sends RTP packets of type {other}, which is no video that is read here"
+            )),
+        }
+    }
+
+    fn guess(&mut self, payload: &[u8]) -> Option<&'static str> {
+        let [first, second, ..] = *payload else { return None };
+        match (is_h264(first), is_h265(first, second)) {
+            (true, false) => (self.h264, self.h265) = (self.h264 + 1, 0),
+            (false, true) => (self.h264, self.h265) = (0, self.h265 + 1),
+            _ => {}
+        }
+        if self.h264 >= DECISIVE {
+            return Some("H264");
+        }
+        (self.h265 >= DECISIVE).then_some("H265")
+    }
+}
+
+fn is_h264(first: u8) -> bool {
+    first & 0x80 == 0 && matches!(first & 0x1f, 1 | 5..=9 | 24 | 28)
+}
+
+fn is_h265(first: u8, second: u8) -> bool {
+    first & 0x81 == 0 && matches!(second, 1..=7) && matches!(first >> 1, 0..=9 | 16..=21 | 32..=40 | 48 | 49)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn packet(payload_type: u8, payload: &[u8]) -> Vec<u8> {
+        [&[0x80, payload_type, 0, 1, 0, 0, 0, 0, 0, 0, 0, 1], payload].concat()
+    }
+
+    fn judge(format: Option<CodedFormat>, packets: &[Vec<u8>]) -> Content {
+        let mut detector = Detector::new(format);
+        packets
+            .iter()
+            .map(|packet| detector.judge(packet))
+            .find(|content| *content != Content::Unknown)
+            .unwrap_or(Content::Unknown)
+    }
+
+    #[test]
+    fn fixed_types_and_transport_streams_are_known_at_once() {
+        assert_eq!(judge(None, &[vec![0x47; 7 * 188]]), Content::TransportStream);
+        assert_eq!(judge(None, &[vec![0x47; 187]]), Content::Unknown);
+        for (payload_type, encoding) in [(33, "MP2T"), (26, "JPEG")] {
+            assert_eq!(judge(None, &[packet(payload_type, b"")]), Content::Rtp { encoding, payload_type });
+        }
+        assert!(matches!(judge(None, &[packet(0, b"")]), Content::Other(_)));
+    }
+
+    #[test]
+    fn h264_and_h265_are_told_apart_by_their_nal_units() {
+        let h264 =
+            [[0x67, 0x42], [0x68, 0xce], [0x06, 5], [0x7c, 0x85], [0x7c, 0x05], [0x41, 0x9a], [0x61, 1]];
+        let h265 = [[0x40, 1], [0x42, 1], [0x44, 1], [0x4e, 1], [0x62, 1], [0x02, 1], [0x26, 1]];
+        for (heads, encoding) in [(h264, "H264"), (h265, "H265")] {
+            let packets = heads.map(|head| packet(96, &head));
+            assert_eq!(judge(None, &packets), Content::Rtp { encoding, payload_type: 96 });
+            assert_eq!(judge(None, &packets[..4]), Content::Unknown);
+        }
+        let content = judge(Some(CodedFormat::H265), &[packet(97, &[0x67, 0x42])]);
+        assert_eq!(content, Content::Rtp { encoding: "H265", payload_type: 97 });
+    }
+}

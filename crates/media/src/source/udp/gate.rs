@@ -1,0 +1,63 @@
+//! One sender: packets of another one that come between would tear the pictures.
+
+use std::net::SocketAddr;
+use std::time::Instant;
+
+use super::SILENCE;
+
+/// What to do with a packet.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Verdict {
+    /// It belongs to the stream.
+    Accepted,
+    /// It comes from another sender while the first one sends. Told once.
+    Ignored { is_first: bool },
+    /// The sender was silent, and another one has begun: a stream of its own.
+    Replaced,
+}
+
+/// Remembers the sender that was heard first. A sender is an address and, for RTP, a synchronisation source (RFC 3550, 3).
+#[derive(Debug, Default)]
+pub(super) struct Gate {
+    heard: Option<Heard>,
+    has_ignored: bool,
+}
+
+#[derive(Debug)]
+struct Heard {
+    from: SocketAddr,
+    ssrc: Option<u32>,
+    at: Instant,
+}
+
+impl Gate {
+    pub(super) fn judge(&mut self, from: SocketAddr, ssrc: Option<u32>, now: Instant) -> Verdict {
+        let heard = self.heard.get_or_insert(Heard { from, ssrc, at: now });
+        if (heard.from, heard.ssrc) == (from, ssrc) {
+            heard.at = now;
+            return Verdict::Accepted;
+        }
+        if now.saturating_duration_since(heard.at) >= SILENCE {
+            return Verdict::Replaced;
+        }
+        Verdict::Ignored { is_first: !std::mem::replace(&mut self.has_ignored, true) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn another_sender_is_heard_after_a_silence_only() {
+        let mut gate = Gate::default();
+        let [first, second] = [1, 2].map(|port| SocketAddr::from(([127, 0, 0, 1], port)));
+        let start = Instant::now();
+        assert_eq!(gate.judge(first, Some(7), start), Verdict::Accepted);
+        assert_eq!(gate.judge(second, Some(7), start), Verdict::Ignored { is_first: true });
+        assert_eq!(gate.judge(first, Some(8), start), Verdict::Ignored { is_first: false });
+        assert_eq!(gate.judge(first, Some(7), start + SILENCE), Verdict::Accepted);
+        assert_eq!(gate.judge(second, None, start + SILENCE), Verdict::Ignored { is_first: false });
+        assert_eq!(gate.judge(second, None, start + 2 * SILENCE), Verdict::Replaced);
+    }
+}
