@@ -2,7 +2,8 @@
 
 use std::path::Path;
 
-use barrelman_media_protocol::role::{CodedFormat, Role};
+use barrelman_media_protocol::format::CodedFormat;
+use barrelman_media_protocol::role::Role;
 use barrelman_media_protocol::source::{FromSource, SourceAddress, SourceSettings, SourceUnit, UnitTime};
 use barrelman_vocab::image::PictureSize;
 use barrelman_vocab::unit::{Rotation, UnitCodec};
