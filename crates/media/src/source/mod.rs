@@ -20,6 +20,8 @@ mod units;
 
 mod rtp_times;
 
+mod rtp_repair;
+
 mod rtp;
 
 mod rtsp;

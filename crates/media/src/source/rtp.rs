@@ -8,6 +8,7 @@ use gstreamer as gst;
 
 use super::failure::{self, unlinked};
 use super::play::{Play, Times, Way};
+use super::rtp_repair::{Nal, RepeatedSets};
 use super::rtp_times::{MAX_PICTURE_BYTES, RtpHead, RtpTimes, to_ns};
 use super::units;
 use crate::monotonic;
@@ -50,14 +51,14 @@ pub(super) fn take_encoding(
         "JPEG" => ("rtpjpegdepay", "image/jpeg"),
         "MP2T" => return take_transport_stream(play, pad, way),
         _ => {
-            watch_packets(play, pad, stream);
+            watch_packets(play, pad, stream, None);
             return play.decode(pad, &rtp);
         }
     };
     if play.takes_video() {
         return Ok(());
     }
-    watch_packets(play, pad, stream);
+    watch_packets(play, pad, stream, Nal::of(encoding));
     let depay = play.add(depay)?;
     let filter = play.add("capsfilter")?;
     filter.set_property("caps", caps.parse::<gst::Caps>().map_err(unlinked)?);
@@ -104,12 +105,17 @@ pub(super) fn set_arrival(packet: &mut gst::BufferRef, arrival_ns: u64) {
 }
 
 /// Writes the time of each packet into its buffer.
-fn watch_packets(play: &Arc<Play>, pad: &gst::Pad, stream: &Stream) {
+fn watch_packets(play: &Arc<Play>, pad: &gst::Pad, stream: &Stream, nal: Option<Nal>) {
     let (outbox, stream) = (play.outbox.clone(), stream.clone());
+    let sets = Mutex::new(nal.map(RepeatedSets::new));
     pad.add_probe(gst::PadProbeType::BUFFER | gst::PadProbeType::BUFFER_LIST, move |_, info| {
         let mut is_bounded = true;
+        let mut sets = sets.lock().unwrap_or_else(PoisonError::into_inner);
         each_buffer(info, |mut buffer| {
             let Some(head) = head_of(&buffer) else { return buffer };
+            if let Some(sets) = sets.as_mut() {
+                repair(&mut buffer, head, sets);
+            }
             let arrival =
                 buffer.meta::<gst::ReferenceTimestampMeta>().map(|meta| meta.timestamp().nseconds());
             let arrival_ns = arrival.unwrap_or_else(monotonic::now_ns);
@@ -117,9 +123,9 @@ fn watch_packets(play: &Arc<Play>, pad: &gst::Pad, stream: &Stream) {
             let extended = times.on_packet(head, buffer.size(), arrival_ns);
             drop(times);
             is_bounded &= extended.is_some();
-            let buffer_ref = buffer.make_mut();
-            buffer_ref.set_pts(extended.map(|extended| gst::ClockTime::from_nseconds(to_ns(extended))));
-            buffer_ref.set_dts(gst::ClockTime::NONE);
+            let packet = buffer.make_mut();
+            packet.set_pts(extended.map(|extended| gst::ClockTime::from_nseconds(to_ns(extended))));
+            packet.set_dts(gst::ClockTime::NONE);
             buffer
         });
         if !is_bounded {
@@ -129,6 +135,17 @@ fn watch_packets(play: &Arc<Play>, pad: &gst::Pad, stream: &Stream) {
         }
         gst::PadProbeReturn::Ok
     });
+}
+
+/// Replaces what would tear a picture.
+fn repair(packet: &mut gst::Buffer, head: RtpHead, sets: &mut RepeatedSets) {
+    let replaced =
+        packet.map_readable().ok().and_then(|bytes| sets.on_packet(head.ticks, &bytes[head.payload..]));
+    if let Some(replaced) = replaced
+        && let Ok(mut bytes) = packet.make_mut().map_writable()
+    {
+        bytes[head.payload] = replaced;
+    }
 }
 
 /// Replaces each buffer that a probe sees.

@@ -6,4 +6,5 @@ mod media;
 
 mod decoding;
 mod files;
+mod ports;
 mod roles;
