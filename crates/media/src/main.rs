@@ -58,6 +58,8 @@ fn run() -> Result<(), String> {
     // leads its group already needs no other.
     let _ = rustix::process::setsid();
     rights::keep_memory_private();
+    // Libraries complain of folders that they may not write: what matters comes over GStreamer's bus.
+    gstreamer::glib::log_set_writer_func(|_, _| gstreamer::glib::LogWriterOutput::Handled);
     let stdin = io::stdin().as_fd().try_clone_to_owned().map_err(|error| error.to_string())?;
     let mut channel = Channel::over(UnixStream::from(stdin)).map_err(|error| format!("{USAGE} ({error})"))?;
     let start = match channel.receive::<Start>(Instant::now() + FIRST_MESSAGE) {

@@ -14,6 +14,8 @@ mod outbox;
 
 mod failure;
 
+mod reach;
+
 mod play;
 
 mod units;

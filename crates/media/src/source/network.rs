@@ -9,6 +9,7 @@ use url::Url;
 
 use super::failure::{permanent, unlinked};
 use super::play::{Play, Times, Way};
+use super::reach;
 
 /// Longest wait for an HTTP server, seconds.
 const HTTP_TIMEOUT_S: u32 = 5;
@@ -20,7 +21,7 @@ pub(super) fn open(play: &Arc<Play>, url: &str, login: Option<SourceLogin>) -> R
     let parsed = Url::parse(url).map_err(|error| permanent(format!("is no address ({error})"), ""))?;
     let (source, name) = match parsed.scheme() {
         "srt" => (srt(play, url)?, "by SRT"),
-        "rtmp" | "rtmps" => (rtmp(play, parsed, login)?, "by RTMP"),
+        "rtmp" | "rtmps" => (rtmp(play, parsed.clone(), login)?, "by RTMP"),
         "http" | "https" => (http(play, &parsed, login)?, "by HTTP"),
         scheme => {
             let what = format!("has a scheme that is not read here ({scheme}://)");
@@ -30,8 +31,26 @@ pub(super) fn open(play: &Arc<Play>, url: &str, login: Option<SourceLogin>) -> R
     let pad = source.static_pad("src").ok_or_else(|| unlinked("a source has no pad"))?;
     let times = if play.is_live { Times::Sender } else { Times::SinceStart };
     play.decode(&pad, &Way { name: name.to_owned(), times })?;
+    explain_failure(play, parsed);
     play.start();
     Ok(())
+}
+
+/// The elements do not tell why a host cannot be reached. Another attempt to reach it does.
+fn explain_failure(play: &Arc<Play>, url: Url) {
+    let port = match url.scheme() {
+        "http" => 80,
+        "https" => 443,
+        "rtmp" => 1935,
+        _ => return,
+    };
+    play.set_second_attempt(Box::new(move |play, _| match reach::connect(&url, port) {
+        Ok(_) => false,
+        Err(error) => {
+            play.outbox.fail(reach::unreachable(&error));
+            true
+        }
+    }));
 }
 
 fn srt(play: &Play, url: &str) -> Result<gst::Element, SourceFailure> {

@@ -10,7 +10,10 @@ use super::failure::{permanent, unlinked};
 use super::play::{Play, Times, Way};
 
 pub(super) fn open(play: &Arc<Play>, text: &str) -> Result<(), SourceFailure> {
-    let bin = gst::parse::bin_from_description(text, false).map_err(|error| {
+    // Caps at the end need an element behind them.
+    let with_end = || gst::parse::bin_from_description(&format!("{text} ! identity"), false);
+    let parsed = gst::parse::bin_from_description(text, false).or_else(|error| with_end().map_err(|_| error));
+    let bin = parsed.map_err(|error| {
         let what = format!("cannot be built: {}", error.message());
         permanent(what, "Try the same text with gst-launch-1.0, followed by ! fakesink")
     })?;

@@ -145,9 +145,9 @@ impl Play {
         *self.reason.lock().unwrap_or_else(PoisonError::into_inner) = None;
     }
 
-    /// Says why the pipeline will fail.
+    /// Says why the pipeline will fail. What is said last counts.
     pub(super) fn set_reason(&self, failure: SourceFailure) {
-        self.reason.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(failure);
+        *self.reason.lock().unwrap_or_else(PoisonError::into_inner) = Some(failure);
     }
 
     /// Sets what to do instead of failing.

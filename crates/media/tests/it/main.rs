@@ -6,5 +6,7 @@ mod media;
 
 mod decoding;
 mod files;
+mod other_sources;
 mod ports;
 mod roles;
+mod rtsp;

@@ -5,21 +5,18 @@
 //! server: wherever an answer leads, a login goes nowhere else.
 
 use std::io::{self, Read as _, Write as _};
-use std::net::{Ipv4Addr, Shutdown, TcpListener, TcpStream, ToSocketAddrs as _};
+use std::net::{Ipv4Addr, Shutdown, TcpListener, TcpStream};
 use std::sync::{Arc, Mutex, PoisonError, Weak};
-use std::time::Duration;
 
 use url::Url;
 
-use super::super::failure::{self, from_status, temporary};
+use super::super::failure::from_status;
 use super::super::play::Play;
+use super::super::reach;
 use super::messages::{Answers, Refusal, Requests};
 
 /// Bytes that are read at once.
 const READ_BYTES: usize = 64 << 10;
-
-/// Longest wait for a connection to the server.
-const CONNECT_TIMEOUT: Duration = Duration::from_secs(5);
 
 /// The port of RTSP.
 const RTSP_PORT: u16 = 554;
@@ -40,46 +37,19 @@ pub(super) fn start(play: &Arc<Play>, url: &Url, permits_basic: bool) -> io::Res
     std::thread::spawn(move || {
         let Ok((client, _)) = listener.accept() else { return };
         drop(listener);
-        match connect(&url) {
+        match reach::connect(&url, RTSP_PORT) {
             Ok(server) => {
                 let relay = Arc::new(Relay { play, client, server, method: Mutex::default() });
                 relay.pass(permits_basic, near);
             }
             Err(error) => {
                 if let Some(play) = play.upgrade() {
-                    play.set_reason(unreachable(&error));
+                    play.set_reason(reach::unreachable(&error));
                 }
             }
         }
     });
     Ok(through)
-}
-
-fn connect(url: &Url) -> io::Result<TcpStream> {
-    let host = url.host_str().unwrap_or_default().trim_matches(['[', ']']);
-    let mut last = io::Error::from(io::ErrorKind::NotFound);
-    for address in (host, url.port().unwrap_or(RTSP_PORT)).to_socket_addrs().map_err(unknown_name)? {
-        match TcpStream::connect_timeout(&address, CONNECT_TIMEOUT) {
-            Ok(stream) => return Ok(stream),
-            Err(error) => last = error,
-        }
-    }
-    Err(last)
-}
-
-fn unknown_name(_: io::Error) -> io::Error {
-    io::Error::from(io::ErrorKind::NotFound)
-}
-
-fn unreachable(error: &io::Error) -> barrelman_media_protocol::source::SourceFailure {
-    let words = match error.kind() {
-        io::ErrorKind::NotFound => "unknown host",
-        io::ErrorKind::ConnectionRefused => "connection refused",
-        io::ErrorKind::HostUnreachable | io::ErrorKind::NetworkUnreachable => "no route",
-        io::ErrorKind::TimedOut => "timed out",
-        _ => "",
-    };
-    failure::from_words(words).unwrap_or_else(|| temporary(format!("cannot be reached: {error}"), ""))
 }
 
 struct Relay {
