@@ -2,7 +2,8 @@
 # Installs the system packages that a step needs, and nothing else. Safe to run again: it asks dpkg first.
 #
 #   scripts/setup.sh build      a C++ compiler, and nasm (halves the cost of H.264)
-#   scripts/setup.sh test       what the tests talk to, and what makes the fixtures anew: an RTSP server
+#   scripts/setup.sh media      GStreamer: its libraries and plugins, to build and to run barrelman-media
+#   scripts/setup.sh test       all of this, what the tests talk to, and what makes the fixtures anew: an RTSP server
 #                               (GStreamer), FFmpeg, Chromium for the page, and Python with OpenCV, mcap,
 #                               pytest, ruff and mypy
 #
@@ -36,12 +37,14 @@ need_python() {
 }
 
 build=(g++ nasm)
-test=(python3-venv python3-gi gir1.2-gst-rtsp-server-1.0 gstreamer1.0-plugins-base gstreamer1.0-plugins-good
-  gstreamer1.0-plugins-bad gstreamer1.0-plugins-ugly gstreamer1.0-tools libgl1 libglib2.0-0 ffmpeg
+media=(pkg-config libgstreamer1.0-dev libgstreamer-plugins-base1.0-dev gstreamer1.0-plugins-base
+  gstreamer1.0-plugins-good gstreamer1.0-plugins-bad gstreamer1.0-plugins-ugly gstreamer1.0-libav)
+test=(python3-venv python3-gi gir1.2-gst-rtsp-server-1.0 gstreamer1.0-tools libgl1 libglib2.0-0 ffmpeg
   chromium chromium-driver)
 
 case "${1:-build}" in
   build) need_packages "${build[@]}" ;;
-  test) need_packages "${build[@]}" "${test[@]}"; need_python ;;
-  *) sed -n '2,8p' "$0" >&2; exit 2 ;;
+  media) need_packages "${build[@]}" "${media[@]}" ;;
+  test) need_packages "${build[@]}" "${media[@]}" "${test[@]}"; need_python ;;
+  *) sed -n '2,9p' "$0" >&2; exit 2 ;;
 esac
