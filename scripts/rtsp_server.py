@@ -95,7 +95,7 @@ def main():
     parser.add_argument("--size", default="640x360")
     parser.add_argument("--fps", default=30, type=int)
     parser.add_argument("--codec", default="h264", choices=sorted(ENCODERS))
-    parser.add_argument("--transport", default="tcp", choices=("tcp", "udp"), help="the one way of packets")
+    parser.add_argument("--transport", choices=("tcp", "udp"), help="the one way of packets; default: both")
     parser.add_argument("--send", choices=("rtp", "ts"), help="send packets to the port")
     parser.add_argument("--check", action="store_true", help="only tell whether everything is there")
     args = parser.parse_args()
@@ -121,7 +121,8 @@ def serve(args):
     factory = GstRtspServer.RTSPMediaFactory()
     factory.set_launch(f"( {pictures(args)} ! {PACKETS[args.codec]} )")
     lower = {"tcp": GstRtsp.RTSPLowerTrans.TCP, "udp": GstRtsp.RTSPLowerTrans.UDP}
-    factory.set_protocols(lower[args.transport])
+    if args.transport:
+        factory.set_protocols(lower[args.transport])
     factory.set_shared(True)
     if args.pattern == "timecode" and not args.file:
         factory.connect("media-configure", lambda _, media: feed_timecode(media.get_element(), args))

@@ -17,6 +17,7 @@
 //! up before a pipeline starts.
 
 use std::collections::BTreeMap;
+use std::os::unix::fs::FileTypeExt as _;
 use std::path::PathBuf;
 
 use landlock::{
@@ -75,8 +76,11 @@ fn restrict_files(kept: &Kept) -> Result<RulesetStatus, RulesetError> {
     let readable = kept.readable.iter().map(|path| (path, read));
     let devices = kept.devices.iter().map(|path| (path, control | AccessFs::ReadDir));
     for (path, access) in readable.chain(devices) {
-        // What does not exist needs no right: opening it fails either way, with the better reason.
+        // What does not exist needs no right: opening it fails either way, with the better reason. An open pipe needs none.
         let Ok(opened) = PathFd::new(path) else { continue };
+        if path.metadata().is_ok_and(|metadata| metadata.file_type().is_fifo()) {
+            continue;
+        }
         let access = if path.is_dir() { access } else { access & file_only };
         ruleset = ruleset.add_rule(PathBeneath::new(opened, access))?;
     }

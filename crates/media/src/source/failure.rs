@@ -49,7 +49,8 @@ pub(super) fn from_status(status: u16) -> Option<SourceFailure> {
             "does not let us in",
             "Check user and password: they stand on the first line of the login file",
         ),
-        404 | 410 => permanent(
+        // A server that is still starting knows its streams later.
+        404 | 410 => temporary(
             "has no stream of this name",
             "Check the path in the address: the camera's manual or its page names it",
         ),

@@ -1,10 +1,12 @@
 //! Files and pipes, and SDP files that describe RTP streams.
 
+use std::fs::File;
+use std::os::fd::IntoRawFd as _;
 use std::os::unix::fs::FileTypeExt as _;
 use std::path::Path;
 use std::sync::Arc;
 
-use barrelman_media_protocol::source::SourceFailure;
+use barrelman_media_protocol::source::{SourceAddress, SourceFailure};
 use gst::prelude::*;
 use gstreamer as gst;
 
@@ -18,19 +20,33 @@ const LATENCY_MS: u32 = 60;
 /// Longest SDP file.
 const MAX_SDP: u64 = 64 << 10;
 
-pub(super) fn open(play: &Arc<Play>, path: &Path) -> Result<(), SourceFailure> {
-    let kind = std::fs::metadata(path).map_err(|error| unreadable(&error))?.file_type();
-    if kind.is_dir() {
-        return Err(permanent("is a folder", "Give the path of a file"));
-    }
+/// The open pipe, where an address names one.
+pub(super) fn open_pipe(address: &SourceAddress) -> Option<File> {
+    let SourceAddress::File(path) = address else { return None };
+    let is_pipe = std::fs::metadata(path).is_ok_and(|metadata| metadata.file_type().is_fifo());
+    // A pipe that cannot be opened gets its reason in `open`.
+    is_pipe.then(|| File::open(path).ok()).flatten()
+}
+
+/// Plays a file, or an open pipe.
+pub(super) fn open(play: &Arc<Play>, path: &Path, pipe: Option<File>) -> Result<(), SourceFailure> {
     // A pipe has an end that writes, perhaps now: its pictures have the times of their writer.
-    let (name, times) = match (kind.is_fifo(), play.is_live) {
-        (true, true) => ("from a pipe", Times::Sender),
-        (true, false) => ("from a pipe", Times::SinceStart),
-        (false, _) => ("from a file", Times::SinceStart),
+    let (source, name, times) = match pipe {
+        Some(pipe) => {
+            let source = play.add("fdsrc")?;
+            // The process keeps the pipe until its end.
+            source.set_property("fd", pipe.into_raw_fd());
+            let times = if play.is_live { Times::Sender } else { Times::SinceStart };
+            (source, "from a pipe", times)
+        }
+        None => {
+            if std::fs::metadata(path).map_err(|error| unreadable(&error))?.is_dir() {
+                return Err(permanent("is a folder", "Give the path of a file"));
+            }
+            (file_source(play, path)?, "from a file", Times::SinceStart)
+        }
     };
-    let source = file_source(play, path)?;
-    let pad = source.static_pad("src").ok_or_else(|| unlinked("filesrc has no source"))?;
+    let pad = source.static_pad("src").ok_or_else(|| unlinked("the source has no output"))?;
     play.decode(&pad, &Way { name: name.to_owned(), times })?;
     play.start();
     Ok(())

@@ -38,6 +38,7 @@ mod file;
 
 mod pipeline;
 
+use std::fs::File;
 use std::path::PathBuf;
 
 use barrelman_media_protocol::channel::{Channel, ChannelError};
@@ -57,6 +58,8 @@ pub(crate) fn serve(mut channel: Channel, settings: SourceSettings) -> Result<()
     }
     // Elements print nothing: what matters comes over the bus.
     gst::log::remove_default_log_function();
+    // A pipe of another process has no name that the rights below reach.
+    let pipe = file::open_pipe(&settings.address);
     rights::give_up(&kept(&settings.address));
     if !settings.is_live {
         channel.wait_for_reader().map_err(ChannelError::Io)?;
@@ -66,7 +69,7 @@ pub(crate) fn serve(mut channel: Channel, settings: SourceSettings) -> Result<()
     pipeline.use_clock(Some(&gst::SystemClock::obtain()));
     let outbox = Outbox::start(channel, settings.is_live, pipeline.clone());
     let play = Play::new(pipeline, outbox, settings.is_live);
-    if let Err(failure) = open(&play, settings.address) {
+    if let Err(failure) = open(&play, settings.address, pipe) {
         play.outbox.fail(failure);
     }
     play.follow_bus();
@@ -81,14 +84,18 @@ pub(crate) fn refuse(channel: &mut Channel, what: &str, remedy: &str) -> Result<
     channel.send(&FromSource::Failed(failure::permanent(what, remedy)), &[])
 }
 
-fn open(play: &std::sync::Arc<Play>, address: SourceAddress) -> Result<(), SourceFailure> {
+fn open(
+    play: &std::sync::Arc<Play>,
+    address: SourceAddress,
+    pipe: Option<File>,
+) -> Result<(), SourceFailure> {
     match address {
         SourceAddress::Rtsp { url, transport, login } => rtsp::open(play, &url, transport, login),
         SourceAddress::Udp { bind, format } => udp::open(play, bind, format),
         SourceAddress::Sdp(path) => file::open_sdp(play, &path),
         SourceAddress::Device(settings) => device::open(play, &settings),
         SourceAddress::Network { url, login } => network::open(play, &url, login),
-        SourceAddress::File(path) => file::open(play, &path),
+        SourceAddress::File(path) => file::open(play, &path, pipe),
         SourceAddress::Pipeline(text) => pipeline::open(play, &text),
     }
 }

@@ -5,7 +5,8 @@ use std::net::TcpListener;
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
 
-use barrelman_media_protocol::role::{CodedFormat, Role};
+use barrelman_media_protocol::format::CodedFormat;
+use barrelman_media_protocol::role::Role;
 use barrelman_media_protocol::source::{
     FromSource, RtspTransport, SourceAddress, SourceFailure, SourceLogin, SourceSettings, UnitTime,
 };
@@ -184,7 +185,7 @@ fn refusals_are_told_in_plain_words() {
     let cases = [
         ("401 Unauthorized", "does not let us in", true),
         ("403 Forbidden", "does not let us in", true),
-        ("404 Not Found", "has no stream of this name", true),
+        ("404 Not Found", "has no stream of this name", false),
         ("503 Service Unavailable", "is busy, or has too many viewers", false),
         ("302 Found", "leads to another address (a redirect), and no redirect is followed", true),
     ];

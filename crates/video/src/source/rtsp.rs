@@ -219,6 +219,24 @@ async fn describe_and_play(
             "leads to another address (an RTSP redirect), and no redirect is followed",
             "Give the address of the stream itself with --video",
         ),
+        // A server that knows the stream later, or has room later: another engine gets the same answer.
+        Some(404 | 410) => waiting(
+            "it has no stream of this name (404): check the path in the address; the camera's manual or its page names it",
+        ),
+        Some(453) => waiting(
+            "it has not enough bandwidth for one more viewer (453): close other programs that show it",
+        ),
+        Some(503) => waiting("it is busy, or has too many viewers (503): close other programs that show it"),
+        Some(406 | 415) => Broken::Unsupported(unusable(
+            shown_address,
+            "does not offer this stream in a form that the built-in engine reads (406)",
+            "Set this profile of the camera to H.264, or give the address of another one",
+        )),
+        Some(461) => Broken::Unsupported(unusable(
+            shown_address,
+            "sends its packets over UDP alone (461)",
+            "Set the camera to RTP over TCP",
+        )),
         _ => Broken::Temporary { reason: error.to_string(), is_reached: true },
     };
     let mut session = Session::describe(address, options).await.map_err(connect_error)?;
@@ -238,6 +256,10 @@ async fn describe_and_play(
     session.setup(stream, setup).await.map_err(connect_error)?;
     let playing = session.play(PlayOptions::default()).await.map_err(connect_error)?;
     playing.demuxed().map_err(connect_error)
+}
+
+fn waiting(reason: &str) -> Broken {
+    Broken::Temporary { reason: reason.to_owned(), is_reached: false }
 }
 
 fn refused(shown_address: &str, what: &str, remedy: &str) -> Broken {
