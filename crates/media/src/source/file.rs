@@ -2,13 +2,14 @@
 
 use std::fs::File;
 use std::os::fd::IntoRawFd as _;
-use std::os::unix::fs::FileTypeExt as _;
+use std::os::unix::fs::FileTypeExt;
 use std::path::Path;
 use std::sync::Arc;
 
 use barrelman_media_protocol::source::{SourceAddress, SourceFailure};
 use gst::prelude::*;
 use gstreamer as gst;
+use rustix::fs::{Mode, OFlags};
 
 use super::failure::{permanent, unlinked};
 use super::play::{Play, Times, Way};
@@ -20,31 +21,51 @@ const LATENCY_MS: u32 = 60;
 /// Longest SDP file.
 const MAX_SDP: u64 = 64 << 10;
 
-/// The open pipe, where an address names one.
+/// The open pipe of another process, where an address names one (`/proc/PID/fd/N`). Such a name leads nowhere once rights
+/// have been given up.
 pub(super) fn open_pipe(address: &SourceAddress) -> Option<File> {
     let SourceAddress::File(path) = address else { return None };
-    let is_pipe = std::fs::metadata(path).is_ok_and(|metadata| metadata.file_type().is_fifo());
-    // A pipe that cannot be opened gets its reason in `open`.
-    is_pipe.then(|| File::open(path).ok()).flatten()
+    if !path.starts_with("/proc") || !is_fifo(path) {
+        return None;
+    }
+    // The writer may have ended already: what it wrote is read all the same.
+    let flags = OFlags::NONBLOCK | OFlags::CLOEXEC;
+    let pipe = rustix::fs::open(path, flags, Mode::empty()).ok()?;
+    rustix::fs::fcntl_setfl(&pipe, OFlags::empty()).ok()?;
+    Some(pipe.into())
 }
 
-/// Plays a file, or an open pipe.
+fn is_fifo(path: &Path) -> bool {
+    std::fs::metadata(path).is_ok_and(|metadata| metadata.file_type().is_fifo())
+}
+
+/// Plays a file, or a pipe. `pipe`: see [`open_pipe`].
 pub(super) fn open(play: &Arc<Play>, path: &Path, pipe: Option<File>) -> Result<(), SourceFailure> {
-    // A pipe has an end that writes, perhaps now: its pictures have the times of their writer.
-    let (source, name, times) = match pipe {
+    let kind = std::fs::metadata(path).map(|metadata| metadata.file_type());
+    let is_pipe = pipe.is_some() || kind.as_ref().is_ok_and(FileTypeExt::is_fifo);
+    let source = match pipe {
         Some(pipe) => {
             let source = play.add("fdsrc")?;
             // The process keeps the pipe until its end.
             source.set_property("fd", pipe.into_raw_fd());
-            let times = if play.is_live { Times::Sender } else { Times::SinceStart };
-            (source, "from a pipe", times)
+            source
         }
         None => {
-            if std::fs::metadata(path).map_err(|error| unreadable(&error))?.is_dir() {
+            let kind = kind.map_err(|error| unreadable(&error))?;
+            if kind.is_dir() {
                 return Err(permanent("is a folder", "Give the path of a file"));
             }
-            (file_source(play, path)?, "from a file", Times::SinceStart)
+            if kind.is_file() {
+                play.set_is_file();
+            }
+            file_source(play, path)?
         }
+    };
+    // A pipe has an end that writes, perhaps now: its pictures have the times of their writer.
+    let (name, times) = match (is_pipe, play.is_live) {
+        (true, true) => ("from a pipe", Times::Sender),
+        (true, false) => ("from a pipe", Times::SinceStart),
+        (false, _) => ("from a file", Times::SinceStart),
     };
     let pad = source.static_pad("src").ok_or_else(|| unlinked("the source has no output"))?;
     play.decode(&pad, &Way { name: name.to_owned(), times })?;

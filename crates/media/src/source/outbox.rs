@@ -22,6 +22,9 @@ const MAX_LIVE_UNITS: usize = 60;
 /// Largest number of units that wait where the source is read at the reader's pace.
 const MAX_UNITS: usize = 4;
 
+/// Longest wait for a reader of a live source.
+const PATIENCE: Duration = Duration::from_secs(1);
+
 /// Longest time for the source to take leave of its server.
 const TEARDOWN: Duration = Duration::from_millis(100);
 
@@ -53,6 +56,8 @@ pub(super) struct Outbox {
 struct State {
     waiting: VecDeque<(FromSource, Payload)>,
     units: usize,
+    /// When a unit was queued, or sent, for the last time.
+    moved_at: Option<Instant>,
     /// The last message is in the queue.
     is_closed: bool,
 }
@@ -72,19 +77,26 @@ impl Outbox {
         outbox
     }
 
-    /// Queues a unit. Where the source is not live, waits for room.
+    /// Queues a unit. Waits for room: for long where the source is not live, and for [`PATIENCE`] where it is, since many
+    /// units may come at once after a packet that was late.
     pub(super) fn unit(&self, message: FromSource, payload: Payload) {
-        let mut state = self.lock();
-        if self.is_live && state.units >= MAX_LIVE_UNITS {
-            drop(state);
-            crate::print_line("barrelman does not read what this source sends");
-            std::process::exit(1);
-        }
-        while !self.is_live && state.units >= MAX_UNITS && !state.is_closed {
-            state = self.changed.wait(state).unwrap_or_else(PoisonError::into_inner);
-        }
+        let most = if self.is_live { MAX_LIVE_UNITS } else { MAX_UNITS };
+        let state = self.lock();
+        let is_full = |state: &mut State| state.units >= most && !state.is_closed;
+        let mut state = if self.is_live {
+            let waited = self.changed.wait_timeout_while(state, PATIENCE, is_full);
+            let (state, waited) = waited.unwrap_or_else(PoisonError::into_inner);
+            if waited.timed_out() {
+                crate::print_line("barrelman does not read what this source sends");
+                std::process::exit(1);
+            }
+            state
+        } else {
+            self.changed.wait_while(state, is_full).unwrap_or_else(PoisonError::into_inner)
+        };
         if !state.is_closed {
             state.units += 1;
+            state.moved_at = Some(Instant::now());
             state.waiting.push_back((message, payload));
             self.changed.notify_all();
         }
@@ -108,6 +120,12 @@ impl Outbox {
         }
     }
 
+    /// How long no unit has come although the reader waits for one. Counts from `start` where there was none.
+    pub(super) fn idle(&self, start: Instant) -> Duration {
+        let state = self.lock();
+        if state.units > 0 { Duration::ZERO } else { state.moved_at.unwrap_or(start).elapsed() }
+    }
+
     /// Ends with a failure.
     pub(super) fn fail(&self, failure: SourceFailure) {
         self.end(FromSource::Failed(failure));
@@ -123,6 +141,7 @@ impl Outbox {
             }
             let Some((message, payload)) = self.next(alive_at) else { continue };
             channel.send(&message, payload.as_slice())?;
+            self.lock().moved_at = Some(Instant::now());
             if matches!(message, FromSource::Ended | FromSource::Failed(_)) {
                 return Ok(());
             }

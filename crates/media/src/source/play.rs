@@ -2,6 +2,7 @@
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
+use std::time::{Duration, Instant};
 
 use barrelman_media_protocol::source::{FromSource, SourceFailure};
 use gst::prelude::*;
@@ -11,6 +12,9 @@ use super::failure::{self, missing_element, unlinked};
 use super::outbox::Outbox;
 use super::rtp_times::RtpTimes;
 use super::units;
+
+/// Longest time without a unit from a file whose reader waits.
+const LONGEST_STALL: Duration = Duration::from_secs(5);
 
 /// Largest number of bytes that wait between a demultiplexer and its streams.
 const QUEUED_BYTES: u32 = 8 << 20;
@@ -45,6 +49,7 @@ pub(super) struct Play {
     pub outbox: Arc<Outbox>,
     pub is_live: bool,
     has_video: AtomicBool,
+    is_file: AtomicBool,
     /// What the failure of the pipeline really is, where an observer of the connection knows it better.
     reason: Mutex<Option<SourceFailure>>,
     /// What to do instead of failing, once.
@@ -62,6 +67,7 @@ impl Play {
             outbox,
             is_live,
             has_video: AtomicBool::new(false),
+            is_file: AtomicBool::new(false),
             reason,
             second_attempt,
         })
@@ -161,12 +167,26 @@ impl Play {
         self.has_video.store(false, Ordering::Relaxed);
     }
 
+    /// Ends with a failure where nothing comes out of a file for long: a demultiplexer may wait for a stream that a broken
+    /// file has announced.
+    pub(super) fn set_is_file(&self) {
+        self.is_file.store(true, Ordering::Relaxed);
+    }
+
     /// Handles the messages of the bus until the end.
     pub(super) fn follow_bus(self: &Arc<Self>) {
         let Some(bus) = self.pipeline.bus() else { return };
-        for message in bus.iter_timed(gst::ClockTime::NONE) {
-            if self.on_message(&message) {
-                return;
+        let start = Instant::now();
+        loop {
+            match bus.timed_pop(gst::ClockTime::SECOND) {
+                Some(message) if self.on_message(&message) => return,
+                Some(_) => {}
+                None if self.is_file.load(Ordering::Relaxed) && self.outbox.idle(start) > LONGEST_STALL => {
+                    let what = "is broken: no video comes out of it any more";
+                    self.outbox.fail(failure::permanent(what, "Repair or copy the file again"));
+                    return;
+                }
+                None => {}
             }
         }
     }

@@ -91,9 +91,8 @@ pub(super) fn note_arrivals(pad: &gst::Pad) {
     pad.add_probe(gst::PadProbeType::BUFFER | gst::PadProbeType::BUFFER_LIST, |_, info| {
         each_buffer(info, |mut buffer| {
             set_arrival(buffer.make_mut(), monotonic::now_ns());
-            buffer
-        });
-        gst::PadProbeReturn::Ok
+            Some(buffer)
+        })
     });
 }
 
@@ -111,10 +110,10 @@ fn watch_packets(play: &Arc<Play>, pad: &gst::Pad, stream: &Stream, nal: Option<
     pad.add_probe(gst::PadProbeType::BUFFER | gst::PadProbeType::BUFFER_LIST, move |_, info| {
         let mut is_bounded = true;
         let mut sets = sets.lock().unwrap_or_else(PoisonError::into_inner);
-        each_buffer(info, |mut buffer| {
-            let Some(head) = head_of(&buffer) else { return buffer };
+        let passed = each_buffer(info, |mut buffer| {
+            let head = head_of(&buffer)?;
             if let Some(sets) = sets.as_mut() {
-                repair(&mut buffer, head, sets);
+                repair(&mut buffer, head, sets)?;
             }
             let arrival =
                 buffer.meta::<gst::ReferenceTimestampMeta>().map(|meta| meta.timestamp().nseconds());
@@ -126,40 +125,49 @@ fn watch_packets(play: &Arc<Play>, pad: &gst::Pad, stream: &Stream, nal: Option<
             let packet = buffer.make_mut();
             packet.set_pts(extended.map(|extended| gst::ClockTime::from_nseconds(to_ns(extended))));
             packet.set_dts(gst::ClockTime::NONE);
-            buffer
+            Some(buffer)
         });
         if !is_bounded {
             let what = format!("sends a picture of more than {} MiB", MAX_PICTURE_BYTES >> 20);
             outbox.fail(failure::temporary(what, "Set the camera to a smaller size or a lower quality"));
             return gst::PadProbeReturn::Drop;
         }
-        gst::PadProbeReturn::Ok
+        passed
     });
 }
 
-/// Replaces what would tear a picture.
-fn repair(packet: &mut gst::Buffer, head: RtpHead, sets: &mut RepeatedSets) {
-    let replaced =
-        packet.map_readable().ok().and_then(|bytes| sets.on_packet(head.ticks, &bytes[head.payload..]));
-    if let Some(replaced) = replaced
-        && let Ok(mut bytes) = packet.make_mut().map_writable()
-    {
-        bytes[head.payload] = replaced;
+/// Replaces what would tear a picture. `None`: the packet is broken.
+fn repair(packet: &mut gst::Buffer, head: RtpHead, sets: &mut RepeatedSets) -> Option<()> {
+    let bytes = packet.map_readable().ok()?;
+    let payload = &bytes[head.payload..head.end];
+    if !sets.is_sound(payload) {
+        return None;
     }
+    let replaced = sets.on_packet(head.ticks, payload);
+    drop(bytes);
+    if let Some(replaced) = replaced {
+        packet.make_mut().map_writable().ok()?[head.payload] = replaced;
+    }
+    Some(())
 }
 
-/// Replaces each buffer that a probe sees.
-fn each_buffer(info: &mut gst::PadProbeInfo<'_>, mut replace: impl FnMut(gst::Buffer) -> gst::Buffer) {
+/// Replaces each buffer that a probe sees, or leaves it out.
+fn each_buffer(
+    info: &mut gst::PadProbeInfo<'_>,
+    mut replace: impl FnMut(gst::Buffer) -> Option<gst::Buffer>,
+) -> gst::PadProbeReturn {
     match info.data.take() {
         Some(gst::PadProbeData::Buffer(buffer)) => {
-            info.data = Some(gst::PadProbeData::Buffer(replace(buffer)));
+            let Some(replaced) = replace(buffer) else { return gst::PadProbeReturn::Handled };
+            info.data = Some(gst::PadProbeData::Buffer(replaced));
         }
         Some(gst::PadProbeData::BufferList(list)) => {
-            let replaced: gst::BufferList = list.iter_owned().map(replace).collect();
+            let replaced: gst::BufferList = list.iter_owned().filter_map(replace).collect();
             info.data = Some(gst::PadProbeData::BufferList(replaced));
         }
         other => info.data = other,
     }
+    gst::PadProbeReturn::Ok
 }
 
 fn head_of(packet: &gst::BufferRef) -> Option<RtpHead> {

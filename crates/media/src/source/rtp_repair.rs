@@ -1,4 +1,7 @@
-//! Parameter sets that are repeated inside of a picture.
+//! Packets that the elements behind do not bear: broken ones, and parameter sets that are repeated inside of a picture.
+//!
+//! Depayloaders of GStreamer read beyond the end of a packet whose payload is shorter than its head says, so that such
+//! packets are left out here.
 //!
 //! A payloader that is to send the parameter sets with each key picture may send them with each slice of it (GStreamer's
 //! `rtph264pay config-interval=-1` does). A set, a delimiter or an SEI begins a new access unit (ITU-T H.264, 7.4.1.2.3;
@@ -47,6 +50,25 @@ impl Nal {
         }
     }
 
+    /// Whether the payload has the parts that its head announces (RFC 6184, 5.6 to 5.8; RFC 7798, 4.4).
+    pub(super) fn is_sound(self, payload: &[u8]) -> bool {
+        let Some(first) = payload.first() else { return false };
+        match self {
+            Self::H264 => match first & 0x1f {
+                24 => holds_units(&payload[1..], 1),
+                28 => payload.len() > 2,
+                1..=23 => payload.len() > 1,
+                _ => false,
+            },
+            Self::H265 => match first >> 1 & 0x3f {
+                48 => payload.len() > 2 && holds_units(&payload[2..], 2),
+                49 => payload.len() > 3,
+                0..=47 => payload.len() > 2,
+                _ => false,
+            },
+        }
+    }
+
     /// The head of filler data.
     fn filler(self, first: u8) -> u8 {
         match self {
@@ -54,6 +76,18 @@ impl Nal {
             Self::H265 => first & 0x81 | 38 << 1,
         }
     }
+}
+
+/// Whether an aggregation consists of whole units, each longer than its head.
+fn holds_units(mut units: &[u8], head: usize) -> bool {
+    while let [high, low, rest @ ..] = units {
+        let length = usize::from(u16::from_be_bytes([*high, *low]));
+        if length <= head || length > rest.len() {
+            return false;
+        }
+        units = &rest[length..];
+    }
+    units.is_empty()
 }
 
 /// Follows the packets of a stream in their order.
@@ -67,6 +101,11 @@ pub(super) struct RepeatedSets {
 impl RepeatedSets {
     pub(super) fn new(nal: Nal) -> Self {
         Self { nal, slice: None }
+    }
+
+    /// Whether the payload can be passed on.
+    pub(super) fn is_sound(&self, payload: &[u8]) -> bool {
+        self.nal.is_sound(payload)
     }
 
     /// The first byte that the payload is to have instead of its own, if it repeats something.
@@ -85,6 +124,30 @@ impl RepeatedSets {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn payloads_that_lack_a_part_are_unsound() {
+        let h264: [(&[u8], bool); 6] = [
+            (&[0x65, 1], true),
+            (&[0x7c, 0x85], false),
+            (&[0x7c, 0x85, 1], true),
+            (&[0x78, 0, 2, 0x67, 1, 0, 2, 0x68, 1], true),
+            (&[0x78, 0, 3, 0x67, 1], false),
+            (&[], false),
+        ];
+        let h265: [(&[u8], bool); 4] = [
+            (&[0x62, 1, 0x93], false),
+            (&[0x62, 1, 0x93, 1], true),
+            (&[0x60, 1, 0, 3, 0x40, 1, 1], true),
+            (&[0x60, 1, 0, 2, 0x40, 1], false),
+        ];
+        for (payload, is_sound) in h264 {
+            assert_eq!(Nal::H264.is_sound(payload), is_sound, "{payload:?}");
+        }
+        for (payload, is_sound) in h265 {
+            assert_eq!(Nal::H265.is_sound(payload), is_sound, "{payload:?}");
+        }
+    }
 
     #[test]
     fn only_what_stands_between_slices_of_one_picture_is_replaced() {

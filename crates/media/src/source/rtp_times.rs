@@ -27,6 +27,8 @@ pub(super) struct RtpHead {
     pub ssrc: u32,
     /// Where the payload begins.
     pub payload: usize,
+    /// Where the payload ends, and padding begins.
+    pub end: usize,
 }
 
 impl RtpHead {
@@ -42,13 +44,16 @@ impl RtpHead {
             let extension = packet.get(payload..payload + 4)?;
             payload += 4 + 4 * usize::from(u16::from_be_bytes([extension[2], extension[3]]));
         }
-        (payload <= packet.len()).then_some(Self {
+        let padding = if head[0] & 0x20 == 0 { 0 } else { usize::from(*packet.last()?).max(1) };
+        let end = packet.len().checked_sub(padding)?;
+        (payload <= end).then_some(Self {
             marker: head[1] & 0x80 != 0,
             payload_type: head[1] & 0x7f,
             sequence: u16::from_be_bytes([head[2], head[3]]),
             ticks: word(4),
             ssrc: word(8),
             payload,
+            end,
         })
     }
 }
@@ -176,7 +181,7 @@ mod tests {
     use super::*;
 
     fn head(sequence: u16, ticks: u32, marker: bool) -> RtpHead {
-        RtpHead { marker, payload_type: 96, sequence, ticks, ssrc: 1, payload: 12 }
+        RtpHead { marker, payload_type: 96, sequence, ticks, ssrc: 1, payload: 12, end: 12 }
     }
 
     fn whole(arrival_ns: u64, follows_loss: bool) -> Arrived {

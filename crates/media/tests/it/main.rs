@@ -6,6 +6,7 @@ mod media;
 
 mod decoding;
 mod files;
+mod hostile;
 mod other_sources;
 mod ports;
 mod roles;

@@ -90,6 +90,13 @@ impl Media {
         pictures
     }
 
+    /// The same, whatever is damaged.
+    pub(crate) fn decode_all_leniently(&mut self, units: &[Unit]) -> Vec<(DecodedPicture, Vec<u8>)> {
+        let mut pictures: Vec<_> = units.iter().flat_map(|unit| self.decode(unit).pictures).collect();
+        pictures.extend(self.answer(ToDecoder::Flush, b"").pictures);
+        pictures
+    }
+
     /// Closes the channel and waits for the end of the process.
     pub(crate) fn close(self) -> ExitStatus {
         let Self { channel, mut child } = self;

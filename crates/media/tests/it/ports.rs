@@ -40,7 +40,7 @@ fn packets(line: &str) -> Vec<(u32, Vec<u8>)> {
         .collect()
 }
 
-fn buffers(line: &str) -> Vec<Vec<u8>> {
+pub(crate) fn buffers(line: &str) -> Vec<Vec<u8>> {
     gst::init().unwrap();
     let text = format!(
         "videotestsrc pattern=ball num-buffers={PICTURES} ! video/x-raw,width=320,height=240,framerate=25/1 ! {line} \
@@ -64,7 +64,7 @@ fn buffers(line: &str) -> Vec<Vec<u8>> {
 }
 
 /// A port of this machine that nothing uses.
-fn free_port() -> SocketAddr {
+pub(crate) fn free_port() -> SocketAddr {
     UdpSocket::bind("127.0.0.1:0").unwrap().local_addr().unwrap()
 }
 
