@@ -1,9 +1,9 @@
 //! `barrelman-media`: the part of Barrelman that links GStreamer.
 //!
-//! `barrelman` starts this program as a process of its own for each source, each decoder and each list of decoders
-//! ([`Role`]), and talks to it over the socket that is its standard input (`barrelman_media_protocol`). The process reads
-//! what strangers send, so it gives up the rights that its role does not need ([`rights`]), and it ends when the socket is
-//! closed.
+//! `barrelman` starts this program as a process of its own for each source, each decoder and each list of
+//! decoders ([`Role`]), and talks to it over the socket that is its standard input
+//! (`barrelman_media_protocol`). The process reads what strangers send, so it gives up the rights that its
+//! role does not need ([`rights`]), and it ends when the socket is closed.
 //!
 //! What must not be here: decisions about when to connect, a recording, a clock other than `CLOCK_MONOTONIC`.
 #![forbid(unsafe_code)]
@@ -54,8 +54,8 @@ fn run() -> Result<(), String> {
     if io::stdin().is_terminal() {
         return Err(USAGE.to_owned());
     }
-    // Out of the program's session and terminal: the closed socket ends this process, and nothing else does. A process that
-    // leads its group already needs no other.
+    // Out of the program's session and terminal: the closed socket ends this process, and nothing else does.
+    // A process that leads its group already needs no other.
     let _ = rustix::process::setsid();
     rights::keep_memory_private();
     // Libraries complain of folders that they may not write: what matters comes over GStreamer's bus.

@@ -10,7 +10,8 @@ use gstreamer_video::{
     VideoColorMatrix, VideoColorRange, VideoColorimetry, VideoFrameExt as _, VideoFrameRef, VideoInfo,
 };
 
-/// The caps of a picture that is delivered: 8 bits, 4:2:0, and scaled down where its caps say that it is too large.
+/// The caps of a picture that is delivered: 8 bits, 4:2:0, and scaled down where its caps say that it is too
+/// large.
 pub(crate) fn delivered_caps(decoded: Option<&gst::CapsRef>) -> gst::Caps {
     let delivered = gst::Caps::builder("video/x-raw").field("format", "I420");
     let size = decoded.and_then(size_of).unwrap_or(PictureSize::new(1, 1));
@@ -65,7 +66,8 @@ pub(crate) fn append_rows(planes: &[FramePlane<'_>], joined: &mut Vec<u8>) {
     }
 }
 
-/// The size that a picture of this size is delivered with: the same, or scaled down to [`MAX_SIDE`], with even sides.
+/// The size that a picture of this size is delivered with: the same, or scaled down to [`MAX_SIDE`], with
+/// even sides.
 fn fit(size: PictureSize) -> PictureSize {
     let longest = size.width.max(size.height);
     if longest <= MAX_SIDE {

@@ -1,7 +1,7 @@
 //! Gives up the rights that a role does not need.
 //!
-//! A video stream is a stranger's input to large C libraries. Where one of them is taken over, the process can still do
-//! what its role needs, and no more:
+//! A video stream is a stranger's input to large C libraries. Where one of them is taken over, the process
+//! can still do what its role needs, and no more:
 //!
 //! | | decoder | source |
 //! |---|---|---|
@@ -9,12 +9,13 @@
 //! | sockets (seccomp) | none new | all |
 //! | other programs, other processes, the kernel's own interfaces (seccomp) | none | none |
 //!
-//! The seccomp filter is a list of what is denied, with everything else allowed: what GStreamer's elements and a graphics
-//! driver call differs from version to version, and a list of what is allowed would end streams that are in order. A denied
-//! call fails with `EPERM`. Files and devices that were opened before stay usable.
+//! The seccomp filter is a list of what is denied, with everything else allowed: what GStreamer's elements
+//! and a graphics driver call differs from version to version, and a list of what is allowed would end
+//! streams that are in order. A denied call fails with `EPERM`. Files and devices that were opened before
+//! stay usable.
 //!
-//! Landlock holds for the calling thread and for those that it starts later; seccomp for all threads. So rights are given
-//! up before a pipeline starts.
+//! Landlock holds for the calling thread and for those that it starts later; seccomp for all threads. So
+//! rights are given up before a pipeline starts.
 
 use std::collections::BTreeMap;
 use std::os::unix::fs::FileTypeExt as _;
@@ -50,7 +51,8 @@ pub(crate) fn keep_memory_private() {
     let _ = rustix::process::setrlimit(Resource::Core, Rlimit { current: Some(0), maximum: Some(0) });
 }
 
-/// Gives up all rights but those in `kept`. Where the kernel cannot do it, the log says so and the process goes on.
+/// Gives up all rights but those in `kept`. Where the kernel cannot do it, the log says so and the process
+/// goes on.
 pub(crate) fn give_up(kept: &Kept) {
     let _ = rustix::thread::set_no_new_privs(true);
     match restrict_files(kept) {
@@ -87,7 +89,8 @@ fn restrict_files(kept: &Kept) -> Result<RulesetStatus, RulesetError> {
     Ok(ruleset.restrict_self()?.ruleset)
 }
 
-/// Calls that no role needs: other programs and processes, the machine's set-up, and large interfaces of the kernel.
+/// Calls that no role needs: other programs and processes, the machine's set-up, and large interfaces of the
+/// kernel.
 const DENIED: &[libc::c_long] = &[
     libc::SYS_execve,
     libc::SYS_execveat,

@@ -42,8 +42,8 @@ pub(super) const fn package(format: CodedFormat) -> &'static str {
     }
 }
 
-/// The decoder of a format that GStreamer ranks highest among those that can be opened, opened. A decoder in hardware whose
-/// device is absent or in use is passed over.
+/// The decoder of a format that GStreamer ranks highest among those that can be opened, opened. A decoder in
+/// hardware whose device is absent or in use is passed over.
 pub(super) fn decoder(format: CodedFormat) -> Option<(gst::Element, DecoderElement)> {
     let kinds = gst::ElementFactoryType::DECODER
         | gst::ElementFactoryType::MEDIA_VIDEO

@@ -1,8 +1,8 @@
 //! Damage that the decoders of libav tell in their log only.
 //!
-//! These decoders conceal what they cannot decode and deliver the picture as if it were intact. Their log says so at once,
-//! in the same call. Only the lines that tell of damage to the picture count: streams of many cameras break the standard in
-//! ways that cost no picture, and the log says that as well.
+//! These decoders conceal what they cannot decode and deliver the picture as if it were intact. Their log
+//! says so at once, in the same call. Only the lines that tell of damage to the picture count: streams of
+//! many cameras break the standard in ways that cost no picture, and the log says that as well.
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
@@ -11,8 +11,8 @@ use gstreamer as gst;
 /// GStreamer's log category of libav.
 const CATEGORY: &str = "libav";
 
-/// Parts of the lines that tell of damage (libavcodec's h264_slice.c, h264_cavlc.c, h264_cabac.c, h264_refs.c,
-/// hevc_refs.c, hevcdec.c, error_resilience.c).
+/// Parts of the lines that tell of damage (libavcodec's h264_slice.c, h264_cavlc.c, h264_cabac.c,
+/// h264_refs.c, hevc_refs.c, hevcdec.c, error_resilience.c).
 const DAMAGE: &[&str] = &[
     "error while decoding MB",
     "concealing",

@@ -1,8 +1,8 @@
-//! Deinterlacing without a delay: the rows of the top field stay, each row of the bottom field becomes the mean of its
-//! neighbours.
+//! Deinterlacing without a delay: the rows of the top field stay, each row of the bottom field becomes the
+//! mean of its neighbours.
 //!
-//! GStreamer's `deinterlace` holds back one picture, and looks at several. Half of the rows are lost here, which a tracker
-//! bears better than a target with two outlines.
+//! GStreamer's `deinterlace` holds back one picture, and looks at several. Half of the rows are lost here,
+//! which a tracker bears better than a target with two outlines.
 
 use crate::picture::FramePlane;
 

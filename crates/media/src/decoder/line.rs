@@ -13,8 +13,8 @@ use super::damage::LibavErrors;
 use super::output::Output;
 use super::{NoDecoder, choice};
 
-/// The caps of the metadata that carries a unit's time through the line. Elements that work on time stamps may change the
-/// time stamp of a buffer where times go backwards; they pass metadata on as it is.
+/// The caps of the metadata that carries a unit's time through the line. Elements that work on time stamps
+/// may change the time stamp of a buffer where times go backwards; they pass metadata on as it is.
 const UNIT_TIME: &str = "timestamp/x-barrelman-unit";
 
 /// The elements from the parser to the output.
@@ -246,7 +246,8 @@ fn watch_parser(parsed_units: &gst::Pad, parsed: &Arc<AtomicBool>) {
     });
 }
 
-/// Follows size and colours of the decoded pictures: the filter scales large ones down, the output tells the colours.
+/// Follows size and colours of the decoded pictures: the filter scales large ones down, the output tells the
+/// colours.
 fn watch_layout(decoded: &gst::Pad, filter: &gst::Element, output: &Arc<Mutex<Output>>) {
     let (filter, output) = (filter.clone(), output.clone());
     decoded.add_probe(gst::PadProbeType::EVENT_DOWNSTREAM, move |_, info| {

@@ -4,14 +4,16 @@
 //!  channel -> push -> parser -> decoder -> videoconvert -> videoscale -> capsfilter -> Output -> channel
 //!             \______________________ one thread, one call ______________________________/
 //! ```
-//! [`line::Line`] has no queue: pushing a unit into the parser runs the whole line, down to the message with the picture.
-//! So every picture that is ready is sent before the `Done` of its unit, without waiting and without a clock. (A hardware
-//! decoder may deliver from a thread of its own, later.)
+//! [`line::Line`] has no queue: pushing a unit into the parser runs the whole line, down to the message with
+//! the picture. So every picture that is ready is sent before the `Done` of its unit, without waiting and
+//! without a clock. (A hardware decoder may deliver from a thread of its own, later.)
 //!
-//! Only intact pictures are delivered: after damage, and at the start, all units up to the next key are skipped.
+//! Only intact pictures are delivered: after damage, and at the start, all units up to the next key are
+//! skipped.
 //!
-//! Not handled: streams without key frames (periodic intra refresh), which never start; bit errors that leave a picture
-//! readable, which no decoder notices; a hardware decoder that starts but cannot decode this stream.
+//! Not handled: streams without key frames (periodic intra refresh), which never start; bit errors that leave
+//! a picture readable, which no decoder notices; a hardware decoder that starts but cannot decode this
+//! stream.
 
 mod choice;
 

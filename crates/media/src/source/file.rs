@@ -89,8 +89,8 @@ fn file_source(play: &Play, path: &Path) -> Result<gst::Element, SourceFailure> 
     Ok(source)
 }
 
-/// Receives the streams that an SDP file describes, on the ports of this machine that it names. `sdpdemux` opens nothing
-/// else: it does not follow an RTSP address in the file.
+/// Receives the streams that an SDP file describes, on the ports of this machine that it names. `sdpdemux`
+/// opens nothing else: it does not follow an RTSP address in the file.
 pub(super) fn open_sdp(play: &Arc<Play>, path: &Path) -> Result<(), SourceFailure> {
     let length = std::fs::metadata(path).map_err(|error| unreadable(&error))?.len();
     if length > MAX_SDP {

@@ -5,8 +5,9 @@
 //!  rtsp, udp, sdp, device,    stops at compressed      units      one thread that sends
 //!  network, file, pipeline    video that is kept
 //! ```
-//! The first video stream is played; everything else is left alone. Video in H.264, H.265, VP9, AV1 and JPEG passes as it
-//! is. Other video is decoded here and sent uncompressed, or as JPEG where the source is live ([`units`]).
+//! The first video stream is played; everything else is left alone. Video in H.264, H.265, VP9, AV1 and JPEG
+//! passes as it is. Other video is decoded here and sent uncompressed, or as JPEG where the source is live
+//! ([`units`]).
 //!
 //! The process plays one connection. When that ends, for whatever reason, it sends why and ends.
 

@@ -1,7 +1,7 @@
 //! What a source sends, in one queue with a bound, and the thread that sends it.
 //!
-//! The thread is the only one that writes to the channel. It notices that the channel is closed, at the latest with the next
-//! [`FromSource::Alive`], and ends the process.
+//! The thread is the only one that writes to the channel. It notices that the channel is closed, at the
+//! latest with the next [`FromSource::Alive`], and ends the process.
 
 use std::collections::VecDeque;
 use std::sync::mpsc;
@@ -77,8 +77,8 @@ impl Outbox {
         outbox
     }
 
-    /// Queues a unit. Waits for room: for long where the source is not live, and for [`PATIENCE`] where it is, since many
-    /// units may come at once after a packet that was late.
+    /// Queues a unit. Waits for room: for long where the source is not live, and for [`PATIENCE`] where it
+    /// is, since many units may come at once after a packet that was late.
     pub(super) fn unit(&self, message: FromSource, payload: Payload) {
         let most = if self.is_live { MAX_LIVE_UNITS } else { MAX_UNITS };
         let state = self.lock();

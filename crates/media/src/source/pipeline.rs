@@ -41,7 +41,8 @@ fn expose(bin: &gst::Bin, end: &gst::Pad) -> Result<gst::Pad, SourceFailure> {
     Ok(ghost.upcast())
 }
 
-/// Waits for the pads of elements that have them only when they know the stream. Returns whether there are such elements.
+/// Waits for the pads of elements that have them only when they know the stream. Returns whether there are
+/// such elements.
 fn await_pads(play: &Arc<Play>, bin: &gst::Bin, way: &Way) -> bool {
     let mut has_some = false;
     for element in bin.children() {

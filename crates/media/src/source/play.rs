@@ -167,8 +167,8 @@ impl Play {
         self.has_video.store(false, Ordering::Relaxed);
     }
 
-    /// Ends with a failure where nothing comes out of a file for long: a demultiplexer may wait for a stream that a broken
-    /// file has announced.
+    /// Ends with a failure where nothing comes out of a file for long: a demultiplexer may wait for a stream
+    /// that a broken file has announced.
     pub(super) fn set_is_file(&self) {
         self.is_file.store(true, Ordering::Relaxed);
     }

@@ -1,4 +1,5 @@
-//! Streams of RTP packets: the times of their packets pass through the depayloader as time stamps of the buffers.
+//! Streams of RTP packets: the times of their packets pass through the depayloader as time stamps of the
+//! buffers.
 
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -174,7 +175,8 @@ fn head_of(packet: &gst::BufferRef) -> Option<RtpHead> {
     RtpHead::parse(&packet.map_readable().ok()?)
 }
 
-/// Extended time stamps lie outside of the range that a server announces: the segment becomes one without bounds.
+/// Extended time stamps lie outside of the range that a server announces: the segment becomes one without
+/// bounds.
 fn open_segments(pad: &gst::Pad) {
     pad.add_probe(gst::PadProbeType::EVENT_DOWNSTREAM, |_, info| {
         if let Some(gst::PadProbeData::Event(event)) = &info.data

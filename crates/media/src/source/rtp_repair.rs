@@ -1,12 +1,13 @@
-//! Packets that the elements behind do not bear: broken ones, and parameter sets that are repeated inside of a picture.
+//! Packets that the elements behind do not bear: broken ones, and parameter sets that are repeated inside of
+//! a picture.
 //!
-//! Depayloaders of GStreamer read beyond the end of a packet whose payload is shorter than its head says, so that such
-//! packets are left out here.
+//! Depayloaders of GStreamer read beyond the end of a packet whose payload is shorter than its head says, so
+//! that such packets are left out here.
 //!
-//! A payloader that is to send the parameter sets with each key picture may send them with each slice of it (GStreamer's
-//! `rtph264pay config-interval=-1` does). A set, a delimiter or an SEI begins a new access unit (ITU-T H.264, 7.4.1.2.3;
-//! H.265, 7.4.2.4.4), so that the picture would be torn. They become filler data here, which belongs to any picture; the
-//! packets stay, since a gap in their numbers would be a loss.
+//! A payloader that is to send the parameter sets with each key picture may send them with each slice of it
+//! (GStreamer's `rtph264pay config-interval=-1` does). A set, a delimiter or an SEI begins a new access unit
+//! (ITU-T H.264, 7.4.1.2.3; H.265, 7.4.2.4.4), so that the picture would be torn. They become filler data
+//! here, which belongs to any picture; the packets stay, since a gap in their numbers would be a loss.
 
 /// The formats whose packets are looked at.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -1,8 +1,9 @@
-//! RTP packets in their order to what is known of a picture: its time stamp, its arrival, and whether a part is lost.
+//! RTP packets in their order to what is known of a picture: its time stamp, its arrival, and whether a part
+//! is lost.
 //!
-//! A time stamp has 32 bits and wraps. Here it is extended: the first one has 2^32 added, so that an older one stays
-//! positive, and the low 32 bits are always those of the packet. The packets of a picture have one time stamp, and the last
-//! of them has the marker (RFC 6184, 5.1; RFC 7798, 4.1).
+//! A time stamp has 32 bits and wraps. Here it is extended: the first one has 2^32 added, so that an older
+//! one stays positive, and the low 32 bits are always those of the packet. The packets of a picture have one
+//! time stamp, and the last of them has the marker (RFC 6184, 5.1; RFC 7798, 4.1).
 
 use std::collections::VecDeque;
 
@@ -99,8 +100,8 @@ struct Picture {
 }
 
 impl RtpTimes {
-    /// Takes the next packet, in the order of the sequence numbers. Returns its extended time stamp; `None`: its picture is
-    /// larger than [`MAX_PICTURE_BYTES`].
+    /// Takes the next packet, in the order of the sequence numbers. Returns its extended time stamp; `None`:
+    /// its picture is larger than [`MAX_PICTURE_BYTES`].
     pub(super) fn on_packet(&mut self, head: RtpHead, bytes: usize, arrival_ns: u64) -> Option<u64> {
         self.ssrc = Some(head.ssrc);
         let extended =

@@ -238,8 +238,8 @@ fn payload(buffer: &gst::Buffer, caps: &gst::CapsRef) -> Option<(UnitCodec, Payl
     Some((codec, Payload::Buffer(buffer.clone().into_mapped_buffer_readable().ok()?)))
 }
 
-/// Whether decoding can start with a unit. Parsers take any picture for a key that needs no other one; later pictures may
-/// refer to what was before it. Those that begin a stream bring its parameter sets.
+/// Whether decoding can start with a unit. Parsers take any picture for a key that needs no other one; later
+/// pictures may refer to what was before it. Those that begin a stream bring its parameter sets.
 fn is_key(codec: UnitCodec, buffer: &gst::BufferRef, payload: &[u8]) -> bool {
     let is_marked = !buffer.flags().contains(gst::BufferFlags::DELTA_UNIT);
     match codec {
@@ -250,7 +250,8 @@ fn is_key(codec: UnitCodec, buffer: &gst::BufferRef, payload: &[u8]) -> bool {
     }
 }
 
-/// Whether one of the first NAL units has such a head. Parameter sets stand before the slices, which are long.
+/// Whether one of the first NAL units has such a head. Parameter sets stand before the slices, which are
+/// long.
 fn has_nal(payload: &[u8], is_it: impl Fn(u8) -> bool) -> bool {
     const HEADS: usize = 16 << 10;
     let heads = &payload[..payload.len().min(HEADS)];

@@ -51,7 +51,8 @@ pub(crate) fn has_ffmpeg() -> bool {
     found
 }
 
-/// FFmpeg's test picture as a clip. `input`: what follows `testsrc2=`; `encoder`: the arguments of the encoder.
+/// FFmpeg's test picture as a clip. `input`: what follows `testsrc2=`; `encoder`: the arguments of the
+/// encoder.
 pub(crate) fn encode(input: &str, encoder: &str, file: &Path) {
     run(&format!("-f lavfi -i testsrc2={input} {encoder}"), file);
 }

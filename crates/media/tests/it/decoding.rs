@@ -300,8 +300,8 @@ const FAULTS: [Fault; 5] = [
     }),
 ];
 
-/// Damages every fifth unit in turn. The decoder goes on at the next key frame. Returns the number of delivered pictures
-/// that are not those of the intact clip: all of them come from units before that key.
+/// Damages every fifth unit in turn. The decoder goes on at the next key frame. Returns the number of
+/// delivered pictures that are not those of the intact clip: all of them come from units before that key.
 fn wrong_pictures(format: CodedFormat, encoder: &str, fault: fn(&mut Vec<u8>)) -> usize {
     let folder = Folder::new();
     let file = folder.file("clip.mkv");

@@ -108,7 +108,8 @@ fn sender_reports_are_passed_on() {
         match media.receive::<FromSource>().unwrap().unwrap().0 {
             FromSource::Unit(unit) => newest = Some(unit),
             FromSource::SenderReport(report) => {
-                // The sender's clock is that of this machine; its time stamps are near those of the newest picture.
+                // The sender's clock is that of this machine; its time stamps are near those of the newest
+                // picture.
                 assert!(report.ntp > 0 && report.arrival_ns > 0, "{report:?}");
                 if let Some(UnitTime::Ticks(ticks)) = newest.as_ref().map(|unit| unit.time) {
                     let distance = report.rtp.wrapping_sub(ticks).cast_signed().abs();

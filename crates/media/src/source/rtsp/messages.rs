@@ -1,4 +1,5 @@
-//! What passes between `rtspsrc` and a server, in both directions: whole messages within bounds, and no password in clear.
+//! What passes between `rtspsrc` and a server, in both directions: whole messages within bounds, and no
+//! password in clear.
 
 use std::net::SocketAddr;
 
@@ -165,7 +166,8 @@ impl Answers {
     }
 }
 
-/// Appends a head. The addresses that say where the stream is lead through the relay: a server cannot name another host.
+/// Appends a head. The addresses that say where the stream is lead through the relay: a server cannot name
+/// another host.
 fn put_head(head: &[u8], relay: SocketAddr, out: &mut Vec<u8>) {
     for line in head.split_inclusive(|byte| *byte == b'\n') {
         let place = ["Content-Base", "Content-Location"].into_iter().find_map(|name| {

@@ -1,6 +1,7 @@
 //! RTSP: `rtspsrc`, for an address without TLS behind a relay that guards the login ([`relay`]).
 //!
-//! Not handled: several video streams of one session (the first one is used); a way through a NAT for packets over UDP.
+//! Not handled: several video streams of one session (the first one is used); a way through a NAT for packets
+//! over UDP.
 
 mod messages;
 
@@ -169,7 +170,8 @@ fn watch_manager(play: &Arc<Play>, source: &gst::Element, stream: &Stream) {
     });
 }
 
-/// Ends where the server leads to another host, before anything is sent there. (Without TLS, the relay does this.)
+/// Ends where the server leads to another host, before anything is sent there. (Without TLS, the relay does
+/// this.)
 fn watch_redirects(play: &Arc<Play>, source: &gst::Element, url: &Url) {
     let (play, url) = (Arc::downgrade(play), url.clone());
     source.connect("before-send", false, move |arguments| {

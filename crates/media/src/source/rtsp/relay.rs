@@ -1,8 +1,8 @@
 //! A relay on the loopback in front of one connection to an RTSP server.
 //!
-//! `rtspsrc` sends a password as Basic to a server that offers nothing else, follows redirects with the login, and tells
-//! little of a server's answers. The relay sees all messages ([`super::messages`]). It accepts one connection and reaches one
-//! server: wherever an answer leads, a login goes nowhere else.
+//! `rtspsrc` sends a password as Basic to a server that offers nothing else, follows redirects with the
+//! login, and tells little of a server's answers. The relay sees all messages ([`super::messages`]). It
+//! accepts one connection and reaches one server: wherever an answer leads, a login goes nowhere else.
 
 use std::io::{self, Read as _, Write as _};
 use std::net::{Ipv4Addr, Shutdown, TcpListener, TcpStream};

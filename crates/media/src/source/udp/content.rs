@@ -1,8 +1,8 @@
 //! What the first packets contain.
 //!
-//! A transport stream has packets of 188 bytes that begin with 0x47 (ITU-T H.222.0, 2.4.3.2). RTP names fixed payload types
-//! only (RFC 3551, table 5); the others are told apart by the heads of their NAL units, since the values that cameras send
-//! in H.264 are none in H.265, and the other way round:
+//! A transport stream has packets of 188 bytes that begin with 0x47 (ITU-T H.222.0, 2.4.3.2). RTP names fixed
+//! payload types only (RFC 3551, table 5); the others are told apart by the heads of their NAL units, since
+//! the values that cameras send in H.264 are none in H.265, and the other way round:
 //! ```text
 //!  H.264 (RFC 6184, 1.3)  |F|NRI| type 5 |                       sets 7 and 8, slices 1 and 5, FU-A 28
 //!  H.265 (RFC 7798, 1.1.4)|F| type 6 | layer 6 | TID 3 |         sets 32 to 34, slices 0 to 21, FU 49; layer 0, TID 1 to 7

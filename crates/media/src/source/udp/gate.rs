@@ -16,7 +16,8 @@ pub(super) enum Verdict {
     Replaced,
 }
 
-/// Remembers the sender that was heard first. A sender is an address and, for RTP, a synchronisation source (RFC 3550, 3).
+/// Remembers the sender that was heard first. A sender is an address and, for RTP, a synchronisation source
+/// (RFC 3550, 3).
 #[derive(Debug, Default)]
 pub(super) struct Gate {
     heard: Option<Heard>,
