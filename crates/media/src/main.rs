@@ -8,6 +8,7 @@
 //! What must not be here: decisions about when to connect, a recording, a clock other than `CLOCK_MONOTONIC`.
 #![forbid(unsafe_code)]
 
+mod log;
 mod rights;
 
 mod monotonic;
@@ -18,7 +19,7 @@ mod decoder;
 
 mod source;
 
-use std::io::{self, IsTerminal as _, Write as _};
+use std::io::{self, IsTerminal as _};
 use std::os::fd::AsFd as _;
 use std::os::unix::net::UnixStream;
 use std::process::ExitCode;
@@ -39,15 +40,10 @@ fn main() -> ExitCode {
     match run() {
         Ok(()) => ExitCode::SUCCESS,
         Err(reason) => {
-            print_line(&reason);
+            log::print_line(&reason);
             ExitCode::from(2)
         }
     }
-}
-
-/// Writes a line to the program's log. Nothing can be done where it cannot be written.
-fn print_line(text: &str) {
-    let _ = writeln!(io::stderr(), "barrelman-media: {text}");
 }
 
 fn run() -> Result<(), String> {

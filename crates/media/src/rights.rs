@@ -58,12 +58,12 @@ pub(crate) fn give_up(kept: &Kept) {
     match restrict_files(kept) {
         Ok(RulesetStatus::FullyEnforced | RulesetStatus::PartiallyEnforced) => {}
         Ok(RulesetStatus::NotEnforced) => {
-            crate::print_line("this kernel has no Landlock: the files of the user stay readable");
+            crate::log::print_line("this kernel has no Landlock: the files of the user stay readable");
         }
-        Err(error) => crate::print_line(&format!("the files of the user stay readable: {error}")),
+        Err(error) => crate::log::print_line(&format!("the files of the user stay readable: {error}")),
     }
     if let Err(error) = restrict_calls(kept.network) {
-        crate::print_line(&format!("the system calls of this process stay unrestricted: {error}"));
+        crate::log::print_line(&format!("the system calls of this process stay unrestricted: {error}"));
     }
 }
 
@@ -78,9 +78,10 @@ fn restrict_files(kept: &Kept) -> Result<RulesetStatus, RulesetError> {
     let readable = kept.readable.iter().map(|path| (path, read));
     let devices = kept.devices.iter().map(|path| (path, control | AccessFs::ReadDir));
     for (path, access) in readable.chain(devices) {
-        // What does not exist needs no right: opening it fails either way, with the better reason. An open pipe needs none.
+        // What does not exist needs no right: opening it fails either way, with the better reason. An open pipe of another
+        // process (`/proc/PID/fd/N`) can have none.
         let Ok(opened) = PathFd::new(path) else { continue };
-        if path.metadata().is_ok_and(|metadata| metadata.file_type().is_fifo()) {
+        if path.starts_with("/proc") && path.metadata().is_ok_and(|metadata| metadata.file_type().is_fifo()) {
             continue;
         }
         let access = if path.is_dir() { access } else { access & file_only };

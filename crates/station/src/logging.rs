@@ -9,6 +9,9 @@ use std::panic::PanicHookInfo;
 
 use tracing::level_filters::LevelFilter;
 use tracing_appender::non_blocking::{NonBlockingBuilder, WorkerGuard};
+use tracing_subscriber::filter::Targets;
+use tracing_subscriber::layer::SubscriberExt as _;
+use tracing_subscriber::util::SubscriberInitExt as _;
 
 use crate::cli::{LogFormat, LogLevel};
 
@@ -23,10 +26,14 @@ pub fn start(level: LogLevel, format: LogFormat) -> WorkerGuard {
     };
     let on_terminal = stderr().is_terminal();
     let (writer, guard) = NonBlockingBuilder::default().lossy(true).finish(LogOutput { on_terminal });
-    let lines = tracing_subscriber::fmt().with_writer(writer).with_ansi(on_terminal).with_max_level(filter);
+    // The RTSP library warns of each oddity of a server in many lines. What matters comes as the reason of a loss.
+    let of_library = if filter > LevelFilter::INFO { filter } else { LevelFilter::ERROR.min(filter) };
+    let targets = Targets::new().with_default(filter).with_target("retina", of_library);
+    let lines = tracing_subscriber::fmt::layer().with_writer(writer).with_ansi(on_terminal);
+    let registry = tracing_subscriber::registry().with(targets);
     match format {
-        LogFormat::Text => lines.with_target(false).without_time().init(),
-        LogFormat::Json => lines.json().init(),
+        LogFormat::Text => registry.with(lines.with_target(false).without_time()).init(),
+        LogFormat::Json => registry.with(lines.json()).init(),
     }
     std::panic::set_hook(Box::new(log_panic));
     guard

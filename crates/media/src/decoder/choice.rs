@@ -6,6 +6,13 @@ use gst::prelude::*;
 use gstreamer as gst;
 use gstreamer_video::VideoDecoder;
 
+/// Why no decoder can start.
+#[derive(Debug)]
+pub(super) struct NoDecoder {
+    pub(super) reason: String,
+    pub(super) remedy: String,
+}
+
 /// The caps of a format's units.
 pub(super) fn unit_caps(format: CodedFormat) -> gst::Caps {
     match format {

@@ -9,9 +9,9 @@ use barrelman_media_protocol::role::DecoderSettings;
 use gst::prelude::*;
 use gstreamer as gst;
 
+use super::choice::{self, NoDecoder};
 use super::damage::LibavErrors;
 use super::output::Output;
-use super::{NoDecoder, choice};
 
 /// The caps of the metadata that carries a unit's time through the line. Elements that work on time stamps
 /// may change the time stamp of a buffer where times go backwards; they pass metadata on as it is.

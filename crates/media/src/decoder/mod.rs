@@ -40,13 +40,6 @@ use line::Line;
 /// How long one wait for a message lasts. Nothing happens between two waits.
 const WAIT: Duration = Duration::from_secs(3600);
 
-/// Why no decoder can start.
-#[derive(Debug)]
-struct NoDecoder {
-    reason: String,
-    remedy: String,
-}
-
 /// Decodes until the channel is closed.
 pub(crate) fn serve(mut channel: Channel, settings: DecoderSettings) -> Result<(), ChannelError> {
     let line = match Line::new(settings, channel.try_clone().map_err(ChannelError::Io)?) {

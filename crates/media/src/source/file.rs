@@ -11,6 +11,7 @@ use gst::prelude::*;
 use gstreamer as gst;
 use rustix::fs::{Mode, OFlags};
 
+use super::autoplug;
 use super::failure::{permanent, unlinked};
 use super::play::{Play, Times, Way};
 use super::rtp::{self, Stream};
@@ -68,7 +69,7 @@ pub(super) fn open(play: &Arc<Play>, path: &Path, pipe: Option<File>) -> Result<
         (false, _) => ("from a file", Times::SinceStart),
     };
     let pad = source.static_pad("src").ok_or_else(|| unlinked("the source has no output"))?;
-    play.decode(&pad, &Way { name: name.to_owned(), times })?;
+    autoplug::decode(play, &pad, &Way { name: name.to_owned(), times })?;
     play.start();
     Ok(())
 }

@@ -19,12 +19,15 @@ mod reach;
 
 mod play;
 
+mod autoplug;
+
 mod units;
 
 mod rtp_times;
 
 mod rtp_repair;
 
+mod nal_heads;
 mod rtp;
 
 mod rtsp;

@@ -7,6 +7,7 @@ use gst::prelude::*;
 use gstreamer as gst;
 use url::Url;
 
+use super::autoplug;
 use super::failure::{permanent, unlinked};
 use super::play::{Play, Times, Way};
 use super::reach;
@@ -30,7 +31,7 @@ pub(super) fn open(play: &Arc<Play>, url: &str, login: Option<SourceLogin>) -> R
     };
     let pad = source.static_pad("src").ok_or_else(|| unlinked("a source has no pad"))?;
     let times = if play.is_live { Times::Sender } else { Times::SinceStart };
-    play.decode(&pad, &Way { name: name.to_owned(), times })?;
+    autoplug::decode(play, &pad, &Way { name: name.to_owned(), times })?;
     explain_failure(play, parsed);
     play.start();
     Ok(())

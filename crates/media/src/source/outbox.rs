@@ -70,7 +70,7 @@ impl Outbox {
         std::thread::spawn(move || {
             let sent = sending.send_all(channel);
             if matches!(sent, Err(ChannelError::Stopped)) {
-                crate::print_line("barrelman does not read what this source sends");
+                crate::log::print_line("barrelman does not read what this source sends");
             }
             leave(pipeline);
         });
@@ -87,7 +87,7 @@ impl Outbox {
             let waited = self.changed.wait_timeout_while(state, PATIENCE, is_full);
             let (state, waited) = waited.unwrap_or_else(PoisonError::into_inner);
             if waited.timed_out() {
-                crate::print_line("barrelman does not read what this source sends");
+                crate::log::print_line("barrelman does not read what this source sends");
                 std::process::exit(1);
             }
             state

@@ -6,6 +6,7 @@ use barrelman_media_protocol::source::SourceFailure;
 use gst::prelude::*;
 use gstreamer as gst;
 
+use super::autoplug;
 use super::failure::{permanent, unlinked};
 use super::play::{Play, Times, Way};
 
@@ -21,7 +22,7 @@ pub(super) fn open(play: &Arc<Play>, text: &str) -> Result<(), SourceFailure> {
     let times = if play.is_live { Times::Captured } else { Times::SinceStart };
     let way = Way { name: "from a pipeline".to_owned(), times };
     if let Some(end) = bin.find_unlinked_pad(gst::PadDirection::Src) {
-        play.decode(&expose(&bin, &end)?, &way)?;
+        autoplug::decode(play, &expose(&bin, &end)?, &way)?;
         play.start();
         return Ok(());
     }
@@ -64,7 +65,7 @@ fn await_pads(play: &Arc<Play>, bin: &gst::Bin, way: &Way) -> bool {
             if pad.is_linked() || !(is_video || name == "application/x-rtp") {
                 return;
             }
-            if let Err(failure) = expose(&bin, pad).and_then(|pad| play.decode(&pad, &way)) {
+            if let Err(failure) = expose(&bin, pad).and_then(|pad| autoplug::decode(&play, &pad, &way)) {
                 play.outbox.fail(failure);
             }
         });

@@ -1,4 +1,4 @@
-//! What all addresses share: the pipeline, the way from a pad to units, and the messages of the bus.
+//! What all addresses share: the pipeline, and the messages of its bus.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -11,16 +11,9 @@ use gstreamer as gst;
 use super::failure::{self, missing_element, unlinked};
 use super::outbox::Outbox;
 use super::rtp_times::RtpTimes;
-use super::units;
 
 /// Longest time without a unit from a file whose reader waits.
 const LONGEST_STALL: Duration = Duration::from_secs(5);
-
-/// Largest number of bytes that wait between a demultiplexer and its streams.
-const QUEUED_BYTES: u32 = 8 << 20;
-
-/// Compressed video that is passed on as it is.
-const KEPT: &str = "video/x-h264; video/x-h265; video/x-vp9; video/x-av1; image/jpeg";
 
 /// What the time stamps of the buffers mean.
 #[derive(Debug, Clone)]
@@ -89,56 +82,9 @@ impl Play {
         }
     }
 
-    /// Leads whatever comes out of a pad through `decodebin` to units.
-    pub(super) fn decode(self: &Arc<Self>, pad: &gst::Pad, way: &Way) -> Result<(), SourceFailure> {
-        let decode = self.decodebin(way)?;
-        let sink = decode.static_pad("sink").ok_or_else(|| unlinked("decodebin has no sink"))?;
-        pad.link(&sink).map_err(unlinked)?;
-        decode.sync_state_with_parent().map_err(unlinked)
-    }
-
-    fn decodebin(self: &Arc<Self>, way: &Way) -> Result<gst::Element, SourceFailure> {
-        let decode = self.add("decodebin")?;
-        let mut kept: gst::Caps = KEPT.parse().map_err(unlinked)?;
-        kept.make_mut().append(gst::Caps::builder("video/x-raw").any_features().build());
-        decode.set_property("caps", &kept);
-        decode.set_property("max-size-bytes", QUEUED_BYTES);
-        // What is no video is left as it is, so that no decoder of it is looked for.
-        decode.connect("autoplug-continue", false, |arguments| {
-            let caps: gst::Caps = arguments.get(2)?.get().ok()?;
-            let name = caps.structure(0)?.name();
-            let is_other = ["audio/", "text/", "subpicture/", "closedcaption/"];
-            Some((!is_other.iter().any(|prefix| name.starts_with(prefix))).to_value())
-        });
-        let (play, way) = (Arc::downgrade(self), way.clone());
-        decode.connect_pad_added(move |_, pad| {
-            if let Some(play) = play.upgrade() {
-                play.take(pad, &way);
-            }
-        });
-        let play = Arc::downgrade(self);
-        decode.connect_no_more_pads(move |_| {
-            if let Some(play) = play.upgrade()
-                && !play.has_video.load(Ordering::Relaxed)
-            {
-                play.outbox.fail(failure::permanent("has no video", "Give the address of a video"));
-            }
-        });
-        Ok(decode)
-    }
-
-    /// Takes the stream of a pad, if it is the first video.
-    pub(super) fn take(self: &Arc<Self>, pad: &gst::Pad, way: &Way) {
-        let caps = pad.current_caps().unwrap_or_else(|| pad.query_caps(None));
-        let Some(name) = caps.structure(0).map(|structure| structure.name().to_string()) else { return };
-        if !(name.starts_with("video/") || name == "image/jpeg") {
-            return;
-        }
-        if !self.takes_video()
-            && let Err(failure) = units::attach(self, pad, &name, way)
-        {
-            self.outbox.fail(failure);
-        }
+    /// Whether there is a video.
+    pub(super) fn has_video(&self) -> bool {
+        self.has_video.load(Ordering::Relaxed)
     }
 
     /// Whether there was a video already. From now on there is one.

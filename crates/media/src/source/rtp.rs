@@ -7,6 +7,7 @@ use barrelman_media_protocol::source::{FromSource, SourceFailure, SourceReport};
 use gst::prelude::*;
 use gstreamer as gst;
 
+use super::autoplug;
 use super::failure::{self, unlinked};
 use super::play::{Play, Times, Way};
 use super::rtp_repair::{Nal, RepeatedSets};
@@ -53,7 +54,7 @@ pub(super) fn take_encoding(
         "MP2T" => return take_transport_stream(play, pad, way),
         _ => {
             watch_packets(play, pad, stream, None);
-            return play.decode(pad, &rtp);
+            return autoplug::decode(play, pad, &rtp);
         }
     };
     if play.takes_video() {
@@ -80,7 +81,7 @@ fn take_transport_stream(play: &Arc<Play>, pad: &gst::Pad, way: &str) -> Result<
     let depay = play.add("rtpmp2tdepay")?;
     let out = depay.static_pad("src").ok_or_else(|| unlinked("a depayloader has no source"))?;
     let name = format!("by MPEG-TS in {way}");
-    play.decode(&out, &Way { name, times: Times::Sender })?;
+    autoplug::decode(play, &out, &Way { name, times: Times::Sender })?;
     depay.sync_state_with_parent().map_err(unlinked)?;
     let sink = depay.static_pad("sink").ok_or_else(|| unlinked("a depayloader has no sink"))?;
     pad.link(&sink).map_err(unlinked)?;

@@ -3,7 +3,8 @@
 use std::net::{SocketAddr, UdpSocket};
 use std::time::{Duration, Instant};
 
-use barrelman_media_protocol::role::{CodedFormat, Role};
+use barrelman_media_protocol::format::CodedFormat;
+use barrelman_media_protocol::role::Role;
 use barrelman_media_protocol::source::{FromSource, SourceAddress, SourceSettings};
 
 use crate::clip::{self, Folder};

@@ -20,6 +20,9 @@ use crate::error::VideoError;
 /// Interval of the checks for the stop signal, a cut line and delayed units.
 const POLL_INTERVAL: Duration = Duration::from_millis(50);
 
+/// A server that is misread twice within this time is left to another engine: keep-alives come every 30 to 60 s.
+const MISREAD_PERIOD: Duration = Duration::from_secs(120);
+
 /// Ticks of RTP time and of MPEG-TS time per second (RFC 6184, 8.2.1; ISO/IEC 13818-1).
 const CLOCK_RATE: u32 = 90_000;
 
@@ -61,6 +64,8 @@ pub(super) enum ConnectionEvent {
 pub(super) enum Broken {
     /// The next attempt may succeed. `is_reached`: the server was reached.
     Temporary { reason: String, is_reached: bool },
+    /// The server sends what this engine does not take.
+    Misread(String),
     /// The end of the stream. No further attempt is made.
     Ended,
     /// This engine cannot read the stream.
@@ -120,6 +125,8 @@ pub(super) struct Receiver<'a, S> {
     patience: Option<Duration>,
     /// When the server was reached first.
     reached_at: Option<Timestamp>,
+    /// When a connection ended last because of what the server sent.
+    misread_at: Option<Timestamp>,
     epoch: u32,
     units: u64,
     was_up: bool,
@@ -135,6 +142,7 @@ impl<'a, S: VideoSink> Receiver<'a, S> {
             stop,
             patience,
             reached_at: None,
+            misread_at: None,
             epoch: 0,
             units: 0,
             was_up: false,
@@ -245,6 +253,16 @@ impl<'a, S: VideoSink> Receiver<'a, S> {
                     self.reached_at.get_or_insert(self.feed.clock.now());
                 }
                 ConnectionEnd::Lost(reason)
+            }
+            Broken::Misread(reason) => {
+                let now = self.feed.clock.now();
+                self.reached_at.get_or_insert(now);
+                let is_repeated =
+                    self.misread_at.replace(now).is_some_and(|at| now.since(at) < MISREAD_PERIOD);
+                match self.patience {
+                    Some(_) if is_repeated => ConnectionEnd::Over(ReceiverEnd::GivenUp(reason)),
+                    _ => ConnectionEnd::Lost(reason),
+                }
             }
             Broken::Ended => ConnectionEnd::Over(ReceiverEnd::Ended),
             Broken::Unsupported(error) if self.patience.is_some() && !self.was_up => {

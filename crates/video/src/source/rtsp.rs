@@ -93,13 +93,16 @@ impl Connection for RtspConnection {
             }
             Phase::Up(session, relay) => {
                 let broken = |reason: String| {
-                    let reason = relay.reason().unwrap_or(reason);
-                    ConnectionEvent::Broken(Broken::Temporary { reason, is_reached: true })
+                    let (reason, is_reached) = (relay.reason().unwrap_or(reason), true);
+                    ConnectionEvent::Broken(Broken::Temporary { reason, is_reached })
                 };
                 match runtime.block_on(async { timeout_at(until, session.next()).await }) {
                     Err(_) => ConnectionEvent::Timeout,
                     Ok(Some(Ok(item))) => self.event(item),
-                    Ok(Some(Err(error))) => broken(error.to_string()),
+                    Ok(Some(Err(error))) if relay.reason().is_none() && !is_io(&error) => {
+                        ConnectionEvent::Broken(Broken::Misread(first_line(&error)))
+                    }
+                    Ok(Some(Err(error))) => broken(first_line(&error)),
                     Ok(None) => broken(Loss::Broken.to_string()),
                 }
             }
@@ -237,7 +240,7 @@ async fn describe_and_play(
             "sends its packets over UDP alone (461)",
             "Set the camera to RTP over TCP",
         )),
-        _ => Broken::Temporary { reason: error.to_string(), is_reached: true },
+        _ => Broken::Temporary { reason: first_line(&error), is_reached: true },
     };
     let mut session = Session::describe(address, options).await.map_err(connect_error)?;
     let is_video = |stream: &&retina::client::Stream| stream.media() == "video";
@@ -256,6 +259,19 @@ async fn describe_and_play(
     session.setup(stream, setup).await.map_err(connect_error)?;
     let playing = session.play(PlayOptions::default()).await.map_err(connect_error)?;
     playing.demuxed().map_err(connect_error)
+}
+
+/// The library's error without the lines that describe the connection.
+fn first_line(error: &retina::Error) -> String {
+    let text = error.to_string();
+    let line = text.lines().next().unwrap_or_default().trim_end_matches(['{', ' ']);
+    line.to_owned()
+}
+
+/// Whether the connection was cut, where other errors are messages that the library does not take.
+fn is_io(error: &retina::Error) -> bool {
+    let text = error.to_string();
+    ["Error reading from RTSP peer", "Error writing to RTSP peer"].iter().any(|io| text.starts_with(io))
 }
 
 fn waiting(reason: &str) -> Broken {

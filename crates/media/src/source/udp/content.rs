@@ -1,15 +1,11 @@
 //! What the first packets contain.
 //!
 //! A transport stream has packets of 188 bytes that begin with 0x47 (ITU-T H.222.0, 2.4.3.2). RTP names fixed
-//! payload types only (RFC 3551, table 5); the others are told apart by the heads of their NAL units, since
-//! the values that cameras send in H.264 are none in H.265, and the other way round:
-//! ```text
-//!  H.264 (RFC 6184, 1.3)  |F|NRI| type 5 |                       sets 7 and 8, slices 1 and 5, FU-A 28
-//!  H.265 (RFC 7798, 1.1.4)|F| type 6 | layer 6 | TID 3 |         sets 32 to 34, slices 0 to 21, FU 49; layer 0, TID 1 to 7
-//! ```
+//! payload types only (RFC 3551, table 5); the others are told apart by the heads of their NAL units.
 
 use barrelman_media_protocol::format::CodedFormat;
 
+use super::super::nal_heads::nal_encoding;
 use super::super::rtp_times::RtpHead;
 
 /// Packets after which what is still unknown is forgotten.
@@ -80,25 +76,16 @@ impl Detector {
     }
 
     fn guess(&mut self, payload: &[u8]) -> Option<&'static str> {
-        let [first, second, ..] = *payload else { return None };
-        match (is_h264(first), is_h265(first, second)) {
-            (true, false) => (self.h264, self.h265) = (self.h264 + 1, 0),
-            (false, true) => (self.h264, self.h265) = (0, self.h265 + 1),
-            _ => {}
+        match nal_encoding(payload) {
+            Some("H264") => (self.h264, self.h265) = (self.h264 + 1, 0),
+            Some(_) => (self.h264, self.h265) = (0, self.h265 + 1),
+            None => {}
         }
         if self.h264 >= DECISIVE {
             return Some("H264");
         }
         (self.h265 >= DECISIVE).then_some("H265")
     }
-}
-
-fn is_h264(first: u8) -> bool {
-    first & 0x80 == 0 && matches!(first & 0x1f, 1 | 5..=9 | 24 | 28)
-}
-
-fn is_h265(first: u8, second: u8) -> bool {
-    first & 0x81 == 0 && matches!(second, 1..=7) && matches!(first >> 1, 0..=9 | 16..=21 | 32..=40 | 48 | 49)
 }
 
 #[cfg(test)]

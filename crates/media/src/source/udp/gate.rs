@@ -1,9 +1,10 @@
 //! One sender: packets of another one that come between would tear the pictures.
 
 use std::net::SocketAddr;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
-use super::SILENCE;
+/// How long a sender must be silent before another one takes its place.
+pub(super) const SILENCE: Duration = Duration::from_secs(1);
 
 /// What to do with a packet.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

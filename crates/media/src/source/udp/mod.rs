@@ -8,7 +8,7 @@ mod gate;
 
 use std::net::{IpAddr, Ipv4Addr, SocketAddr, UdpSocket};
 use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use barrelman_media_protocol::format::CodedFormat;
 use barrelman_media_protocol::source::{FromSource, SourceFailure};
@@ -17,6 +17,7 @@ use gstreamer as gst;
 use gstreamer_app::{AppSrc, AppStreamType};
 use rustix::net::{AddressFamily, SocketType, sockopt};
 
+use super::autoplug;
 use super::failure::{permanent, temporary, unlinked};
 use super::play::{Play, Times, Way};
 use super::rtp::{self, Stream};
@@ -149,7 +150,7 @@ fn start(play: &Arc<Play>, content: Content) -> Result<AppSrc, SourceFailure> {
                 gst::Caps::builder("video/mpegts").field("systemstream", true).field("packetsize", 188);
             input.set_caps(Some(&caps.build()));
             let way = Way { name: "by MPEG-TS over UDP".to_owned(), times: Times::Sender };
-            play.decode(&pad, &way)?;
+            autoplug::decode(play, &pad, &way)?;
         }
         Content::Rtp { encoding, payload_type } => {
             input.set_format(gst::Format::Time);
@@ -183,6 +184,3 @@ fn push(input: &AppSrc, packet: Packet) {
     // It is refused while the pipeline ends, and the bus says why.
     let _ = input.push_buffer(buffer);
 }
-
-/// How long a sender must be silent before another one takes its place.
-const SILENCE: Duration = Duration::from_secs(1);
