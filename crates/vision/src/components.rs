@@ -24,7 +24,7 @@ pub(crate) struct Component {
 }
 
 /// Finds components; keeps its buffers.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Default)]
 pub(crate) struct ComponentFinder {
     /// Whether a sample was visited.
     visited: Vec<bool>,

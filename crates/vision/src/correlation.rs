@@ -16,19 +16,17 @@
 use crate::fourier::{AREA, Fourier, Map, SIDE, Spectrum};
 use crate::simd::simd_kernel;
 
-/// The filter and the state of its solver.
+/// The filter, with what the next step of the solver continues from.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct CorrelationFilter {
     /// Running mean of the spectra of the training patches.
     model: Vec<Spectrum>,
-    /// The unconstrained filter.
-    unconstrained: Vec<Spectrum>,
     /// The masked filter.
     masked: Vec<Spectrum>,
     /// Scaled dual: the accumulated difference of both filters.
     dual: Vec<Spectrum>,
+    /// Energy of the model at each frequency.
     energy: Vec<f32>,
-    sum: Spectrum,
     /// The masked filter in space, channel by channel.
     kernel: Vec<f32>,
 }
@@ -36,11 +34,6 @@ pub(crate) struct CorrelationFilter {
 impl CorrelationFilter {
     pub(crate) fn update_model(&mut self, spectra: &[Spectrum], rate: f32) {
         update_model(self, spectra, rate);
-    }
-
-    /// One ADMM step.
-    pub(crate) fn solve_step(&mut self, fourier: &mut Fourier, desired: &Spectrum, mask: &Map) {
-        solve_step(self, fourier, desired, mask);
     }
 
     /// The masked filter in space: [`AREA`] values per channel.
@@ -54,8 +47,30 @@ impl CorrelationFilter {
     }
 }
 
+/// Solves for filters; keeps its buffers.
+#[derive(Debug, Default)]
+pub(crate) struct FilterSolver {
+    /// The unconstrained filter.
+    unconstrained: Vec<Spectrum>,
+    sum: Spectrum,
+}
+
+impl FilterSolver {
+    /// One ADMM step of a filter.
+    pub(crate) fn step(
+        &mut self,
+        filter: &mut CorrelationFilter,
+        fourier: &mut Fourier,
+        desired: &Spectrum,
+        mask: &Map,
+    ) {
+        self.unconstrained.resize_with(filter.model.len(), Spectrum::default);
+        solve_step(self, filter, fourier, desired, mask);
+    }
+}
+
 /// A filter as it was: it responds, and does not learn.
-#[derive(Debug, Clone)]
+#[derive(Debug)]
 pub(crate) struct FixedFilter {
     masked: Vec<Spectrum>,
 }
@@ -90,7 +105,6 @@ simd_kernel! {
 fn update_model(filter: &mut CorrelationFilter, spectra: &[Spectrum], rate: f32) {
     let first = filter.model.is_empty();
     filter.model.resize_with(spectra.len(), Spectrum::default);
-    filter.unconstrained.resize_with(spectra.len(), Spectrum::default);
     filter.masked.resize_with(spectra.len(), Spectrum::default);
     filter.dual.resize_with(spectra.len(), Spectrum::default);
     let rate = if first { 1.0 } else { rate };
@@ -110,19 +124,25 @@ fn update_model(filter: &mut CorrelationFilter, spectra: &[Spectrum], rate: f32)
 }
 
 simd_kernel! {
-fn solve_step(filter: &mut CorrelationFilter, fourier: &mut Fourier, desired: &Spectrum, mask: &Map) {
+fn solve_step(
+    solver: &mut FilterSolver,
+    filter: &mut CorrelationFilter,
+    fourier: &mut Fourier,
+    desired: &Spectrum,
+    mask: &Map,
+) {
     // A patch without any pattern has no energy, and the following divides by the energy.
     let mean = (filter.energy.iter().sum::<f32>() / AREA as f32).max(MIN_ENERGY);
     let mu = MU_SHARE * mean;
     let lambda = LAMBDA_SHARE * mean;
     // q = x conj(y) + mu h - mu u; unconstrained = (q - x (x^H q) / (mu + S)) / mu
-    filter.sum.re.fill(0.0);
-    filter.sum.im.fill(0.0);
+    solver.sum.re.fill(0.0);
+    solver.sum.im.fill(0.0);
     let (y_re, y_im) = (&desired.re[..], &desired.im[..]);
-    for (((x, g), h), u) in filter.model.iter().zip(&mut filter.unconstrained).zip(&filter.masked).zip(&filter.dual) {
+    for (((x, g), h), u) in filter.model.iter().zip(&mut solver.unconstrained).zip(&filter.masked).zip(&filter.dual) {
         let (x_re, x_im, g_re, g_im) = (&x.re[..], &x.im[..], &mut g.re[..], &mut g.im[..]);
         let (h_re, h_im, u_re, u_im) = (&h.re[..], &h.im[..], &u.re[..], &u.im[..]);
-        let (s_re, s_im) = (&mut filter.sum.re[..], &mut filter.sum.im[..]);
+        let (s_re, s_im) = (&mut solver.sum.re[..], &mut solver.sum.im[..]);
         for i in 0..AREA {
             let q_re = x_re[i] * y_re[i] + x_im[i] * y_im[i] + mu * (h_re[i] - u_re[i]);
             let q_im = x_im[i] * y_re[i] - x_re[i] * y_im[i] + mu * (h_im[i] - u_im[i]);
@@ -132,15 +152,15 @@ fn solve_step(filter: &mut CorrelationFilter, fourier: &mut Fourier, desired: &S
             s_im[i] += x_re[i] * q_im - x_im[i] * q_re;
         }
     }
-    for ((re, im), &e) in filter.sum.re.iter_mut().zip(filter.sum.im.iter_mut()).zip(&filter.energy) {
+    for ((re, im), &e) in solver.sum.re.iter_mut().zip(solver.sum.im.iter_mut()).zip(&filter.energy) {
         let scale = 1.0 / (mu + e);
         *re *= scale;
         *im *= scale;
     }
     let scale = 1.0 / mu;
-    for (x, g) in filter.model.iter().zip(&mut filter.unconstrained) {
+    for (x, g) in filter.model.iter().zip(&mut solver.unconstrained) {
         let (x_re, x_im, g_re, g_im) = (&x.re[..], &x.im[..], &mut g.re[..], &mut g.im[..]);
-        let (s_re, s_im) = (&filter.sum.re[..], &filter.sum.im[..]);
+        let (s_re, s_im) = (&solver.sum.re[..], &solver.sum.im[..]);
         for i in 0..AREA {
             let re = x_re[i] * s_re[i] - x_im[i] * s_im[i];
             let im = x_re[i] * s_im[i] + x_im[i] * s_re[i];
@@ -153,7 +173,7 @@ fn solve_step(filter: &mut CorrelationFilter, fourier: &mut Fourier, desired: &S
     filter.kernel.resize(filter.model.len() * AREA, 0.0);
     for pair in 0..filter.model.len() / 2 {
         for d in [2 * pair, 2 * pair + 1] {
-            add(&filter.unconstrained[d], &mut filter.dual[d]);
+            add(&solver.unconstrained[d], &mut filter.dual[d]);
         }
         let (first, second) = filter.kernel[2 * pair * AREA..(2 * pair + 2) * AREA].split_at_mut(AREA);
         let (Ok(first), Ok(second)) = (<&mut Map>::try_from(first), <&mut Map>::try_from(second)) else { return };
@@ -399,12 +419,12 @@ mod tests {
     }
 
     fn trained(fourier: &mut Fourier, half: usize) -> CorrelationFilter {
-        let mut filter = CorrelationFilter::default();
+        let (mut filter, mut solver) = (CorrelationFilter::default(), FilterSolver::default());
         let desired = desired_response_spectrum(fourier, 1.0);
         let learned = spectra(fourier, (0, 0));
         filter.update_model(&learned, 1.0);
         for _ in 0..6 {
-            filter.solve_step(fourier, &desired, &mask(half));
+            solver.step(&mut filter, fourier, &desired, &mask(half));
         }
         filter
     }

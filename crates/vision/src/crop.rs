@@ -19,7 +19,7 @@ const MAX_DECIMATION: i32 = 64;
 const RING_INNER_SQUARED: f32 = 1.69;
 
 /// The decimated maps of one search window.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Default)]
 pub(crate) struct Crop {
     /// Left and top edge, pixels of the picture: even multiples of `decimation`.
     left: i32,

@@ -54,7 +54,7 @@ impl PatchPose {
     }
 }
 
-#[derive(Debug, Clone)]
+#[derive(Debug)]
 pub(crate) struct FeatureExtractor {
     luma: Vec<f32>,
     probability: Vec<f32>,

@@ -30,8 +30,10 @@
 //! another object (`known_scene`).
 //!
 //! Work per frame: one search window of at most 130 x 130 samples and about nine small patches, for a target
-//! of any size; at most eight search windows while it is lost. Memory: less than 8 MiB, and two earlier video
-//! frames that are shared with their source; no allocation per frame once the buffers have their size.
+//! of any size; at most eight search windows while it is lost. Memory: less than 6 MiB
+//! for pictures of up to 1920 x 1080 pixels, as much again for each rejected object that is followed
+//! (`distractors`), and two earlier video frames that are shared with their source. No allocation per frame once
+//! the buffers have their size.
 //!
 //! Not handled: targets that change beyond recognition while hidden, groups of similar targets that cross,
 //! targets smaller than about 6 pixels.
@@ -49,6 +51,7 @@ mod detector;
 mod exchange;
 mod identity;
 mod known_scene;
+mod learned_target;
 mod learning;
 mod observer;
 mod prediction;

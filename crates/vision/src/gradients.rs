@@ -20,7 +20,7 @@ const MAX_NORMALISED: f32 = 0.4;
 const NOISE_ENERGY: f32 = 60.0;
 
 /// Gradient histograms of a patch.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Default)]
 pub(crate) struct GradientHistograms {
     /// `width * height` cells of each direction in turn.
     cells: Vec<f32>,

@@ -36,7 +36,7 @@ struct PathPoint {
 }
 
 /// Estimates the bow from the path.
-#[derive(Debug, Clone)]
+#[derive(Debug)]
 pub(crate) struct HeadingEstimator {
     path: VecDeque<PathPoint>,
     /// Present position on the path, pixels over stationary water.

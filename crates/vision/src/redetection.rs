@@ -24,7 +24,7 @@ pub(crate) struct Candidate {
     pub(crate) scale: f32,
 }
 
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Default)]
 pub(crate) struct Redetector {
     /// Integral image of the target probabilities: sums over all samples above and to the left, with a first row and
     /// column of zeros.

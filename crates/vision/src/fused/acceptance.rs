@@ -102,7 +102,7 @@ enum Trust {
 }
 
 /// The decision.
-#[derive(Debug, Clone)]
+#[derive(Debug)]
 pub(super) struct Acceptance {
     config: FusedConfig,
     settings: AcceptanceSettings,

@@ -17,7 +17,7 @@ use crate::components::MAX_COMPONENTS;
 const MAX_OBJECTS: usize = 6;
 
 /// The objects around a target.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Default)]
 pub(super) struct Companions {
     settings: CompanionSettings,
     objects: [Option<Companion>; MAX_OBJECTS],

@@ -33,7 +33,7 @@ impl Default for DetectorSettings {
 }
 
 /// Observer and refiner, which work on the same crop.
-#[derive(Debug, Clone)]
+#[derive(Debug)]
 pub(super) struct Detector {
     settings: DetectorSettings,
     pub(super) observer: Observer,

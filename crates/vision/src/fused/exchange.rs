@@ -60,7 +60,7 @@ pub(super) struct ExchangedTarget {
 }
 
 /// What is known of the objects around a target, with the buffers.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Default)]
 pub(super) struct Exchange {
     settings: ExchangeSettings,
     /// Objects of the target's colour.

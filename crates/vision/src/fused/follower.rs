@@ -16,6 +16,7 @@ use super::exchange::{Exchange, ExchangedTarget};
 use super::geometry::TargetGeometry;
 use super::identity::IdentityCheck;
 use super::known_scene::KnownScene;
+use super::learned_target::LearnedTarget;
 use super::learning::Learning;
 use super::observation::Observation;
 use super::phase::Phase;
@@ -32,7 +33,7 @@ use crate::heading::HeadingEstimator;
 use crate::refinement::RefinementWeights;
 
 /// What follows an object: its state, and the stages in the order of a frame.
-#[derive(Debug, Clone)]
+#[derive(Debug)]
 pub(super) struct Follower {
     pub(super) config: FusedConfig,
     pub(super) phase: Phase,
@@ -196,22 +197,42 @@ impl Follower {
         self.learning.restore_reliable_size(&mut self.target.geometry);
     }
 
-    /// Searches everywhere for the target, as it was selected, after `rejected` was followed in its place.
-    pub(super) fn begin_search(&mut self, rejected: &mut Self) {
+    /// What is learned of the target now.
+    pub(super) fn learned(&self) -> LearnedTarget {
+        LearnedTarget {
+            target: self.target.clone(),
+            window_memory: self.detector.refiner.memory.clone(),
+            paint: self.shape.blob.paint,
+            judgement: self.judgement,
+        }
+    }
+
+    /// Searches everywhere for the target as it was selected, instead of following an object that is not the
+    /// target. Returns the stages that go on following that object.
+    pub(super) fn begin_search(&mut self, selected: &LearnedTarget) -> Self {
+        let searching = Self::new(&self.config, self.detector.refiner.weights());
+        let mut rejected = core::mem::replace(self, searching);
+        self.restore(selected);
         self.adopt_picture_size(rejected.target.geometry.picture);
+        // The explanation shows the last search window until the next frame.
         core::mem::swap(&mut self.detector.observer, &mut rejected.detector.observer);
         self.motion = rejected.motion.clone();
         self.motion.restart_at(rejected.motion.position(), &self.target.geometry);
-        self.shape.begin_search();
-        self.heading.reset();
-        self.reported.restart();
-        self.exchange.restart();
-        self.scene.clear();
         self.mark_lost(false);
         self.phase = Phase::Lost { since: self.motion.last_capture };
-        self.confidence = 0.0;
         rejected.motion.clear_background_reference();
         rejected.detector.refiner.clear_references();
+        rejected
+    }
+
+    /// Makes a target as it was selected the present one.
+    fn restore(&mut self, selected: &LearnedTarget) {
+        self.target = selected.target.clone();
+        self.detector.refiner.memory = selected.window_memory.clone();
+        self.shape.blob.paint = selected.paint;
+        self.judgement = selected.judgement;
+        self.views.restart(&self.target.appearance);
+        self.learning.keep_size(&self.target.geometry);
     }
 
     /// Whether the object is seen, or its place is predicted.

@@ -8,6 +8,7 @@ use super::config::{FusedConfig, FusedConfigError};
 use super::detector::Detector;
 use super::distractors::Distractors;
 use super::follower::{Follower, SelectedTarget};
+use super::learned_target::LearnedTarget;
 use super::phase::Phase;
 use crate::explanation::Explanation;
 use crate::refinement::{RefinementWeights, RefinementWindow};
@@ -60,11 +61,10 @@ const MIN_SELECTION_PX: (usize, usize) = (6, 4);
 /// ```
 #[derive(Debug)]
 pub struct FusedTracker {
-    config: FusedConfig,
     /// The stages. They stay when nothing is followed, for their buffers.
     follower: Follower,
-    /// The stages at the selection: what is searched for after a rejection. `None` while nothing is followed.
-    selected: Option<Box<Follower>>,
+    /// The target at the selection: what is searched for after a rejection. `None` while nothing is followed.
+    selected: Option<LearnedTarget>,
     distractors: Distractors,
 }
 
@@ -87,7 +87,7 @@ impl FusedTracker {
     ) -> Result<Self, FusedConfigError> {
         let config = config.validated()?;
         let follower = Follower::new(&config, weights);
-        Ok(Self { config, follower, selected: None, distractors: Distractors::default() })
+        Ok(Self { follower, selected: None, distractors: Distractors::default() })
     }
 
     /// The window that the refinement network read in the last frame; `None` where the target was searched
@@ -111,7 +111,7 @@ impl FusedTracker {
 
     /// The tracker's settings.
     pub const fn config(&self) -> &FusedConfig {
-        &self.config
+        &self.follower.config
     }
 }
 
@@ -125,7 +125,7 @@ impl Tracker for FusedTracker {
             return Err(SelectionError::TooSmall { selection, width, height });
         }
         let SelectedTarget { used, colours } = self.follower.select(frame, dragged);
-        self.selected = Some(Box::new(self.follower.clone()));
+        self.selected = Some(self.follower.learned());
         self.distractors.clear();
         Ok(SelectionReport {
             used,
@@ -155,12 +155,10 @@ impl Tracker for FusedTracker {
     }
 
     fn reject(&mut self) -> bool {
-        let Some(selected) = self.selected.as_deref().filter(|_| self.follower.is_followed()) else {
+        let Some(selected) = self.selected.as_ref().filter(|_| self.follower.is_followed()) else {
             return false;
         };
-        let mut rejected = core::mem::replace(&mut self.follower, selected.clone());
-        self.follower.begin_search(&mut rejected);
-        self.distractors.add(rejected);
+        self.distractors.add(self.follower.begin_search(selected));
         self.follower.search.excluded = self.distractors.places();
         true
     }

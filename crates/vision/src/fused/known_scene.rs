@@ -54,7 +54,7 @@ impl Default for SceneSettings {
 }
 
 /// What is known of the scene around a target.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Default)]
 pub(super) struct KnownScene {
     settings: SceneSettings,
     found_object: FoundObjectSettings,

@@ -13,7 +13,7 @@ use super::observation::Observation;
 use super::observer::Observer;
 use super::target::Target;
 use crate::colour_model::{ColourHistogram, ColourModel, TargetEllipse, count_colours};
-use crate::correlation::desired_response_spectrum;
+use crate::correlation::{FilterSolver, desired_response_spectrum};
 use crate::fourier::{AREA, Map, SIDE};
 use crate::gradients::CELL;
 use crate::layout::ColourLayout;
@@ -65,10 +65,11 @@ impl Default for LearningSettings {
 }
 
 /// The learning, with its buffers.
-#[derive(Debug, Clone)]
+#[derive(Debug)]
 pub(super) struct Learning {
     config: FusedConfig,
     settings: LearningSettings,
+    solver: FilterSolver,
     /// Colours inside the target's ellipse and in the ring around it, and their layout, in one frame.
     histograms: [ColourHistogram; 2],
     layout: ColourLayout,
@@ -81,6 +82,7 @@ impl Learning {
         Self {
             config: *config,
             settings: LearningSettings::default(),
+            solver: FilterSolver::default(),
             histograms: [ColourHistogram::default(), ColourHistogram::default()],
             layout: ColourLayout::default(),
             reliable_size: (1.0, Extent::Box { width: 0.0, height: 0.0 }),
@@ -136,12 +138,12 @@ impl Learning {
         appearance.desired_response = desired_response_spectrum(&mut observer.features.fourier, std_dev);
         appearance.mask = mask(half);
         appearance.mask_half_cells = (half.0.ceil() as usize, half.1.ceil() as usize);
-        self.reliable_size = (1.0, target.geometry.extent);
+        self.keep_size(&target.geometry);
         self.retrain(target, observer, picture);
     }
 
     /// Retrains the filter and the layout from a single frame.
-    pub(super) fn retrain(&self, target: &mut Target, observer: &mut Observer, picture: &Picture) {
+    pub(super) fn retrain(&mut self, target: &mut Target, observer: &mut Observer, picture: &Picture) {
         observer.extract_patch(target, picture);
         let (geometry, appearance) = (&target.geometry, &mut target.appearance);
         appearance.filter.update_model(&observer.features.spectra, 1.0);
@@ -150,9 +152,10 @@ impl Learning {
     }
 
     /// Makes some steps towards the filter that fits the model.
-    fn solve(&self, appearance: &mut Appearance, observer: &mut Observer, steps: usize) {
+    fn solve(&mut self, appearance: &mut Appearance, observer: &mut Observer, steps: usize) {
         for _ in 0..steps {
-            appearance.filter.solve_step(
+            self.solver.step(
+                &mut appearance.filter,
                 &mut observer.features.fourier,
                 &appearance.desired_response,
                 &appearance.mask,
@@ -185,7 +188,7 @@ impl Learning {
         if has_its_colour {
             usual.contrast += settings.usual_rate * (observation.contrast.difference() - usual.contrast);
         }
-        self.reliable_size = (target.geometry.scale, target.geometry.extent);
+        self.keep_size(&target.geometry);
         appearance.frames_learned = appearance.frames_learned.wrapping_add(1);
         if has_its_colour
             && self.config.colour_rate > 0.0
@@ -209,6 +212,11 @@ impl Learning {
         let similarity = self.layout.similarity(&appearance.layout);
         usual.layout_similarity += similarity_rate * (similarity - usual.layout_similarity);
         appearance.layout.blend(&self.layout, rate);
+    }
+
+    /// Keeps the target's size as the last reliable one.
+    pub(super) fn keep_size(&mut self, geometry: &TargetGeometry) {
+        self.reliable_size = (geometry.scale, geometry.extent);
     }
 
     /// Gives a target its last reliable size, after a loss or a rejected candidate.

@@ -64,7 +64,7 @@ pub(super) struct PoseChange {
 }
 
 /// What evaluates search windows, with its buffers.
-#[derive(Debug, Clone)]
+#[derive(Debug)]
 pub(super) struct Observer {
     config: FusedConfig,
     settings: ObserverSettings,

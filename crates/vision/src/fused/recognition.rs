@@ -70,7 +70,7 @@ pub(super) struct RecognitionScore {
 }
 
 /// What compares observations with the target, with its buffers.
-#[derive(Debug, Clone)]
+#[derive(Debug)]
 pub(super) struct Recognition {
     config: FusedConfig,
     settings: RecognitionSettings,

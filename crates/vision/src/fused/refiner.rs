@@ -15,7 +15,7 @@ use crate::refinement::{
 };
 
 /// The network with its windows.
-#[derive(Debug, Clone)]
+#[derive(Debug)]
 pub(super) struct Refiner {
     network: RefinementNetwork,
     /// Window of the last refinement, and the answer.
@@ -26,7 +26,7 @@ pub(super) struct Refiner {
     /// Earlier frames around the target.
     references: MotionReferences,
     /// What the window showed at the selection, and usually shows.
-    memory: WindowMemory,
+    pub(super) memory: WindowMemory,
 }
 
 impl Refiner {
@@ -39,6 +39,11 @@ impl Refiner {
             references: MotionReferences::default(),
             memory: WindowMemory::default(),
         }
+    }
+
+    /// The weights of the network.
+    pub(super) fn weights(&self) -> Arc<RefinementWeights> {
+        self.network.weights()
     }
 
     /// Begins with a target that is selected: nothing is known of it.

@@ -59,7 +59,7 @@ impl Default for SearchSettings {
 }
 
 /// The search for a lost target, with its buffers.
-#[derive(Debug, Clone)]
+#[derive(Debug)]
 pub(super) struct Search {
     settings: SearchSettings,
     redetector: Redetector,

@@ -78,11 +78,6 @@ pub(super) struct Shape {
 }
 
 impl Shape {
-    /// Forgets what was seen of the box until now: the target is searched for as it was selected.
-    pub(super) fn begin_search(&mut self) {
-        self.contradiction = Contradiction::default();
-    }
-
     /// Follows size, rotation and centre, `seconds` after the last frame.
     pub(super) fn follow(
         &mut self,

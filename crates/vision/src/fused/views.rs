@@ -69,7 +69,7 @@ impl Default for ViewSettings {
 }
 
 /// The views that are kept of a target.
-#[derive(Debug, Clone)]
+#[derive(Debug)]
 pub(super) struct EarlierViews {
     settings: ViewSettings,
     /// The first is that of the selection; the first `count` are in use.
@@ -78,7 +78,7 @@ pub(super) struct EarlierViews {
 }
 
 /// One of them.
-#[derive(Debug, Clone)]
+#[derive(Debug)]
 struct FilterView {
     filter: FixedFilter,
     /// Usual height of the response when it was kept.

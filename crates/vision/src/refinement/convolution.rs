@@ -91,7 +91,7 @@ pub(super) struct Layout {
 }
 
 /// The inputs of a convolution: maps as integers, two channels beside each other.
-#[derive(Debug, Clone)]
+#[derive(Debug)]
 pub(super) struct IntegerMaps {
     pairs: Vec<Pair>,
     layout: Layout,

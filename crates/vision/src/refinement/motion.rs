@@ -16,7 +16,7 @@ const NOISE: f32 = 2.0;
 const NOISE_SHARE: f32 = 0.05;
 
 /// An earlier frame's brightness around the target.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Default)]
 struct MotionReference {
     luma: CropLuma,
     /// Sum of the background's shifts since, pixels.
@@ -29,7 +29,7 @@ struct MotionReference {
 }
 
 /// Two references of different ages, of which the older is compared.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Default)]
 pub(crate) struct MotionReferences {
     old: MotionReference,
     young: MotionReference,

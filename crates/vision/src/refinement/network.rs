@@ -211,7 +211,7 @@ impl RefinedBox {
 }
 
 /// The network with its buffers.
-#[derive(Debug, Clone)]
+#[derive(Debug)]
 pub(crate) struct RefinementNetwork {
     weights: Arc<RefinementWeights>,
     /// The input in four phases: odd and even rows of odd and even columns; in each all channels.
@@ -241,6 +241,10 @@ impl RefinementNetwork {
             many: IntegerMaps::new(SECOND, MAPS),
             profiles: IntegerMaps::new(2 * SECOND, PROFILES),
         }
+    }
+
+    pub(crate) fn weights(&self) -> Arc<RefinementWeights> {
+        Arc::clone(&self.weights)
     }
 
     /// Evaluates a window.

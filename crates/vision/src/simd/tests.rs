@@ -8,7 +8,7 @@ use barrelman_vocab::{Picture, PictureSize, PixelBox, Timestamp, VideoFrame};
 
 use super::LEVEL_CAP;
 use crate::colour_model::{ColourModel, TargetEllipse, count_colours};
-use crate::correlation::{CorrelationFilter, desired_response_spectrum};
+use crate::correlation::{CorrelationFilter, FilterSolver, desired_response_spectrum};
 use crate::crop::Crop;
 use crate::decimation::decimate;
 use crate::fourier::{AREA, Fourier, Map, Spectrum};
@@ -103,7 +103,7 @@ fn transforms_give_the_same_bits_at_every_vector_level() {
 fn the_filter_has_the_same_bits_at_every_vector_level() {
     check(|| {
         let mut fourier = Fourier::new();
-        let mut filter = CorrelationFilter::default();
+        let (mut filter, mut solver) = (CorrelationFilter::default(), FilterSolver::default());
         let desired = desired_response_spectrum(&mut fourier, 1.3);
         let mask = {
             let mut mask: Box<Map> = Box::new([0.0; AREA]);
@@ -113,7 +113,7 @@ fn the_filter_has_the_same_bits_at_every_vector_level() {
         for seed in 0..3 {
             let trained = spectra(&mut fourier, [10 + seed, 20 + seed]);
             filter.update_model(&trained, 0.1);
-            filter.solve_step(&mut fourier, &desired, &mask);
+            solver.step(&mut filter, &mut fourier, &desired, &mask);
         }
         let mut response = Spectrum::default();
         filter.correlate(&spectra(&mut fourier, [30, 31]), &mut response);
