@@ -10,6 +10,7 @@
 //! with a small e, so that a colour seen in neither is not the target's. U and V are hue and saturation in Cartesian
 //! coordinates: there is no wrap-around of the hue, and grey needs no floors. It is a bin like any other.
 
+use crate::vector::Rotation;
 use barrelman_vocab::Picture;
 
 /// Bits of Y.
@@ -189,7 +190,7 @@ pub(crate) fn count_colours(
     around: &mut ColourHistogram,
 ) {
     let (w, h) = region.box_size;
-    let (cos, sin) = (libm::cosf(region.angle), libm::sinf(region.angle));
+    let turn = Rotation::by(region.angle);
     inside.clear();
     around.clear();
     let (y, u, v) = (picture.y(), picture.u(), picture.v());
@@ -210,8 +211,8 @@ pub(crate) fn count_colours(
         for column in columns.clone().step_by(stride) {
             let bin = bin(ys[(2 * column).min(y.width - 1)], us[column], vs[column]);
             let (right, down) = (2.0 * column as f32 + 1.0 - centre.0, 2.0 * row as f32 + 1.0 - centre.1);
-            let (along, across) =
-                ((right * cos + down * sin) / region.half.0, (down * cos - right * sin) / region.half.1);
+            let (forward, aside) = turn.undo((right, down));
+            let (along, across) = (forward / region.half.0, aside / region.half.1);
             let radius_squared = along * along + across * across;
             if radius_squared < 1.0 {
                 inside.add(bin, 1.0 - 0.7 * radius_squared);

@@ -12,6 +12,7 @@ use crate::colour_model::ColourModel;
 use crate::decimation::decimate;
 use crate::explanation::GreyMap;
 use crate::sampling::{SampleMap, SampleRow, SamplingGrid, sample_bilinear};
+use crate::vector::Rotation;
 
 /// Maximum decimation, pixels per luma sample.
 const MAX_DECIMATION: i32 = 64;
@@ -264,8 +265,10 @@ impl Crop {
         mut visit: impl FnMut(f32, f32, usize),
     ) {
         let unit = self.probability_step();
-        let (c, s) = (libm::cosf(angle), libm::sinf(angle));
-        let reach = ((half.0 * c).abs() + (half.1 * s).abs(), (half.0 * s).abs() + (half.1 * c).abs());
+        let turn = Rotation::by(angle);
+        let Rotation { cos, sin } = turn;
+        let reach =
+            ((half.0 * cos).abs() + (half.1 * sin).abs(), (half.0 * sin).abs() + (half.1 * cos).abs());
         // A cast turns negative numbers and NaN into 0.
         let index = |at: f32, length: usize| ((at / unit) as usize).min(length);
         let (left, top) = (centre.0 - self.left as f32, centre.1 - self.top as f32);
@@ -283,7 +286,8 @@ impl Crop {
             let first = row * self.probability.width;
             for column in columns.clone() {
                 let du = (column as f32 + 0.5) * unit - left;
-                let (a, b) = ((du * c + dv * s) * inverse.0, (dv * c - du * s) * inverse.1);
+                let (along, across) = turn.undo((du, dv));
+                let (a, b) = (along * inverse.0, across * inverse.1);
                 if a * a + b * b <= 1.0 {
                     visit(du, dv, first + column);
                 }
@@ -295,10 +299,11 @@ impl Crop {
     /// times its size; 0 where no sample of either lies in the picture.
     pub(crate) fn contrast(&self, centre: (f32, f32), half: (f32, f32), angle: f32) -> ColourContrast {
         let (mut inner, mut outer) = ((0_u32, 0_u32), (0_u32, 0_u32));
-        let (c, s) = (libm::cosf(angle), libm::sinf(angle));
+        let turn = Rotation::by(angle);
         let inverse = (1.0 / half.0.max(1.0), 1.0 / half.1.max(1.0));
         self.for_each_probability(centre, (2.0 * half.0, 2.0 * half.1), angle, |du, dv, probability| {
-            let (a, b) = ((du * c + dv * s) * inverse.0, (dv * c - du * s) * inverse.1);
+            let (along, across) = turn.undo((du, dv));
+            let (a, b) = (along * inverse.0, across * inverse.1);
             let radius_squared = a * a + b * b;
             if radius_squared <= 1.0 {
                 inner = (inner.0 + u32::from(probability), inner.1 + 1);

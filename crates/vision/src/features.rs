@@ -9,6 +9,7 @@ use crate::fourier::{AREA, Fourier, Map, SIDE, Spectrum, hann_window};
 use crate::gradients::{CELL, DIRECTIONS, GradientHistograms, MARGIN, unit_directions};
 use crate::sampling::SamplingGrid;
 use crate::simd::simd_kernel;
+use crate::vector::{Rotation, Vector, scaled, sum};
 
 /// Number of channels, an even number; the last one is empty.
 pub(crate) const CHANNELS: usize = DIRECTIONS + 3;
@@ -39,18 +40,20 @@ impl PatchPose {
             height,
         }
     }
+
     /// Side of a whole patch of [`SIDE`] cells, pixels.
     pub(crate) fn side_px(&self) -> f32 {
         self.step * (SIDE * CELL) as f32
     }
 
     /// Converts a point given in samples right and down of the centre to pixels.
-    pub(crate) fn to_picture(self, right: f32, down: f32) -> (f32, f32) {
-        let (c, s) = (libm::cosf(self.angle), libm::sinf(self.angle));
-        (
-            self.centre.0 + self.step * (right * c - down * s),
-            self.centre.1 + self.step * (right * s + down * c),
-        )
+    pub(crate) fn to_picture(self, right: f32, down: f32) -> Vector {
+        sum(self.centre, scaled(Rotation::by(self.angle).apply((right, down)), self.step))
+    }
+
+    /// Converts a point given in cells right and down of the centre to pixels.
+    pub(crate) fn cell_to_picture(self, right: f32, down: f32) -> Vector {
+        self.to_picture(right * CELL as f32, down * CELL as f32)
     }
 }
 

@@ -72,14 +72,16 @@ mod excluded_places;
 mod found_object;
 
 mod appearance;
+mod colour_counts;
 mod extent;
 mod geometry;
 mod observation;
 mod phase;
+mod ratio;
 mod reference_silhouette;
 mod shape_following;
 mod target;
-mod vector;
+mod time_constant;
 
 #[cfg(test)]
 mod test_target;
@@ -151,7 +153,7 @@ impl Follower {
     fn search_picture(&mut self, picture: &Picture, seconds: f64) -> Visibility {
         let prediction = self.motion.predict_lost(picture, &self.target.geometry);
         self.detector.refiner.clear_references();
-        self.scene.predict(prediction.camera_shift, seconds as f32);
+        self.scene.predict(prediction.camera_shift.estimate(), seconds as f32);
         let input = SearchInput {
             observer: &mut self.detector.observer,
             recognition: &mut self.recognition,
@@ -173,8 +175,8 @@ impl Follower {
     fn follow(&mut self, frame: &VideoFrame, seconds: f64) -> Visibility {
         let (picture, now) = (&*frame.picture, frame.capture.at);
         let prediction = self.motion.measure_shift(picture, &self.target.geometry);
-        self.detector.refiner.add_background_shift(prediction.known_camera_shift);
-        self.scene.predict(prediction.camera_shift, seconds as f32);
+        self.detector.refiner.add_background_shift(prediction.camera_shift.known());
+        self.scene.predict(prediction.camera_shift.estimate(), seconds as f32);
         let first = self.detect(picture, &prediction);
         let candidate = self.reconsider(picture, &prediction, first);
         let has_jumped = candidate.observation != first.observation;
@@ -214,7 +216,7 @@ impl Follower {
     fn detect(&mut self, picture: &Picture, prediction: &Prediction) -> Candidate {
         let observer = &mut self.detector.observer;
         let mut observation = observer.observe_prediction(&self.target, prediction, picture);
-        if matches!(self.phase, Phase::Confirming { .. }) && self.target.reference.is_some() {
+        if self.phase.is_confirming() && self.target.reference.is_some() {
             let (taken, is_reversed) = observer.observe_either_direction(&self.target, picture, observation);
             if is_reversed {
                 self.target.geometry.reverse_axis();
@@ -227,8 +229,7 @@ impl Follower {
     /// Looks for a doubtful target elsewhere in the search window. Where another place is clearly more
     /// probable, the target continues from there.
     fn reconsider(&mut self, picture: &Picture, prediction: &Prediction, followed: Candidate) -> Candidate {
-        let is_confirming = matches!(self.phase, Phase::Confirming { .. });
-        if !self.views.is_doubted(followed.refined.probability) || is_confirming {
+        if !self.views.is_doubted(followed.refined.probability) || self.phase.is_confirming() {
             return followed;
         }
         let taken = self.views.reconsider(&mut self.detector, &self.target, prediction, picture, followed);
@@ -241,12 +242,12 @@ impl Follower {
     /// Decides whether a candidate is the target.
     fn judge(&mut self, picture: &Picture, candidate: &Candidate) -> Verdict {
         let now = self.motion.last_capture;
-        let is_confirming = matches!(self.phase, Phase::Confirming { .. });
+        let is_confirming = self.phase.is_confirming();
         let is_recognised =
             !is_confirming || self.recognition.confirm(&self.target, picture, &candidate.observation, now);
         self.acceptance.judge(&Evaluation {
             candidate,
-            prediction: &self.motion.prediction(&self.target.geometry),
+            prediction: &self.motion.prediction(),
             geometry: &self.target.geometry,
             usual_contrast: self.target.appearance.usual.contrast,
             is_confirming,

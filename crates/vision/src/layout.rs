@@ -9,6 +9,7 @@
 use barrelman_vocab::Picture;
 
 use crate::colour_model::smooth;
+use crate::vector::{Rotation, length};
 
 /// Number of parts along the axis.
 pub(crate) const PARTS: usize = 3;
@@ -52,8 +53,9 @@ impl ColourLayout {
         if u.width == 0 || u.height == 0 {
             return;
         }
-        let (c, s) = (libm::cosf(angle), libm::sinf(angle));
-        let reach = (libm::hypotf(half.0 * c, half.1 * s), libm::hypotf(half.0 * s, half.1 * c));
+        let turn = Rotation::by(angle);
+        let Rotation { cos, sin } = turn;
+        let reach = (length((half.0 * cos, half.1 * sin)), length((half.0 * sin, half.1 * cos)));
         // In samples of the chroma planes; a cast turns negative numbers into 0.
         let sample_range = |middle: f32, half: f32, length: usize| {
             (((middle - half) / 2.0) as usize).min(length)..(((middle + half) / 2.0) as usize + 1).min(length)
@@ -65,7 +67,8 @@ impl ColourLayout {
             let (ys, us, vs) = (y.row((2 * row).min(y.height - 1)), u.row(row), v.row(row));
             for column in columns.clone().step_by(stride) {
                 let (right, down) = (2.0 * column as f32 + 1.0 - centre.0, 2.0 * row as f32 + 1.0 - centre.1);
-                let (along, across) = ((right * c + down * s) / half.0, (down * c - right * s) / half.1);
+                let (forward, aside) = turn.undo((right, down));
+                let (along, across) = (forward / half.0, aside / half.1);
                 if along * along + across * across < 1.0 {
                     let part = ((0.5 * (along + 1.0) * PARTS as f32) as usize).min(PARTS - 1);
                     let bin = bin(ys[(2 * column).min(y.width - 1)], us[column], vs[column]);

@@ -39,6 +39,7 @@ mod refinement;
 mod sampling;
 mod silhouette;
 mod simd;
+mod vector;
 
 mod camshift;
 mod config;

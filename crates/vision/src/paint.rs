@@ -15,6 +15,7 @@
 
 use crate::crop::Crop;
 use crate::silhouette::Silhouette;
+use crate::vector::{Rotation, distance};
 
 /// A chroma.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -99,8 +100,11 @@ impl Paint {
             }
         });
         let paint = Self { u: u_sum / count.max(1.0), v: v_sum / count.max(1.0) };
-        let distance = libm::hypotf(paint.u - background.0, paint.v - background.1);
-        (count > 0.0 && distance >= MIN_DISTANCE).then_some(paint)
+        (count > 0.0 && paint.is_distinct_from(background)).then_some(paint)
+    }
+
+    fn is_distinct_from(self, background: (f32, f32)) -> bool {
+        distance((self.u, self.v), background) >= MIN_DISTANCE
     }
 
     fn scale_without_floor(self, background: (f32, f32)) -> Option<PaintScale> {
@@ -124,7 +128,7 @@ impl Paint {
     ) -> Option<PaintScale> {
         let background = mean_around(crop, centre, half, angle)?;
         let scale = self.scale_without_floor(background)?;
-        if libm::hypotf(self.u - background.0, self.v - background.1) < MIN_DISTANCE {
+        if !self.is_distinct_from(background) {
             return None;
         }
         let mut bins = [0_u32; BINS];
@@ -190,9 +194,10 @@ fn for_each_around(
 ) {
     let grown = |(factor, pixels): (f32, f32)| (factor * half.0 + pixels, factor * half.1 + pixels);
     let (inner, outer) = (grown(RING_INNER), grown(RING_OUTER));
-    let (c, s) = (libm::cosf(angle), libm::sinf(angle));
+    let turn = Rotation::by(angle);
     crop.for_each_chroma(centre, outer, angle, |du, dv, u, v| {
-        let (a, b) = ((du * c + dv * s) / inner.0, (dv * c - du * s) / inner.1);
+        let (along, across) = turn.undo((du, dv));
+        let (a, b) = (along / inner.0, across / inner.1);
         if a * a + b * b > 1.0 {
             visit(u, v);
         }

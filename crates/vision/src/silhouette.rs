@@ -6,6 +6,7 @@
 //! the full axes are 4 times the roots of the eigenvalues, as for a uniform ellipse.
 
 use crate::crop::{ColourContrast, Crop};
+use crate::vector::Rotation;
 
 /// Shape of the target by its colour.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -80,14 +81,15 @@ impl Silhouette {
         let root = (0.25 * (a - c) * (a - c) + b * b).sqrt();
         let mean_variance = 0.5 * (a + c);
         let axis = (0.5 * libm::atan2(2.0 * b, a - c)) as f32;
-        let (cos, sin) = (libm::cosf(axis), libm::sinf(axis));
+        let turn = Rotation::by(axis);
         // The ends: a hundredth of the weight lies beyond each.
         let reach = 2.0 * half.0.max(half.1);
         let (mut along, mut across) = ([0.0_f32; BINS], [0.0_f32; BINS]);
         for_each(&mut |du, dv, weight| {
             let bin = |x: f32| (((x / reach + 0.5) * BINS as f32) as usize).min(BINS - 1);
-            along[bin(du * cos + dv * sin)] += weight;
-            across[bin(dv * cos - du * sin)] += weight;
+            let (forward, aside) = turn.undo((du, dv));
+            along[bin(forward)] += weight;
+            across[bin(aside)] += weight;
         });
         let halfway = |bins: &[f32; BINS]| {
             (0.5 * (mass_quantile_bin(bins.iter()) + BINS as f32 - mass_quantile_bin(bins.iter().rev()))
@@ -95,20 +97,21 @@ impl Silhouette {
                 - 0.5)
                 * reach
         };
-        let (along_mid, across_mid) = (halfway(&along), halfway(&across));
         // Thinner than a quarter of a sample cannot be told.
         let least = step * step / 192.0;
         Some(Self {
-            midpoint: (
-                centre.0 + along_mid * cos - across_mid * sin,
-                centre.1 + along_mid * sin + across_mid * cos,
-            ),
+            midpoint: turn.place_from(centre, (halfway(&along), halfway(&across))),
             area: (m * step * step) as f32,
             centroid: (centre.0 + u as f32, centre.1 + v as f32),
             axis,
             major: 4.0 * (mean_variance + root).max(least).sqrt() as f32,
             minor: 4.0 * (mean_variance - root).max(least).sqrt() as f32,
         })
+    }
+
+    /// Half of both axes, the major one first, pixels.
+    pub(crate) fn half_axes(&self) -> (f32, f32) {
+        (0.5 * self.major, 0.5 * self.minor)
     }
 
     /// Ratio of minor to major axis, 0 to 1.

@@ -117,7 +117,8 @@ impl Acceptance {
     pub(super) fn judge(&self, evaluation: &Evaluation<'_>) -> Verdict {
         let Candidate { observation, refined } = evaluation.candidate;
         let distance_factor = self.distance_factor(evaluation);
-        let trust = self.trust(evaluation);
+        let is_far = distance_factor > 1.0;
+        let trust = self.trust(evaluation, is_far);
         let relief = if trust == Trust::None { 0.0 } else { self.settings.convincing_evidence };
         let required = self.config.seen as f32 - relief;
         let is_accepted = !(observation.evidence < required * distance_factor
@@ -129,10 +130,11 @@ impl Acceptance {
         let is_well_visible = observation.evidence >= self.config.learn as f32 * distance_factor
             && (observation.has_its_colour(self.settings.min_learned_contrast)
                 || self.is_pattern_clear(observation));
-        Verdict { is_accepted, is_well_visible, is_far: distance_factor > 1.0 }
+        Verdict { is_accepted, is_well_visible, is_far }
     }
 
-    fn trust(&self, evaluation: &Evaluation<'_>) -> Trust {
+    /// How much the refined box counts. `is_far`: see [`Verdict`].
+    fn trust(&self, evaluation: &Evaluation<'_>, is_far: bool) -> Trust {
         let settings = &self.settings;
         let Evaluation { candidate, prediction, geometry, .. } = *evaluation;
         let (observation, probability) = (&candidate.observation, candidate.refined.probability);
@@ -148,10 +150,7 @@ impl Acceptance {
             && !evaluation.is_confirming
         {
             Trust::Full
-        } else if probability > settings.convincing_probability
-            && has_its_colour
-            && self.distance_factor(evaluation) <= 1.0
-        {
+        } else if probability > settings.convincing_probability && has_its_colour && !is_far {
             Trust::Some
         } else {
             Trust::None
@@ -185,6 +184,7 @@ impl Acceptance {
 mod tests {
     use barrelman_vocab::{PictureSize, PixelBox};
 
+    use super::super::prediction::CameraShift;
     use super::super::test_target::{observation_at, red_on_blue, selected};
     use super::*;
     use crate::refinement::RefinedBox;
@@ -200,14 +200,16 @@ mod tests {
         let observation = Observation { relative_contrast, ..observation_at((u + right, v)) };
         let candidate =
             Candidate { observation, refined: RefinedBox { probability, ..RefinedBox::default() } };
-        follower.acceptance.trust(&Evaluation {
+        let evaluation = Evaluation {
             candidate: &candidate,
-            prediction: &follower.motion.prediction(&follower.target.geometry),
+            prediction: &follower.motion.prediction(),
             geometry: &follower.target.geometry,
             usual_contrast: 0.8,
             is_confirming,
             is_recognised: true,
-        })
+        };
+        let is_far = follower.acceptance.distance_factor(&evaluation) > 1.0;
+        follower.acceptance.trust(&evaluation, is_far)
     }
 
     #[test]
@@ -241,13 +243,8 @@ mod tests {
     fn far_from_the_prediction_twice_the_evidence_is_required() {
         let acceptance = Acceptance::new(&FusedConfig::default());
         let geometry = TargetGeometry::new((160.0, 120.0), (20.0, 20.0), PictureSize::new(320, 240));
-        let prediction = Prediction {
-            position: (160.0, 120.0),
-            centre: (160.0, 120.0),
-            std_dev: 1.0,
-            camera_shift: (0.0, 0.0),
-            known_camera_shift: None,
-        };
+        let prediction =
+            Prediction { position: (160.0, 120.0), std_dev: 1.0, camera_shift: CameraShift::Unknown };
         let is_accepted = |right: f32, evidence: f32| {
             let observation = Observation { evidence, ..observation_at((160.0 + right, 120.0)) };
             let refined = RefinedBox { probability: 0.3, ..RefinedBox::default() };

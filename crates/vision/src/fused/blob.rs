@@ -12,11 +12,13 @@
 //! Input: the crop and the target's geometry. Output: a [`FollowedBlob`].
 
 use super::geometry::TargetGeometry;
+use super::ratio::is_within;
 use super::reference_silhouette::ReferenceSilhouette;
-use super::shape_following::{FollowingTimes, follow_shape, is_within};
+use super::shape_following::{FollowingTimes, follow_shape};
 use crate::crop::Crop;
 use crate::paint::Paint;
 use crate::silhouette::Silhouette;
+use crate::vector::{difference, distance, sum};
 
 /// Steps in which the blob is measured, each in an ellipse around the last one.
 const STEPS: usize = 2;
@@ -143,15 +145,15 @@ impl BlobFollower {
             return None;
         }
         self.last = Some(SeenBlob {
-            from_centre: (seen.centroid.0 - geometry.centre.0, seen.centroid.1 - geometry.centre.1),
-            half: (0.5 * seen.major, 0.5 * seen.minor),
+            from_centre: difference(seen.centroid, geometry.centre),
+            half: seen.half_axes(),
             axis: seen.axis,
             area: seen.area,
             age_s: 0.0,
         });
         let centre = reference.box_centre_of(&seen, geometry.axis);
-        let off = libm::hypotf(centre.0 - geometry.centre.0, centre.1 - geometry.centre.1);
-        let fits = are_within(settings.max_change) && off <= settings.max_off_lengths * 2.0 * along;
+        let off_px = distance(centre, geometry.centre);
+        let fits = are_within(settings.max_change) && off_px <= settings.max_off_lengths * 2.0 * along;
         Some(FollowedBlob { seen, fits })
     }
 
@@ -161,7 +163,7 @@ impl BlobFollower {
         let seen = &blob.seen;
         follow_shape(geometry, &reference, seen, self.settings.times, seconds);
         if let Some(last) = &mut self.last {
-            last.from_centre = (seen.centroid.0 - geometry.centre.0, seen.centroid.1 - geometry.centre.1);
+            last.from_centre = difference(seen.centroid, geometry.centre);
         }
     }
 
@@ -170,11 +172,7 @@ impl BlobFollower {
     fn measure(&self, crop: &Crop, paint: &Paint, geometry: &TargetGeometry) -> Option<(Silhouette, f32)> {
         let BlobSettings { reach, margin_px, .. } = self.settings;
         let (mut centre, mut half, mut axis) = match self.last {
-            Some(blob) => (
-                (geometry.centre.0 + blob.from_centre.0, geometry.centre.1 + blob.from_centre.1),
-                blob.half,
-                blob.axis,
-            ),
+            Some(blob) => (sum(geometry.centre, blob.from_centre), blob.half, blob.axis),
             None => (geometry.centre, geometry.half_axes(), geometry.axis),
         };
         let scale = paint.scale_around(crop, centre, half, axis)?.for_breadth(crop, 2.0 * half.1);
@@ -182,7 +180,7 @@ impl BlobFollower {
         for _ in 0..STEPS {
             let reached = (reach * half.0 + margin_px, reach * half.1 + margin_px);
             let seen = scale.silhouette(crop, centre, reached, axis)?;
-            (centre, half, axis) = (seen.centroid, (0.5 * seen.major, 0.5 * seen.minor), seen.axis);
+            (centre, half, axis) = (seen.centroid, seen.half_axes(), seen.axis);
             found = Some(seen);
         }
         found.map(|seen| (seen, scale.fill(crop, centre, half, axis)))

@@ -1,7 +1,8 @@
 //! An object of the target's colour near the target: where it is, and how it moves.
 
 use super::contact::{Chroma, ContactSettings};
-use super::vector::{Vector, difference, length, product, scaled, sum};
+use super::ratio::is_within;
+use crate::vector::{Vector, difference, distance, length, product, scaled, sum};
 
 /// Settings of how such objects are followed and judged.
 #[derive(Debug, Clone, Copy)]
@@ -197,14 +198,12 @@ impl Companion {
     pub(super) fn is_opposite(&self, settings: &CompanionSettings, place: Vector) -> bool {
         let (expected, seen) = (length(self.place), length(place));
         let cosine = -product(self.place, place) / (expected * seen).max(f32::MIN_POSITIVE);
-        cosine >= settings.min_cosine
-            && (1.0 / settings.max_distance_factor..=settings.max_distance_factor)
-                .contains(&(seen / expected))
+        cosine >= settings.min_cosine && is_within(seen / expected, settings.max_distance_factor)
     }
 }
 
 /// The component that is not taken and nearest to a place, with its distance.
 fn nearest(others: &[Seen], is_taken: &[bool], to: Vector) -> Option<(usize, f32)> {
     let free = others.iter().enumerate().filter(|&(index, _)| !is_taken[index]);
-    free.map(|(index, other)| (index, length(difference(other.place, to)))).min_by(|a, b| a.1.total_cmp(&b.1))
+    free.map(|(index, other)| (index, distance(other.place, to))).min_by(|a, b| a.1.total_cmp(&b.1))
 }

@@ -10,8 +10,8 @@
 
 use super::companion::{Companion, CompanionSettings, Seen};
 use super::contact::{Chroma, Contact, Followed};
-use super::vector::{Vector, difference, length, product, scaled, sum};
 use crate::components::MAX_COMPONENTS;
+use crate::vector::{Vector, difference, length, product, scaled, sum};
 
 /// Number of objects that are followed.
 const MAX_OBJECTS: usize = 6;
@@ -54,7 +54,7 @@ impl Companions {
                 }
             }
         }
-        self.contact.take_if(|contact| !contact.advance(seconds));
+        self.contact.take_if(|contact| !contact.advance(&self.settings.contact, seconds));
         self.in_doubt_s = self
             .in_doubt_s
             .map(|since| since + seconds)
@@ -75,7 +75,7 @@ impl Companions {
         };
         self.in_doubt_s = Some(0.0);
         let Some(own) = self.own_chroma else { return };
-        self.contact = Contact::new(self.settings.contact, own, object.chroma);
+        self.contact = Contact::new(&self.settings.contact, own, object.chroma);
         for object in self.objects.iter_mut().flatten() {
             object.is_of_contact = object.is_in_contact(&settings, size);
         }
@@ -150,7 +150,7 @@ impl Companions {
         if distance > self.settings.judged_sizes * size {
             return Judgement::None;
         }
-        match contact.judge(chroma, others[index].chroma, seconds) {
+        match contact.judge(&self.settings.contact, chroma, others[index].chroma, seconds) {
             Followed::Unseen => Judgement::Pending,
             Followed::Unknown => Judgement::None,
             Followed::Other => Judgement::Target(index),

@@ -10,8 +10,8 @@
 use barrelman_vocab::Timestamp;
 
 use super::observation::Observation;
-use super::shape_following::share_in;
 use super::target::Target;
+use super::time_constant::share_in;
 
 /// Lower bound of a probability, and of its complement, of which log-odds are taken.
 const MIN_PROBABILITY: f64 = 1.0e-3;

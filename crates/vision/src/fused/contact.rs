@@ -4,8 +4,8 @@
 //! both alike. So the difference between the two is the same after a contact as before, or has the other sign
 //! if the track stayed with the other one.
 
-use super::shape_following::rate_in;
-use super::vector::{Vector, difference, length, product, scaled, sum};
+use super::time_constant::rate_in;
+use crate::vector::{Vector, difference, length, product, scaled, sum};
 
 /// U and V less those of the surroundings, levels.
 pub(super) type Chroma = Vector;
@@ -48,7 +48,6 @@ impl Default for ContactSettings {
 /// A contact of the target with another object.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Contact {
-    settings: ContactSettings,
     /// Chroma of the target less that of the other object, before.
     before: Chroma,
     /// Integral, over the time with both apart, of the chroma of what is followed less that of the other one,
@@ -73,10 +72,9 @@ pub(super) enum Followed {
 
 impl Contact {
     /// A contact that begins; `None` where the chroma of both is too much alike.
-    pub(super) fn new(settings: ContactSettings, target: Chroma, other: Chroma) -> Option<Self> {
+    pub(super) fn new(settings: &ContactSettings, target: Chroma, other: Chroma) -> Option<Self> {
         let before = difference(target, other);
         (length(before) >= settings.min_difference).then_some(Self {
-            settings,
             before,
             since: (0.0, 0.0),
             apart_s: 0.0,
@@ -86,9 +84,9 @@ impl Contact {
     }
 
     /// Adds a frame, `seconds` after the last one. Whether the contact can still be judged.
-    pub(super) fn advance(&mut self, seconds: f32) -> bool {
+    pub(super) fn advance(&mut self, settings: &ContactSettings, seconds: f32) -> bool {
         self.age_s += seconds;
-        self.age_s <= self.settings.max_age_s && self.apart_s < self.settings.max_apart_s
+        self.age_s <= settings.max_age_s && self.apart_s < settings.max_apart_s
     }
 
     /// Time since it began, seconds.
@@ -97,11 +95,17 @@ impl Contact {
     }
 
     /// Adds what is seen in a frame with both apart, `seconds` after the last one.
-    pub(super) fn judge(&mut self, followed: Chroma, other: Chroma, seconds: f32) -> Followed {
+    pub(super) fn judge(
+        &mut self,
+        settings: &ContactSettings,
+        followed: Chroma,
+        other: Chroma,
+        seconds: f32,
+    ) -> Followed {
         self.since = sum(self.since, scaled(difference(followed, other), seconds));
         self.apart_s += seconds;
         self.frames += 1;
-        if self.frames < self.settings.min_frames || self.apart_s < self.settings.min_apart_s {
+        if self.frames < settings.min_frames || self.apart_s < settings.min_apart_s {
             return Followed::Unseen;
         }
         let mean = scaled(self.since, 1.0 / self.apart_s);
@@ -109,7 +113,7 @@ impl Contact {
         let share = product(mean, self.before) / squared;
         // Across the difference of before: more than that is another object's.
         let across = difference(mean, scaled(self.before, share));
-        if share.abs() < self.settings.clear_share || product(across, across) > squared {
+        if share.abs() < settings.clear_share || product(across, across) > squared {
             Followed::Unknown
         } else if share > 0.0 {
             Followed::Target
@@ -136,12 +140,13 @@ mod tests {
 
     /// What is judged within 100 frames after a contact of boat and buoy.
     fn judged(followed: Chroma, other: Chroma) -> Followed {
-        let mut contact = Contact::new(ContactSettings::default(), BOAT, BUOY).expect("the two differ");
+        let settings = ContactSettings::default();
+        let mut contact = Contact::new(&settings, BOAT, BUOY).expect("the two differ");
         for _ in 0..100 {
-            if !contact.advance(FRAME_S) {
+            if !contact.advance(&settings, FRAME_S) {
                 break;
             }
-            let followed = contact.judge(followed, other, FRAME_S);
+            let followed = contact.judge(&settings, followed, other, FRAME_S);
             if matches!(followed, Followed::Target | Followed::Other) {
                 return followed;
             }
@@ -165,7 +170,7 @@ mod tests {
     fn what_looks_alike_is_not_judged() {
         assert_eq!(judged(BOAT, BOAT), Followed::Unknown);
         assert_eq!(judged(BOAT, (BOAT.0 + 2.0, BOAT.1 - 8.0)), Followed::Unknown, "another difference");
-        assert!(Contact::new(ContactSettings::default(), BOAT, (BOAT.0 + 2.0, BOAT.1)).is_none());
+        assert!(Contact::new(&ContactSettings::default(), BOAT, (BOAT.0 + 2.0, BOAT.1)).is_none());
     }
 
     #[test]
@@ -176,8 +181,9 @@ mod tests {
 
     #[test]
     fn a_contact_is_forgotten() {
-        let mut contact = Contact::new(ContactSettings::default(), BOAT, BUOY).expect("the two differ");
-        assert!(contact.advance(contact.settings.max_age_s - 1.0));
-        assert!(!contact.advance(1.1));
+        let settings = ContactSettings::default();
+        let mut contact = Contact::new(&settings, BOAT, BUOY).expect("the two differ");
+        assert!(contact.advance(&settings, settings.max_age_s - 1.0));
+        assert!(!contact.advance(&settings, 1.1));
     }
 }

@@ -14,7 +14,7 @@ use super::observer::Observer;
 use super::prediction::Prediction;
 use super::refiner::Refiner;
 use super::target::Target;
-use crate::refinement::{RefinedBox, RefinementWeights};
+use crate::refinement::RefinementWeights;
 
 /// Settings of the choice among peaks. Without the second peak, P20 is 0.878 for 0.888 on the 39 clips, and 0.077
 /// for 0.068 are lost.
@@ -85,25 +85,13 @@ impl Detector {
         let centre = self.observer.centre_crop(target, picture, &observation);
         let distance = prediction.distance_of(&observation);
         self.refiner.set_measurements(target, &observation, centre, distance);
-        let box_size = target.geometry.upright_box();
-        let refined = self.refine_box(target, centre, box_size);
+        let refined = self.refiner.evaluate(&mut self.observer.crop, target, centre);
         Candidate { observation, refined }
-    }
-
-    /// Evaluates the refinement network at a box of this centre and size (width, height), pixels, in the last
-    /// crop.
-    pub(super) fn refine_box(
-        &mut self,
-        target: &Target,
-        centre: (f32, f32),
-        box_size: (f32, f32),
-    ) -> RefinedBox {
-        self.refiner.evaluate(&mut self.observer.crop, target, centre, box_size)
     }
 
     /// Makes an earlier candidate, whose window was kept, the last one again.
     pub(super) fn return_to(&mut self, target: &Target, picture: &Picture, candidate: &Candidate) {
-        self.refiner.return_to_kept(candidate.refined);
+        self.refiner.return_to_kept();
         self.observer.centre_crop(target, picture, &candidate.observation);
     }
 }

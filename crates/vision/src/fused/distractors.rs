@@ -8,7 +8,7 @@ use barrelman_vocab::{MotionPrior, VideoFrame};
 
 use super::excluded_places::{ExcludedPlaces, MAX_PLACES};
 use super::follower::Follower;
-use super::phase::Phase;
+use crate::vector::length;
 
 /// Largest number of distractors; a further one takes the place of the oldest.
 const MAX_DISTRACTORS: usize = MAX_PLACES;
@@ -60,22 +60,15 @@ impl Distractors {
         let now = frame.capture.at;
         for follower in &mut self.followers {
             // A distractor that is lost is not searched for: the search could find the target.
-            match follower.phase {
-                Phase::Tracking | Phase::Coasting { .. } => {
-                    follower.advance(frame, prior);
-                }
-                Phase::Lost { .. } | Phase::Confirming { .. } => {
-                    follower.adopt_picture_size(frame.picture.size());
-                    follower.motion.predict_unseen(now, prior, &follower.target.geometry);
-                }
+            if follower.phase.is_followed() {
+                follower.advance(frame, prior);
+            } else {
+                follower.adopt_picture_size(frame.picture.size());
+                follower.motion.predict_unseen(now, prior, &follower.target.geometry);
             }
         }
-        self.followers.retain(|follower| match follower.phase {
-            Phase::Lost { since } | Phase::Confirming { since, .. } => {
-                now.since(since).as_secs_f64() <= self.settings.kept_s
-            }
-            Phase::Tracking | Phase::Coasting { .. } => true,
-        });
+        let is_kept = |since| now.since(since).as_secs_f64() <= self.settings.kept_s;
+        self.followers.retain(|follower| follower.phase.lost_since().is_none_or(is_kept));
         self.places()
     }
 
@@ -83,8 +76,8 @@ impl Distractors {
     pub(super) fn places(&self) -> ExcludedPlaces {
         let mut places = ExcludedPlaces::default();
         for (place, follower) in places.0.iter_mut().zip(&self.followers) {
-            let (w, h) = follower.target.geometry.upright_box();
-            let radius = self.settings.radius_share * 0.5 * libm::hypotf(w, h);
+            let diagonal = length(follower.target.geometry.upright_box());
+            let radius = self.settings.radius_share * 0.5 * diagonal;
             *place = Some((follower.motion.position(), radius));
         }
         places

@@ -8,11 +8,11 @@ use barrelman_vocab::PixelBox;
 use super::companion::Seen;
 use super::companions::Companions;
 use super::extent::Extent;
-use super::shape_following::rate_in;
 use super::target::Target;
-use super::vector::{Vector, difference, sum};
+use super::time_constant::rate_in;
 use crate::components::{Component, ComponentFinder, MAX_COMPONENTS};
 use crate::crop::Crop;
+use crate::vector::{Vector, difference, sum};
 
 /// Settings of the comparison with objects around the target.
 #[derive(Debug, Clone, Copy)]

@@ -1,6 +1,7 @@
 //! Places of a video frame in which the search for the target must not find it: there are objects that the operator
 //! rejected.
 
+use crate::vector::distance;
 /// Largest number of places.
 pub(super) const MAX_PLACES: usize = 2;
 
@@ -11,6 +12,6 @@ pub(super) struct ExcludedPlaces(pub(super) [Option<((f32, f32), f32)>; MAX_PLAC
 impl ExcludedPlaces {
     /// Whether a point lies in one of the places.
     pub(super) fn contains(&self, point: (f32, f32)) -> bool {
-        self.0.iter().flatten().any(|((u, v), radius)| libm::hypotf(point.0 - u, point.1 - v) <= *radius)
+        self.0.iter().flatten().any(|&(centre, radius)| distance(point, centre) <= radius)
     }
 }

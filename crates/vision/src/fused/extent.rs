@@ -11,6 +11,7 @@
 
 use crate::colour_model::TargetEllipse;
 use crate::silhouette::Silhouette;
+use crate::vector::Rotation;
 
 /// Exponent of the norm: 1 for rectangles, 2 for ellipses.
 const NORM_EXPONENT: f32 = 1.25;
@@ -121,7 +122,8 @@ impl Extent {
 
 /// Width and height of the upright box of a hull.
 pub(super) fn upright_box_of(length: f32, breadth: f32, axis: f32) -> (f32, f32) {
-    let (c, s) = (libm::cosf(axis).abs(), libm::sinf(axis).abs());
+    let Rotation { cos, sin } = Rotation::by(axis);
+    let (c, s) = (cos.abs(), sin.abs());
     let norm = |a: f32, b: f32| {
         libm::powf(libm::powf(a, NORM_EXPONENT) + libm::powf(b, NORM_EXPONENT), 1.0 / NORM_EXPONENT)
     };

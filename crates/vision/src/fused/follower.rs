@@ -30,7 +30,7 @@ use super::target::Target;
 use super::views::EarlierViews;
 use crate::explanation::{Explanation, TrackerState};
 use crate::heading::HeadingEstimator;
-use crate::refinement::RefinementWeights;
+use crate::refinement::{RefinedBox, RefinementWeights};
 
 /// What follows an object: its state, and the stages in the order of a frame.
 #[derive(Debug)]
@@ -62,6 +62,8 @@ pub(super) struct Follower {
 pub(super) struct SelectedTarget {
     /// The box that is used, pixels.
     pub(super) used: PixelBox,
+    /// What the network makes of that box.
+    refined: RefinedBox,
     pub(super) colours: SelectionColours,
 }
 
@@ -97,12 +99,11 @@ impl Follower {
     /// one is clearly too large or off, or where the silhouette agrees with the refined one alone.
     pub(super) fn select(&mut self, frame: &VideoFrame, dragged: PixelBox) -> SelectedTarget {
         let first = self.select_box(frame, dragged);
-        let refined = self.detector.refiner.refined;
-        let bounds = refined.bounds().clipped(frame.picture.size());
+        let bounds = first.refined.bounds().clipped(frame.picture.size());
         if let Some(painted) = self.selection.painted_box(&self.detector.observer.crop, dragged, bounds) {
             return self.select_box(frame, painted);
         }
-        match self.selection.choose(dragged, &refined, bounds, self.target.reference.is_some()) {
+        match self.selection.choose(dragged, &first.refined, bounds, self.target.reference.is_some()) {
             BoxChoice::Dragged => first,
             BoxChoice::Refined => self.select_box(frame, bounds),
             BoxChoice::RefinedWithSilhouette => {
@@ -143,12 +144,11 @@ impl Follower {
         self.views.restart(&self.target.appearance);
         self.motion.set_background_reference(picture, &self.target.geometry);
         refiner.restart();
-        let geometry = &self.target.geometry;
-        let (centre, upright_box) = (geometry.centre, geometry.upright_box());
-        refiner.evaluate(&mut observer.crop, &self.target, centre, upright_box);
+        let centre = self.target.geometry.centre;
+        let refined = refiner.evaluate(&mut observer.crop, &self.target, centre);
         refiner.remember_selection();
         refiner.update_references(&observer.crop, centre, now.as_secs_f64());
-        SelectedTarget { used, colours }
+        SelectedTarget { used, refined, colours }
     }
 
     /// Forgets what was seen around the target until now.
@@ -192,8 +192,8 @@ impl Follower {
     pub(super) fn mark_lost(&mut self, is_in_picture: bool) {
         self.identity.add_loss();
         self.search.restart();
-        let (at, centre) = (self.motion.last_capture, self.motion.position());
-        self.recognition.lost_at = LossPoint { at, centre, is_in_picture, is_in_gap: false };
+        let lost_at = LossPoint::out_of_picture(self.motion.last_capture, self.motion.position());
+        self.recognition.lost_at = LossPoint { is_in_picture, ..lost_at };
         self.learning.restore_reliable_size(&mut self.target.geometry);
     }
 
@@ -233,11 +233,6 @@ impl Follower {
         self.judgement = selected.judgement;
         self.views.restart(&self.target.appearance);
         self.learning.keep_size(&self.target.geometry);
-    }
-
-    /// Whether the object is seen, or its place is predicted.
-    pub(super) fn is_followed(&self) -> bool {
-        matches!(self.phase, Phase::Tracking | Phase::Coasting { .. })
     }
 
     /// Continues from an observation elsewhere in the search window. What is known of other objects around
@@ -299,13 +294,12 @@ impl Follower {
     /// Adds the target's motion over the water since its centre was at `before` to the heading's path.
     pub(super) fn add_motion(&mut self, before: (f32, f32), at_s: f64, seconds: f64) {
         let geometry = &self.target.geometry;
-        let Some(shift) = self.motion.prediction(geometry).known_camera_shift else {
+        let Some(shift) = self.motion.prediction().camera_shift.known() else {
             self.heading.clear_path();
             return;
         };
         let (du, dv) = (geometry.centre.0 - before.0 - shift.0, geometry.centre.1 - before.1 - shift.1);
-        let half = geometry.half_axes();
-        let length = 2.0 * f64::from(half.0.max(half.1));
+        let length = 2.0 * f64::from(geometry.longer_half_axis());
         let moved = (f64::from(du), f64::from(dv));
         let source = self.motion.camera_motion_source();
         self.heading.add_motion(at_s, seconds, moved, f64::from(geometry.axis), length, source);

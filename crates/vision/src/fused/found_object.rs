@@ -1,8 +1,7 @@
 //! An object that was found in the present picture, and whether an earlier picture shows the same object.
 
+use crate::vector::Vector;
 use barrelman_vocab::{Picture, PictureSize, PixelBox};
-
-use super::vector::Vector;
 
 /// Largest side of the compared place, pixels.
 const MAX_SIDE_PX: f32 = 65_535.0;

@@ -124,7 +124,7 @@ impl Tracker for FusedTracker {
             let (width, height) = MIN_SELECTION_PX;
             return Err(SelectionError::TooSmall { selection, width, height });
         }
-        let SelectedTarget { used, colours } = self.follower.select(frame, dragged);
+        let SelectedTarget { used, colours, .. } = self.follower.select(frame, dragged);
         self.selected = Some(self.follower.learned());
         self.distractors.clear();
         Ok(SelectionReport {
@@ -155,7 +155,7 @@ impl Tracker for FusedTracker {
     }
 
     fn reject(&mut self) -> bool {
-        let Some(selected) = self.selected.as_ref().filter(|_| self.follower.is_followed()) else {
+        let Some(selected) = self.selected.as_ref().filter(|_| self.follower.phase.is_followed()) else {
             return false;
         };
         self.distractors.add(self.follower.begin_search(selected));

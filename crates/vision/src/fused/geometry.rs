@@ -3,10 +3,10 @@
 use barrelman_vocab::PictureSize;
 
 use super::extent::Extent;
-use crate::colour_model::TargetEllipse;
 use crate::features::PatchPose;
 use crate::fourier::SIDE;
 use crate::gradients::CELL;
+use crate::vector::{Vector, scaled, sum};
 
 /// Limits of the target's box and of the search window.
 #[derive(Debug, Clone, Copy)]
@@ -85,14 +85,15 @@ impl TargetGeometry {
         self.extent.half_axes(self.scale)
     }
 
+    /// The longer one of them.
+    pub(super) fn longer_half_axis(&self) -> f32 {
+        let (along, across) = self.half_axes();
+        along.max(across)
+    }
+
     /// Width and height of the target's upright box, pixels.
     pub(super) fn upright_box(&self) -> (f32, f32) {
         self.extent.upright_box(self.scale, self.axis)
-    }
-
-    /// The ellipse in which the target's colours are counted.
-    pub(super) fn ellipse(&self) -> TargetEllipse {
-        self.extent.ellipse(self.scale, self.axis)
     }
 
     /// Pose of the search window around the target, for a side of `padding` sizes.
@@ -118,8 +119,7 @@ impl TargetGeometry {
 
     /// Side of the square that background registration leaves out, pixels.
     pub(super) fn blanked_side_px(&self) -> f32 {
-        let half = self.half_axes();
-        self.settings.blanked_half_lengths * half.0.max(half.1)
+        self.settings.blanked_half_lengths * self.longer_half_axis()
     }
 
     /// Multiplies the size by `factor`, unless the box would become too small or larger than the picture.
@@ -148,12 +148,13 @@ impl TargetGeometry {
 
     /// Centre of the box where the filter's response lies at `place`, pixels, within the picture.
     pub(super) fn box_centre_at(&self, place: (f32, f32)) -> (f32, f32) {
-        let size = self.size_px();
-        let picture = self.picture_size();
-        (
-            (place.0 + self.offset.0 * size).clamp(0.0, picture.0),
-            (place.1 + self.offset.1 * size).clamp(0.0, picture.1),
-        )
+        self.clamped_to_picture(sum(place, scaled(self.offset, self.size_px())))
+    }
+
+    /// The point of the picture that is nearest to a place, pixels.
+    pub(super) fn clamped_to_picture(&self, (u, v): Vector) -> Vector {
+        let (width, height) = self.picture_size();
+        (u.clamp(0.0, width), v.clamp(0.0, height))
     }
 
     /// Turns the target by this angle, radians clockwise. A box without an axis stays upright.
@@ -186,19 +187,18 @@ impl TargetGeometry {
 
     /// Whether part of the target's box lies outside the picture.
     pub(super) fn touches_border(&self) -> bool {
-        self.is_cut_off(self.centre)
+        self.is_cut_off(self.centre, scaled(self.upright_box(), 0.5))
     }
 
     /// The same where the filter's response lies at `place`, pixels.
-    pub(super) fn touches_border_at(&self, place: (f32, f32)) -> bool {
-        self.is_cut_off(self.box_centre_at(place))
+    pub(super) fn touches_border_at(&self, place: Vector) -> bool {
+        self.is_cut_off(self.box_centre_at(place), scaled(self.upright_box(), 0.5))
     }
 
-    /// Whether part of the target's box with its centre at `(u, v)` lies outside the picture.
-    fn is_cut_off(&self, (u, v): (f32, f32)) -> bool {
-        let (w, h) = self.upright_box();
-        let picture = self.picture_size();
-        u < 0.5 * w || v < 0.5 * h || u > picture.0 - 0.5 * w || v > picture.1 - 0.5 * h
+    /// Whether part of a box with this centre and these half sides, pixels, lies outside the picture.
+    pub(super) fn is_cut_off(&self, (u, v): Vector, half: Vector) -> bool {
+        let (width, height) = self.picture_size();
+        u < half.0 || v < half.1 || u > width - half.0 || v > height - half.1
     }
 
     /// Converts to pixels of a picture of another size with the same field of view. The factors along u and

@@ -20,7 +20,6 @@ use super::recognition::Recognition;
 use super::search::Search;
 use super::target::Target;
 use crate::features::PatchPose;
-use crate::gradients::CELL;
 
 /// Settings of the check. With the check, 23 of 4,827 cut sequences of the 39 clips show another object at
 /// 0.5 or more; without, 527 (docs/tracking.md).
@@ -142,8 +141,7 @@ impl IdentityCheck {
         let middle = own.centre();
         let around = PatchPose { centre: (middle.u as f32, middle.v as f32), ..pose };
         let at_target = observer.observe(target, &picture, around);
-        let is_allowed =
-            |right: f32, down: f32| is_apart(around.to_picture(right * CELL as f32, down * CELL as f32));
+        let is_allowed = |right: f32, down: f32| is_apart(around.cell_to_picture(right, down));
         let beside = observer.observe_other(target, &at_target, is_allowed);
         let mut best = 0.0_f32;
         if let Some(beside) = beside {

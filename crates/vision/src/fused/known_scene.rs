@@ -10,7 +10,7 @@ use std::sync::Arc;
 use barrelman_vocab::{Picture, PixelBox};
 
 use super::found_object::{FoundObject, FoundObjectSettings};
-use super::vector::{Vector, difference, length, sum};
+use crate::vector::{Vector, difference, distance, length, sum};
 
 /// Number of earlier pictures.
 const VIEWS: usize = 2;
@@ -152,7 +152,7 @@ impl KnownScene {
     pub(super) fn is_of_another(&mut self, place: Vector, size: f32) -> bool {
         let settings = self.settings;
         let radius = settings.radius_sizes * size + settings.radius_px;
-        let is_at = |other: &Other| length(difference(other.place, place)) <= radius;
+        let is_at = |other: &Other| distance(other.place, place) <= radius;
         let Some(slot) = self.others.iter_mut().find(|slot| slot.as_ref().is_some_and(is_at)) else {
             return false;
         };

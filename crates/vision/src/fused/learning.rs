@@ -6,17 +6,18 @@
 use barrelman_vocab::Picture;
 
 use super::appearance::{Appearance, UsualValues};
+use super::colour_counts::ColourCounts;
 use super::config::FusedConfig;
 use super::extent::Extent;
 use super::geometry::TargetGeometry;
 use super::observation::Observation;
 use super::observer::Observer;
 use super::target::Target;
-use crate::colour_model::{ColourHistogram, ColourModel, TargetEllipse, count_colours};
+use crate::colour_model::{ColourModel, TargetEllipse, count_colours};
 use crate::correlation::{FilterSolver, desired_response_spectrum};
 use crate::fourier::{AREA, Map, SIDE};
 use crate::gradients::CELL;
-use crate::layout::ColourLayout;
+use crate::vector::length;
 
 /// Settings of the learning. The rates of filter and colours are the user's.
 #[derive(Debug, Clone, Copy)]
@@ -70,9 +71,7 @@ pub(super) struct Learning {
     config: FusedConfig,
     settings: LearningSettings,
     solver: FilterSolver,
-    /// Colours inside the target's ellipse and in the ring around it, and their layout, in one frame.
-    histograms: [ColourHistogram; 2],
-    layout: ColourLayout,
+    counts: ColourCounts,
     /// Scale and proportions in the last frame that was learned from.
     reliable_size: (f32, Extent),
 }
@@ -83,8 +82,7 @@ impl Learning {
             config: *config,
             settings: LearningSettings::default(),
             solver: FilterSolver::default(),
-            histograms: [ColourHistogram::default(), ColourHistogram::default()],
-            layout: ColourLayout::default(),
+            counts: ColourCounts::default(),
             reliable_size: (1.0, Extent::Box { width: 0.0, height: 0.0 }),
         }
     }
@@ -175,7 +173,7 @@ impl Learning {
         let settings = self.settings;
         // The filter learns the box's centre as its own place. Where the two differ, it learns faster.
         let (right, down) = target.geometry.offset;
-        let boost = 1.0 + settings.offset_boost * libm::hypotf(right, down);
+        let boost = 1.0 + settings.offset_boost * length(target.geometry.offset);
         let rate = (self.config.learning_rate as f32 * boost).min(settings.max_learning_rate);
         target.geometry.offset = (right * (1.0 - rate), down * (1.0 - rate));
         let appearance = &mut target.appearance;
@@ -202,16 +200,15 @@ impl Learning {
     fn learn_colours(&mut self, target: &mut Target, picture: &Picture) {
         let (rate, similarity_rate) = (self.config.colour_rate as f32, self.settings.similarity_rate);
         let (geometry, appearance) = (&target.geometry, &mut target.appearance);
-        let [inside, ring] = &mut self.histograms;
-        count_colours(picture, geometry.centre, &geometry.ellipse(), inside, ring);
+        let counts = &mut self.counts;
+        counts.count(picture, geometry.centre, &geometry.extent, geometry.scale, geometry.axis);
+        let (similarity, layout_similarity) =
+            (counts.similarity(appearance), counts.layout_similarity(appearance));
         let usual = &mut appearance.usual;
-        let similarity = inside.similarity(&appearance.colours.target);
         usual.similarity += similarity_rate * (similarity - usual.similarity);
-        appearance.colours.adapt(inside, ring, rate);
-        self.layout.count(picture, geometry.centre, geometry.half_axes(), geometry.axis);
-        let similarity = self.layout.similarity(&appearance.layout);
-        usual.layout_similarity += similarity_rate * (similarity - usual.layout_similarity);
-        appearance.layout.blend(&self.layout, rate);
+        usual.layout_similarity += similarity_rate * (layout_similarity - usual.layout_similarity);
+        appearance.colours.adapt(&counts.inside, &counts.ring, rate);
+        appearance.layout.blend(&counts.layout, rate);
     }
 
     /// Keeps the target's size as the last reliable one.

@@ -15,6 +15,7 @@ use crate::explanation::{Explanation, GreyMap};
 use crate::features::{FeatureExtractor, PatchPose};
 use crate::fourier::{AREA, Map, SIDE, Spectrum};
 use crate::gradients::CELL;
+use crate::vector::Rotation;
 
 /// Settings of the evaluation of search windows.
 #[derive(Debug, Clone, Copy)]
@@ -56,8 +57,7 @@ impl Default for ObserverSettings {
 /// How a target has grown and turned since the last frame, by the filter.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct PoseChange {
-    /// Steps of size, -2 to 2, and the factor on the size that follows.
-    pub(super) scale_steps: f32,
+    /// Factor on the size.
     pub(super) scale_factor: f32,
     /// Angle, radians clockwise.
     pub(super) turn: f32,
@@ -108,7 +108,8 @@ impl Observer {
         prediction: &Prediction,
         picture: &Picture,
     ) -> Observation {
-        let pose = PatchPose { centre: prediction.centre, ..self.patch_pose(target) };
+        let centre = target.geometry.clamped_to_picture(prediction.position);
+        let pose = PatchPose { centre, ..self.patch_pose(target) };
         let side = pose.side_px();
         let mut best = self.observe(target, picture, pose);
         if 2.0 * prediction.std_dev > self.settings.max_uncertainty_share * side
@@ -185,9 +186,7 @@ impl Observer {
     /// The observation at a peak of the last search window.
     pub(super) fn observation_at(&self, target: &Target, peak: Peak) -> Observation {
         let (pose, geometry) = (self.pose, &target.geometry);
-        let size = geometry.picture_size();
-        let (u, v) = pose.to_picture(peak.right * CELL as f32, peak.down * CELL as f32);
-        let centre = (u.clamp(0.0, size.0), v.clamp(0.0, size.1));
+        let centre = geometry.clamped_to_picture(pose.cell_to_picture(peak.right, peak.down));
         let contrast =
             self.crop.contrast(geometry.box_centre_at(centre), geometry.half_axes(), geometry.axis_in(&pose));
         let usual = &target.appearance.usual;
@@ -220,11 +219,7 @@ impl Observer {
         let turn_step = config.turn_step_deg.to_radians() as f32;
         let turn_steps = self
             .best_step(target, present, |steps| PatchPose { angle: pose.angle + steps * turn_step, ..pose });
-        PoseChange {
-            scale_steps,
-            scale_factor: libm::powf(scale_step, scale_steps),
-            turn: turn_steps * turn_step,
-        }
+        PoseChange { scale_factor: libm::powf(scale_step, scale_steps), turn: turn_steps * turn_step }
     }
 
     /// The filter's response without shift at a pose.
@@ -268,8 +263,9 @@ impl Observer {
 
     /// Extracts the crop that contains a search window.
     pub(super) fn extract_crop(&mut self, target: &Target, picture: &Picture, pose: &PatchPose) {
-        let turn = libm::cosf(pose.angle).abs() + libm::sinf(pose.angle).abs();
-        let reach = 0.5 * pose.step * (SIDE * CELL + 2) as f32 * turn * self.settings.crop_margin;
+        let Rotation { cos, sin } = Rotation::by(pose.angle);
+        let widening = cos.abs() + sin.abs();
+        let reach = 0.5 * pose.step * (SIDE * CELL + 2) as f32 * widening * self.settings.crop_margin;
         self.crop.extract(picture, &target.appearance.colours, pose.centre, reach, pose.step);
         self.crop_centre = pose.centre;
     }
@@ -307,11 +303,11 @@ impl Observer {
 fn write_response(response: &Map, angle: f32, out: &mut GreyMap) {
     (out.width, out.height) = (SIDE, SIDE);
     let highest = response.iter().fold(f32::MIN_POSITIVE, |highest, &value| highest.max(value));
-    let (cos, sin) = (libm::cosf(angle), libm::sinf(angle));
+    let turn = Rotation::by(angle);
     let middle = (SIDE / 2) as f32;
     out.samples.extend((0..AREA).map(|index| {
         let (right, down) = ((index % SIDE) as f32 + 0.5 - middle, (index / SIDE) as f32 + 0.5 - middle);
-        let (column, row) = (right * cos + down * sin, down * cos - right * sin);
+        let (column, row) = turn.undo((right, down));
         let wrapped = |shift: f32| (shift.floor() as i32).rem_euclid(SIDE as i32) as usize;
         (255.0 * response[wrapped(row) * SIDE + wrapped(column)] / highest).clamp(0.0, 255.0) as u8
     }));

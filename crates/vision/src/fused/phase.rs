@@ -83,11 +83,29 @@ impl Phase {
         }
     }
 
+    /// Whether the target is seen, or its place is predicted.
+    pub(super) const fn is_followed(self) -> bool {
+        self.lost_since().is_none()
+    }
+
+    /// Whether a candidate is being confirmed.
+    pub(super) const fn is_confirming(self) -> bool {
+        matches!(self, Self::Confirming { .. })
+    }
+
+    /// When a target that is searched for or being confirmed was lost.
+    pub(super) const fn lost_since(self) -> Option<Timestamp> {
+        match self {
+            Self::Tracking | Self::Coasting { .. } => None,
+            Self::Lost { since } | Self::Confirming { since, .. } => Some(since),
+        }
+    }
+
     /// The state on the first frame after a gap in the video, captured `now`.
     pub(super) const fn after_gap(self, now: Timestamp) -> Self {
-        match self {
-            Self::Tracking | Self::Coasting { .. } => Self::Lost { since: now },
-            Self::Lost { since } | Self::Confirming { since, .. } => Self::Lost { since },
+        match self.lost_since() {
+            None => Self::Lost { since: now },
+            Some(since) => Self::Lost { since },
         }
     }
 

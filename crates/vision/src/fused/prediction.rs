@@ -13,6 +13,7 @@ use crate::fourier::Fourier;
 use crate::heading::CameraMotionSource;
 use crate::motion::AxisFilter;
 use crate::tracker::BackgroundShift;
+use crate::vector::{Vector, distance};
 
 /// A prior with a larger shift or standard deviation is ignored, pixels.
 const MAX_PRIOR_SHIFT_PX: f64 = 1.0e6;
@@ -65,24 +66,82 @@ impl Default for PredictionSettings {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Prediction {
     /// The predicted position, pixels; it may lie outside the picture.
-    pub(super) position: (f32, f32),
-    /// The same, clamped to the picture.
-    pub(super) centre: (f32, f32),
+    pub(super) position: Vector,
     /// Standard deviation (the larger of both axes), pixels.
     pub(super) std_dev: f32,
-    /// Shift of the picture caused by the camera since the last frame, pixels; zero where nothing is known of
-    /// it.
-    pub(super) camera_shift: (f32, f32),
-    /// The same where it comes from a precise prior or was measured.
-    pub(super) known_camera_shift: Option<(f32, f32)>,
+    pub(super) camera_shift: CameraShift,
+}
+
+/// Shift of the picture caused by the camera since the last frame, pixels.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum CameraShift {
+    Unknown,
+    /// By a coarse prior.
+    Coarse(Vector),
+    /// By a precise prior, or measured.
+    Known(Vector),
+}
+
+impl CameraShift {
+    /// The best estimate; zero where the shift is unknown.
+    pub(super) fn estimate(self) -> Vector {
+        match self {
+            Self::Unknown => (0.0, 0.0),
+            Self::Coarse(shift) | Self::Known(shift) => shift,
+        }
+    }
+
+    /// The shift where it is known.
+    pub(super) fn known(self) -> Option<Vector> {
+        match self {
+            Self::Known(shift) => Some(shift),
+            Self::Unknown | Self::Coarse(_) => None,
+        }
+    }
+}
+
+/// The motion prior of a frame.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Prior {
+    /// None, or one that says nothing.
+    None,
+    /// Less precise than background registration.
+    Coarse(MotionPrior),
+    /// At least as precise as that.
+    Precise(MotionPrior),
 }
 
 impl Prediction {
     /// Distance of an observation's centre from the predicted one, pixels.
     pub(super) fn distance_of(&self, observation: &Observation) -> f32 {
-        let (u, v) = self.position;
-        libm::hypotf(observation.centre.0 - u, observation.centre.1 - v)
+        distance(observation.centre, self.position)
     }
+}
+
+impl PredictionSettings {
+    /// What the prior of a frame is worth for a target of this size, pixels.
+    fn classify(&self, prior: Option<&MotionPrior>, size_px: f64) -> Prior {
+        let Some(prior) = prior else { return Prior::None };
+        // Also false for NaN.
+        let is_plausible = [prior.shift_u_px, prior.shift_v_px, prior.std_dev_px]
+            .iter()
+            .all(|pixels| pixels.abs() <= MAX_PRIOR_SHIFT_PX);
+        if !is_plausible {
+            Prior::None
+        } else if prior.std_dev_px <= self.precise_prior_std_dev_px {
+            Prior::Precise(*prior)
+        } else if prior.std_dev_px <= size_px {
+            Prior::Coarse(*prior)
+        } else {
+            // A prior whose standard deviation exceeds the target's size carries no information.
+            Prior::None
+        }
+    }
+}
+
+/// The shift of a prior, pixels right and down.
+fn shift_of(prior: &MotionPrior) -> Vector {
+    (prior.shift_u_px as f32, prior.shift_v_px as f32)
 }
 
 /// Motion of the target in the picture.
@@ -99,17 +158,9 @@ pub(super) struct TargetMotion {
     pub(super) last_capture: Timestamp,
     /// Time between the last two frames, seconds; 0 before the second.
     last_interval_s: f64,
-    /// Whether this frame came with a motion prior at least as precise as background registration.
-    has_precise_prior: bool,
-    /// The motion prior of this frame if it is less precise than that.
-    coarse_prior: Option<MotionPrior>,
-    /// Whether `camera_shift` comes from a precise prior or was measured.
-    is_camera_shift_known: bool,
-    /// Whether a prior, precise or coarse, tells of the camera's motion in this frame.
-    is_camera_motion_told: bool,
-    /// Shift of the picture caused by the camera since the last frame, pixels; zero where nothing is known of
-    /// it.
-    camera_shift: (f32, f32),
+    /// The motion prior of this frame.
+    prior: Prior,
+    camera_shift: CameraShift,
 }
 
 impl TargetMotion {
@@ -123,11 +174,8 @@ impl TargetMotion {
             axes: (unknown, unknown),
             last_capture: Timestamp::ZERO,
             last_interval_s: 0.0,
-            has_precise_prior: false,
-            coarse_prior: None,
-            is_camera_shift_known: false,
-            is_camera_motion_told: false,
-            camera_shift: (0.0, 0.0),
+            prior: Prior::None,
+            camera_shift: CameraShift::Unknown,
         }
     }
 
@@ -137,9 +185,7 @@ impl TargetMotion {
         let axis = |position: f64| AxisFilter::new(position, self.settings.initial_std_dev_px, speed);
         self.axes = (axis(centre.0), axis(centre.1));
         (self.last_capture, self.last_interval_s) = (now, 0.0);
-        (self.has_precise_prior, self.coarse_prior) = (false, None);
-        (self.is_camera_shift_known, self.is_camera_motion_told) = (false, false);
-        self.camera_shift = (0.0, 0.0);
+        (self.prior, self.camera_shift) = (Prior::None, CameraShift::Unknown);
     }
 
     /// Starts a frame: no shift of the background has been measured in it.
@@ -159,20 +205,15 @@ impl TargetMotion {
         self.last_interval_s = now.since(self.last_capture).as_secs_f64();
         let seconds = self.last_interval_s.clamp(settings.min_gap_s, settings.max_gap_s);
         self.last_capture = now;
-        // Also false for NaN.
-        let is_plausible = |p: &&MotionPrior| {
-            [p.shift_u_px, p.shift_v_px, p.std_dev_px].iter().all(|pixels| pixels.abs() <= MAX_PRIOR_SHIFT_PX)
+        self.prior = settings.classify(prior, size_px);
+        let (u, v, std_dev) = match self.prior {
+            Prior::Precise(prior) => (prior.shift_u_px, prior.shift_v_px, prior.std_dev_px),
+            Prior::None | Prior::Coarse(_) => (0.0, 0.0, 0.0),
         };
-        let prior = prior.filter(is_plausible);
-        let is_precise = |p: &&MotionPrior| p.std_dev_px <= settings.precise_prior_std_dev_px;
-        // A prior whose standard deviation exceeds the target's size carries no information.
-        self.coarse_prior = prior.filter(|p| !is_precise(p) && p.std_dev_px <= size_px).copied();
-        let prior = prior.filter(is_precise);
-        self.has_precise_prior = prior.is_some();
-        self.is_camera_motion_told = self.has_precise_prior || self.coarse_prior.is_some();
-        let (u, v, std_dev) = prior.map_or((0.0, 0.0, 0.0), |p| (p.shift_u_px, p.shift_v_px, p.std_dev_px));
-        self.camera_shift = (u as f32, v as f32);
-        self.is_camera_shift_known = self.has_precise_prior;
+        self.camera_shift = match self.prior {
+            Prior::Precise(prior) => CameraShift::Known(shift_of(&prior)),
+            Prior::None | Prior::Coarse(_) => CameraShift::Unknown,
+        };
         let density = self.agility * size_px;
         self.axes.0.predict(seconds, density * density, u, std_dev);
         self.axes.1.predict(seconds, density * density, v, std_dev);
@@ -182,13 +223,12 @@ impl TargetMotion {
     /// Measures the shift of the background in a frame where no precise prior gives it, and adds it to the
     /// prediction.
     pub(super) fn measure_shift(&mut self, picture: &Picture, geometry: &TargetGeometry) -> Prediction {
-        let measured = if self.has_precise_prior {
-            None
-        } else {
-            self.background.measure_shift(picture.y(), &mut self.fourier)
+        let measured = match self.prior {
+            Prior::Precise(_) => None,
+            Prior::None | Prior::Coarse(_) => self.background.measure_shift(picture.y(), &mut self.fourier),
         };
         self.add_camera_shift(measured, f64::from(geometry.size_px()));
-        self.prediction(geometry)
+        self.prediction()
     }
 
     /// The same for a target that is lost: only the first frame after a gap has a reference from before, and
@@ -200,7 +240,7 @@ impl TargetMotion {
         let (width, height) = geometry.picture_size();
         self.axes.0.decay_velocity(width);
         self.axes.1.decay_velocity(height);
-        self.prediction(geometry)
+        self.prediction()
     }
 
     /// Predicts the position of a target that is not looked for, and so has no measured shift of the
@@ -216,15 +256,11 @@ impl TargetMotion {
     }
 
     /// The present prediction.
-    pub(super) fn prediction(&self, geometry: &TargetGeometry) -> Prediction {
-        let (u, v) = self.position();
-        let (width, height) = geometry.picture_size();
+    pub(super) fn prediction(&self) -> Prediction {
         Prediction {
-            position: (u, v),
-            centre: (u.clamp(0.0, width), v.clamp(0.0, height)),
+            position: self.position(),
             std_dev: self.axes.0.std_dev().max(self.axes.1.std_dev()) as f32,
             camera_shift: self.camera_shift,
-            known_camera_shift: self.is_camera_shift_known.then_some(self.camera_shift),
         }
     }
 
@@ -252,7 +288,10 @@ impl TargetMotion {
     /// coarse prior.
     fn add_camera_shift(&mut self, measured: Option<(f32, f32)>, size_px: f64) {
         let settings = self.settings;
-        let coarse = self.coarse_prior.take();
+        let coarse = match self.prior {
+            Prior::Coarse(prior) => Some(prior),
+            Prior::None | Prior::Precise(_) => None,
+        };
         // A measurement that contradicts the coarse prior is wrong.
         let is_consistent = |(u, v): &(f32, f32)| {
             coarse.is_none_or(|prior| {
@@ -264,12 +303,11 @@ impl TargetMotion {
         if let Some((u, v)) = measured.filter(is_consistent) {
             self.axes.0.add_shift(f64::from(u), settings.shift_std_dev_sizes * size_px);
             self.axes.1.add_shift(f64::from(v), settings.shift_std_dev_sizes * size_px);
-            self.camera_shift = (u, v);
-            self.is_camera_shift_known = true;
+            self.camera_shift = CameraShift::Known((u, v));
         } else if let Some(prior) = coarse {
             self.axes.0.add_shift(prior.shift_u_px, prior.std_dev_px);
             self.axes.1.add_shift(prior.shift_v_px, prior.std_dev_px);
-            self.camera_shift = (prior.shift_u_px as f32, prior.shift_v_px as f32);
+            self.camera_shift = CameraShift::Coarse(shift_of(&prior));
         }
     }
 
@@ -279,8 +317,9 @@ impl TargetMotion {
         let std_dev = self.settings.position_std_dev_sizes * f64::from(geometry.size_px());
         self.axes.0.correct(f64::from(geometry.centre.0), std_dev);
         self.axes.1.correct(f64::from(geometry.centre.1), std_dev);
-        if !self.has_precise_prior {
-            self.set_background_reference(picture, geometry);
+        match self.prior {
+            Prior::Precise(_) => {}
+            Prior::None | Prior::Coarse(_) => self.set_background_reference(picture, geometry),
         }
     }
 
@@ -302,7 +341,10 @@ impl TargetMotion {
 
     /// How the camera's motion in this frame is known.
     pub(super) const fn camera_motion_source(&self) -> CameraMotionSource {
-        if self.is_camera_motion_told { CameraMotionSource::Told } else { CameraMotionSource::Measured }
+        match self.prior {
+            Prior::Coarse(_) | Prior::Precise(_) => CameraMotionSource::Told,
+            Prior::None => CameraMotionSource::Measured,
+        }
     }
 
     /// Starts again at a re-detected position, pixels.

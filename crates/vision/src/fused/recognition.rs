@@ -6,11 +6,11 @@
 
 use barrelman_vocab::{Picture, Timestamp};
 
+use super::colour_counts::ColourCounts;
 use super::config::FusedConfig;
 use super::observation::Observation;
 use super::target::Target;
-use crate::colour_model::{ColourHistogram, count_colours};
-use crate::layout::ColourLayout;
+use crate::vector::distance;
 
 /// Settings of the recognition. The least evidence is the user's `again`.
 #[derive(Debug, Clone, Copy)]
@@ -59,6 +59,13 @@ pub(super) struct LossPoint {
     pub(super) is_in_gap: bool,
 }
 
+impl LossPoint {
+    /// A target that is out of the picture at this time and place, not after a gap.
+    pub(super) const fn out_of_picture(at: Timestamp, centre: (f32, f32)) -> Self {
+        Self { at, centre, is_in_picture: false, is_in_gap: false }
+    }
+}
+
 /// Mean score of the observations of a candidate: how well it is recognised as the target.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(super) struct RecognitionScore {
@@ -74,9 +81,7 @@ pub(super) struct RecognitionScore {
 pub(super) struct Recognition {
     config: FusedConfig,
     settings: RecognitionSettings,
-    /// Colours inside the target's ellipse and in the ring around it, and their layout, in one frame.
-    histograms: [ColourHistogram; 2],
-    layout: ColourLayout,
+    counts: ColourCounts,
     pub(super) lost_at: LossPoint,
     /// Score of the candidate that is being confirmed.
     pub(super) score: RecognitionScore,
@@ -87,21 +92,15 @@ impl Recognition {
         Self {
             config: *config,
             settings: RecognitionSettings::default(),
-            histograms: [ColourHistogram::default(), ColourHistogram::default()],
-            layout: ColourLayout::default(),
-            lost_at: LossPoint {
-                at: Timestamp::ZERO,
-                centre: (0.0, 0.0),
-                is_in_picture: false,
-                is_in_gap: false,
-            },
+            counts: ColourCounts::default(),
+            lost_at: LossPoint::out_of_picture(Timestamp::ZERO, (0.0, 0.0)),
             score: RecognitionScore::default(),
         }
     }
 
     /// Begins with a target that is selected: it was not lost yet.
     pub(super) fn select(&mut self, at: Timestamp, centre: (f32, f32)) {
-        self.lost_at = LossPoint { at, centre, is_in_picture: false, is_in_gap: false };
+        self.lost_at = LossPoint::out_of_picture(at, centre);
         self.score = RecognitionScore::default();
     }
 
@@ -125,15 +124,12 @@ impl Recognition {
     /// part by part, each relative to its usual value: in sum about 2 for the target.
     fn relative_similarity(&mut self, target: &Target, picture: &Picture, observation: &Observation) -> f32 {
         let Target { geometry, appearance, .. } = target;
-        let [inside, ring] = &mut self.histograms;
         let axis = geometry.axis_in(&observation.pose);
         let pose = geometry.patch_pose(self.config.padding);
         let scale = geometry.scale * observation.pose.step / pose.step;
-        let ellipse = geometry.extent.ellipse(scale, axis);
-        count_colours(picture, observation.centre, &ellipse, inside, ring);
-        self.layout.count(picture, observation.centre, geometry.extent.half_axes(scale), axis);
-        inside.similarity(&appearance.colours.target) / appearance.usual.similarity
-            + self.layout.similarity(&appearance.layout) / appearance.usual.layout_similarity
+        self.counts.count(picture, observation.centre, &geometry.extent, scale, axis);
+        self.counts.similarity(appearance) / appearance.usual.similarity
+            + self.counts.layout_similarity(appearance) / appearance.usual.layout_similarity
     }
 
     /// Whether an observation of a lost target is recognised in a frame that was captured `now`. If so, it is
@@ -185,9 +181,10 @@ impl Recognition {
     /// Whether a place, pixels, is that of a recent loss within the picture.
     pub(super) fn is_at_loss(&self, place: (f32, f32), size_px: f32, now: Timestamp) -> bool {
         let lost_at = &self.lost_at;
-        let away = libm::hypotf(place.0 - lost_at.centre.0, place.1 - lost_at.centre.1);
         let is_recent = now.since(lost_at.at).as_secs_f64() <= self.settings.loss_preferred_s;
-        lost_at.is_in_picture && is_recent && away <= self.settings.loss_radius_sizes * size_px
+        lost_at.is_in_picture
+            && is_recent
+            && distance(place, lost_at.centre) <= self.settings.loss_radius_sizes * size_px
     }
 }
 

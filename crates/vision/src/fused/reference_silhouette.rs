@@ -1,6 +1,7 @@
 //! The silhouette at the selection, to which later silhouettes are compared.
 
 use crate::silhouette::Silhouette;
+use crate::vector::{Rotation, Vector, difference};
 
 /// The upright box around a hull at an angle touches the point of the bow at one corner and the corners of
 /// the blunt stern on two sides. The box's centre therefore lies astern of the hull's, by
@@ -39,15 +40,13 @@ impl ReferenceSilhouette {
         centre: (f32, f32),
         axis: f32,
     ) -> Self {
-        let (c, s) = (libm::cosf(axis), libm::sinf(axis));
-        let box_from = |from: (f32, f32)| {
-            let (right, down) = (centre.0 - from.0, centre.1 - from.1);
-            (right * c + down * s, down * c - right * s)
-        };
+        let turn = Rotation::by(axis);
+        let box_from = |from: Vector| turn.undo(difference(centre, from));
+        let slant = (turn.cos * turn.sin).abs();
         Self {
             box_from_centroid: box_from(seen.centroid),
             box_from_midpoint: box_from(seen.midpoint),
-            box_astern: (ASTERN_CONSTANT + ASTERN_SLOPE * (c * s).abs()) * breadth * (c * s).abs(),
+            box_astern: (ASTERN_CONSTANT + ASTERN_SLOPE * slant) * breadth * slant,
             major: seen.major,
             minor: seen.minor,
             fill: seen.fill(),
@@ -70,8 +69,7 @@ impl ReferenceSilhouette {
     /// Centre of the box around a later silhouette of a target with this axis, pixels.
     pub(super) fn box_centre_of(&self, seen: &Silhouette, axis: f32) -> (f32, f32) {
         let (longer, wider) = self.stretch_of(seen);
-        let (c, s) = (libm::cosf(axis), libm::sinf(axis));
-        let (forward, aside) = (self.box_from_centroid.0 * longer, self.box_from_centroid.1 * wider);
-        (seen.centroid.0 + forward * c - aside * s, seen.centroid.1 + forward * s + aside * c)
+        let (forward, aside) = self.box_from_centroid;
+        Rotation::by(axis).place_from(seen.centroid, (forward * longer, aside * wider))
     }
 }

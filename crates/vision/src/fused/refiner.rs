@@ -13,14 +13,14 @@ use crate::refinement::{
     Measurements, MotionReferences, RefinedBox, RefinementNetwork, RefinementWeights, RefinementWindow,
     WindowContext, WindowMemory,
 };
+use crate::vector::length;
 
 /// The network with its windows.
 #[derive(Debug)]
 pub(super) struct Refiner {
     network: RefinementNetwork,
-    /// Window of the last refinement, and the answer.
+    /// Window of the last refinement.
     pub(super) window: RefinementWindow,
-    pub(super) refined: RefinedBox,
     /// Window of the best of the observations that are compared.
     best_window: RefinementWindow,
     /// Earlier frames around the target.
@@ -34,7 +34,6 @@ impl Refiner {
         Self {
             network: RefinementNetwork::new(weights),
             window: RefinementWindow::default(),
-            refined: RefinedBox::default(),
             best_window: RefinementWindow::default(),
             references: MotionReferences::default(),
             memory: WindowMemory::default(),
@@ -72,27 +71,17 @@ impl Refiner {
             ring: observation.contrast.ring,
             scale: target.geometry.scale,
             distance_sizes: distance / size,
-            relative_motion_sizes: self
-                .references
-                .relative_motion(centre)
-                .map(|(right, down)| libm::hypotf(right, down) / size),
+            relative_motion_sizes: self.references.relative_motion(centre).map(|moved| length(moved) / size),
             size_px: size,
             has_silhouette: target.reference.is_some(),
             evidence: observation.evidence,
         });
     }
 
-    /// Evaluates the network at a box of this centre and size, pixels.
-    pub(super) fn evaluate(
-        &mut self,
-        crop: &mut Crop,
-        target: &Target,
-        centre: (f32, f32),
-        box_size: (f32, f32),
-    ) -> RefinedBox {
-        self.measure_window(crop, target, centre, centre, box_size);
-        self.refined = self.network.evaluate(&self.window);
-        self.refined
+    /// Evaluates the network at the target's box with its centre here, pixels.
+    pub(super) fn evaluate(&mut self, crop: &mut Crop, target: &Target, centre: (f32, f32)) -> RefinedBox {
+        self.measure_window(crop, target, centre, centre, target.geometry.upright_box());
+        self.network.evaluate(&self.window)
     }
 
     /// Measures the window at a box of this centre and size, pixels, while the target's box has its centre at
@@ -119,10 +108,9 @@ impl Refiner {
         self.best_window.copy_from(&self.window);
     }
 
-    /// Makes the window that was kept the last one again, with its refined box.
-    pub(super) fn return_to_kept(&mut self, refined: RefinedBox) {
+    /// Makes the window that was kept the last one again.
+    pub(super) fn return_to_kept(&mut self) {
         self.window.copy_from(&self.best_window);
-        self.refined = refined;
     }
 
     /// Makes the last window that of the selection.

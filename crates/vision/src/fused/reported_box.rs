@@ -7,9 +7,10 @@ use barrelman_vocab::track::Shape;
 use barrelman_vocab::{Angle, Localisation, PixelBox, PixelPoint, VideoFrame};
 
 use super::geometry::TargetGeometry;
-use super::shape_following::rate_in;
 use super::target::Target;
+use super::time_constant::rate_in;
 use crate::heading::HeadingEstimator;
+use crate::vector::Rotation;
 
 /// Settings of the reported box.
 #[derive(Debug, Clone, Copy)]
@@ -122,12 +123,10 @@ impl ReportedBox {
         let certainty = heading.signed_certainty() as f32;
         let along =
             certainty * reference.box_astern - (1.0 - certainty.abs()) * reference.box_from_midpoint.0;
-        let (along, across) = (
-            along * 2.0 * half.0 / reference.length,
-            -reference.box_from_midpoint.1 * 2.0 * half.1 / reference.breadth,
-        );
-        let (c, s) = (libm::cosf(geometry.axis), libm::sinf(geometry.axis));
-        PixelPoint { u: u + f64::from(along * c - across * s), v: v + f64::from(along * s + across * c) }
+        let across = -reference.box_from_midpoint.1;
+        let (right, down) = Rotation::by(geometry.axis)
+            .apply((along * 2.0 * half.0 / reference.length, across * 2.0 * half.1 / reference.breadth));
+        PixelPoint { u: u + f64::from(right), v: v + f64::from(down) }
     }
 }
 

@@ -11,6 +11,7 @@ use super::excluded_places::ExcludedPlaces;
 use super::known_scene::KnownScene;
 use super::observation::Observation;
 use super::observer::Observer;
+use super::ratio::is_within;
 use super::recognition::Recognition;
 use super::target::Target;
 use crate::crop::{ColourContrast, Crop};
@@ -202,10 +203,8 @@ impl Search {
         let reference = input.target.reference.as_ref()?;
         let crop: &Crop = &input.observer.crop;
         let (along, across) = geometry.half_axes();
-        let long = along.max(across);
-        let picture = geometry.picture_size();
-        let (u, v) = pose.centre;
-        if u < long || v < long || u > picture.0 - long || v > picture.1 - long {
+        let long = geometry.longer_half_axis();
+        if geometry.is_cut_off(pose.centre, (long, long)) {
             // The border may cut the silhouette off: neither size nor axis can be measured.
             return None;
         }
@@ -221,7 +220,7 @@ impl Search {
             2.0 * across * reference.minor / reference.breadth,
         );
         let factor = (seen.major * seen.minor / (expected.0 * expected.1)).sqrt();
-        (1.0 / settings.max_growth..=settings.max_growth).contains(&factor).then_some(PatchPose {
+        is_within(factor, settings.max_growth).then_some(PatchPose {
             centre: seen.centroid,
             step: pose.step * factor,
             angle: geometry.patch_angle + seen.axis - geometry.axis,

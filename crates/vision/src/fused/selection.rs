@@ -12,6 +12,7 @@ use barrelman_vocab::PixelBox;
 
 use super::blob::TargetPaint;
 use super::extent::{Extent, upright_box_of};
+use super::ratio::is_within;
 use super::reference_silhouette::ReferenceSilhouette;
 use super::target::Target;
 use crate::crop::Crop;
@@ -117,11 +118,11 @@ impl Selection {
         let half = (0.5 * box_size.0, 0.5 * box_size.1);
         let centre = target.geometry.centre;
         let contrast = crop.contrast(centre, half, 0.0);
-        let ellipse = (BOX_ELLIPSE * half.0, BOX_ELLIPSE * half.1);
+        let ellipse = ellipse_around_box(half);
         let coloured_share = self.coloured_share(crop, centre, half);
         let silhouette = Silhouette::measure(crop, centre, ellipse, 0.0, contrast).filter(|seen| {
-            let own = (0.5 * seen.major, 0.5 * seen.minor);
-            crop.contrast(seen.centroid, own, seen.axis).difference() >= self.settings.min_trusted_contrast
+            let contrast = crop.contrast(seen.centroid, seen.half_axes(), seen.axis);
+            contrast.difference() >= self.settings.min_trusted_contrast
         });
         let extent = Extent::from_selection(box_size, silhouette.as_ref());
         target.geometry.extent = extent;
@@ -142,9 +143,8 @@ impl Selection {
     /// Share of the pixels of a box with these half sides whose colour is more likely the target's than the
     /// surroundings'.
     fn coloured_share(&self, crop: &Crop, centre: (f32, f32), half: (f32, f32)) -> f64 {
-        let ellipse = (BOX_ELLIPSE * half.0, BOX_ELLIPSE * half.1);
         let (mut coloured, mut count) = (0_u32, 0_u32);
-        crop.for_each_probability(centre, ellipse, 0.0, |du, dv, probability| {
+        crop.for_each_probability(centre, ellipse_around_box(half), 0.0, |du, dv, probability| {
             if du.abs() <= half.0 && dv.abs() <= half.1 {
                 coloured += u32::from(probability >= self.settings.min_coloured_probability);
                 count += 1;
@@ -183,8 +183,7 @@ impl Selection {
         axis: f32,
     ) -> Option<ReferenceSilhouette> {
         let Extent::Hull { length, breadth, stretch, .. } = *extent else { return None };
-        let limit = self.settings.max_trusted_stretch;
-        let matches_box = |stretch: f32| (1.0 / limit..=limit).contains(&stretch);
+        let matches_box = |stretch: f32| is_within(stretch, self.settings.max_trusted_stretch);
         let fill = seen.area / (0.25 * core::f32::consts::PI * length * breadth);
         let is_trusted =
             matches_box(stretch.0) && matches_box(stretch.1) && fill >= self.settings.min_trusted_fill;
@@ -194,14 +193,13 @@ impl Selection {
     /// The paint in a box of this centre and these half sides, and its silhouette.
     fn find_paint(&self, crop: &Crop, centre: (f32, f32), half: (f32, f32)) -> Option<(Paint, Silhouette)> {
         let settings = &self.settings;
-        let ellipse = (BOX_ELLIPSE * half.0, BOX_ELLIPSE * half.1);
+        let ellipse = ellipse_around_box(half);
         let paint = Paint::find(crop, centre, half)?;
         let scale = paint.scale_around(crop, centre, ellipse, 0.0)?;
         let seen = scale.silhouette(crop, centre, ellipse, 0.0)?;
         let scale = scale.for_breadth(crop, seen.minor);
         let seen = scale.silhouette(crop, centre, ellipse, 0.0)?;
-        let own = (0.5 * seen.major, 0.5 * seen.minor);
-        let fill = scale.fill(crop, seen.centroid, own, seen.axis);
+        let fill = scale.fill(crop, seen.centroid, seen.half_axes(), seen.axis);
         (fill >= settings.min_painted_fill && scale.ring <= settings.max_unpainted_share)
             .then_some((paint, seen))
     }
@@ -254,4 +252,9 @@ impl Selection {
         let (width, height) = self.settings.min_tightened_px;
         bounds.w >= width && bounds.h >= height
     }
+}
+
+/// Half axes of an ellipse that contains a box with these half sides.
+fn ellipse_around_box(half: (f32, f32)) -> (f32, f32) {
+    (BOX_ELLIPSE * half.0, BOX_ELLIPSE * half.1)
 }

@@ -8,7 +8,8 @@ use super::blob::BlobFollower;
 use super::contradiction::Contradiction;
 use super::observation::Observation;
 use super::observer::PoseChange;
-use super::shape_following::{FollowingTimes, follow_shape, is_within};
+use super::ratio::is_within;
+use super::shape_following::{FollowingTimes, follow_shape};
 use super::target::Target;
 use crate::crop::Crop;
 use crate::refinement::{RefinedBox, RefinementWindow};
@@ -89,7 +90,7 @@ impl Shape {
     ) {
         let Target { geometry, reference, .. } = target;
         let may_grow = reference.is_none() || observation.has_its_colour(self.settings.min_growing_contrast);
-        if may_grow || change.scale_steps < 0.0 {
+        if may_grow || change.scale_factor < 1.0 {
             geometry.rescale(change.scale_factor);
         }
         geometry.turn(change.turn);

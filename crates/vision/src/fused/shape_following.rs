@@ -2,6 +2,7 @@
 
 use super::geometry::TargetGeometry;
 use super::reference_silhouette::ReferenceSilhouette;
+use super::time_constant::rate_in;
 use crate::silhouette::Silhouette;
 
 /// Time constants, seconds.
@@ -32,24 +33,9 @@ pub(super) fn follow_shape(
     geometry.stretch_to(length, breadth, rate(times.size_s));
 }
 
-/// Share of the way that something goes in `seconds` that follows with this time constant, seconds.
-pub(super) fn share_in(seconds: f64, time_s: f64) -> f64 {
-    1.0 - libm::exp(-seconds / time_s)
-}
-
-/// The same in single precision.
-pub(super) fn rate_in(seconds: f64, time_s: f64) -> f32 {
-    share_in(seconds, time_s) as f32
-}
-
 /// Difference of two axes, -pi/2 to pi/2.
 fn axis_difference(to: f32, from: f32) -> f32 {
     let pi = core::f32::consts::PI;
     let turns = (to - from) / pi;
     (turns - (turns + 0.5).floor()) * pi
-}
-
-/// Whether a ratio is at most `limit`, and its reciprocal too.
-pub(super) fn is_within(ratio: f32, limit: f32) -> bool {
-    (1.0 / limit..=limit).contains(&ratio)
 }

@@ -17,11 +17,11 @@ use super::observation::{Candidate, Observation};
 use super::observer::Observer;
 use super::prediction::Prediction;
 use super::target::Target;
-use super::vector::{difference, length};
 use crate::correlation::{CorrelationFilter, FixedFilter, Peak};
 use crate::features::CHANNELS;
 use crate::fourier::Spectrum;
 use crate::gradients::CELL;
+use crate::vector::distance;
 
 /// Number of views. That of the selection stays; the later ones stay, too.
 const MAX_VIEWS: usize = 3;
@@ -187,8 +187,8 @@ impl EarlierViews {
         let apart =
             (self.settings.apart_sizes * target.geometry.size_px() / cell).max(self.settings.apart_cells);
         let is_apart = |right: f32, down: f32| {
-            let here = pose.to_picture(right * CELL as f32, down * CELL as f32);
-            places.iter().all(|&place| length(difference(here, place)) >= apart * cell)
+            let here = pose.cell_to_picture(right, down);
+            places.iter().all(|&place| distance(here, place) >= apart * cell)
         };
         let response = observer.respond(&view.filter);
         let mut peak = Peak::find(response).find_other(response, is_apart)?;
@@ -221,7 +221,7 @@ mod tests {
     fn a_track_that_went_over_to_the_water_goes_back_to_the_boat_beside_it() {
         let (mut follower, _) = selected(boat_on_water(), BOAT);
         let picture = boat_on_water();
-        let prediction = follower.motion.prediction(&follower.target.geometry);
+        let prediction = follower.motion.prediction();
         let pose = follower.detector.observer.patch_pose(&follower.target);
         let at_boat = follower.detector.observer.observe(&follower.target, &picture, pose);
         let (u, v) = follower.target.geometry.centre;
@@ -235,7 +235,7 @@ mod tests {
         let taken =
             follower.views.reconsider(&mut follower.detector, target, &prediction, &picture, followed);
         let place = taken.observation.centre;
-        assert!(length(difference(place, (115.0, 66.0))) < 3.0, "{place:?}");
+        assert!(distance(place, (115.0, 66.0)) < 3.0, "{place:?}");
     }
 
     #[test]
