@@ -3,37 +3,39 @@
 //!
 //! The correlation filter works on gradients, brightness and target probability of the colour, restricted to
 //! the target and its close surroundings (`correlation`). The colour model compares the colours at the target
-//! with those of the ring around it (`colour_model`). Their sum, the *evidence*, is in standard deviations of
-//! the response's sidelobes. Where the target's colour resembles its surroundings', the colour is not used.
+//! with those of the ring around it (`colour_model`). The *evidence* is the sum of both, in standard
+//! deviations of the response's sidelobes. The colour is not used where the target's colour resembles that of
+//! its surroundings.
 //!
-//! One frame passes the stages in this order. Each stage is a struct with its settings, its buffers and what
-//! it has learned; plain data flows between them (`follower`).
+//! One frame passes the stages in this order. Each stage is a struct with its settings, its buffers and its
+//! state; plain data flows between the stages (`follower`).
 //!
 //! 1. *Predict*: a Kalman filter in pixel coordinates predicts the target's position (`prediction`). The
-//!    camera's motion comes from the [`MotionPrior`], or else from registration of the background
+//!    camera's motion comes from the [`MotionPrior`], otherwise from registration of the background
 //!    (`background`).
-//! 2. *Detect*: the search window is extracted at the coarsest resolution that the target's size allows, rotated
-//!    and scaled as the target was (`observer`). The observation is the peak of the filter's response. A network
-//!    reads a window around the box there and answers with its edges and the probability of the box (`refiner`,
-//!    `detector`). A doubtful target is looked for around it with filters of earlier views (`views`).
-//! 3. *Accept*: evidence and probability decide whether that is the target (`acceptance`), and how sure the
-//!    answer is (`confidence`, `identity`).
-//! 4. *Measure*: the filter's response at other sizes and rotations corrects both, the moments of the colour
-//!    correct centre and axis, the blob of the paint follows a target that changes its shape (`shape`), and the
-//!    path distinguishes bow and stern (`heading`). A track that stayed with another object goes back
-//!    (`exchange`).
-//! 5. *Learn*: filter and histograms adapt to the frame if the evidence is good (`learning`).
+//! 2. *Detect*: the search window is extracted at the coarsest resolution that the target's size allows,
+//!    rotated and scaled as the target was (`observer`). The observation is the peak of the filter's
+//!    response. A network reads a window around the box there, and answers with the edges of the box and its
+//!    probability (`refiner`, `detector`). If the box is improbable, filters of earlier views search the
+//!    window for the target (`views`).
+//! 3. *Accept*: evidence and probability decide whether the candidate is the target (`acceptance`), and how
+//!    confident the answer is (`confidence`, `identity`).
+//! 4. *Measure*: the filter's responses at other sizes and rotations give size and rotation, the moments of
+//!    the colour correct centre and axis, the blob of the paint follows a target that changes its shape
+//!    (`shape`), and the path distinguishes bow and stern (`heading`). A track that stayed with another
+//!    object is moved back onto the target (`exchange`).
+//! 5. *Learn*: filter and histograms adapt to the frame if the target is well visible (`learning`).
 //!
 //! A lost target is searched for by colour in the whole picture, and by the filter at the place of the loss
-//! and in one window of a systematic search per frame (`search`). What is recognised (`recognition`) is
-//! reported after it was confirmed in the following frames, unless an earlier picture shows that it is
-//! another object (`known_scene`).
+//! and in one window of a systematic search per frame (`search`). A recognised candidate (`recognition`) is
+//! reported once the following frames have confirmed it, unless an earlier picture shows that it is another
+//! object (`known_scene`).
 //!
 //! Work per frame: one search window of at most 130 x 130 samples and about nine small patches, for a target
-//! of any size; at most eight search windows while it is lost. Memory: less than 6 MiB
-//! for pictures of up to 1920 x 1080 pixels, as much again for each rejected object that is followed
-//! (`distractors`), and two earlier video frames that are shared with their source. No allocation per frame once
-//! the buffers have their size.
+//! of any size; at most eight search windows while it is lost. Memory: less than 6 MiB for pictures of up to
+//! 1920 x 1080 pixels, as much again for each rejected object that is followed (`distractors`), and two
+//! earlier video frames that are shared with their source. No allocation per frame once the buffers have
+//! their size.
 //!
 //! Not handled: targets that change beyond recognition while hidden, groups of similar targets that cross,
 //! targets smaller than about 6 pixels.
@@ -100,7 +102,7 @@ use self::prediction::Prediction;
 use self::search::SearchInput;
 
 impl Follower {
-    /// Processes one frame; the track to report.
+    /// Processes one frame. Returns the track to report.
     fn advance(&mut self, frame: &VideoFrame, prior: Option<&MotionPrior>) -> Track {
         let now = frame.capture.at;
         self.adopt_picture_size(frame.picture.size());
@@ -170,7 +172,7 @@ impl Follower {
         Visibility::Visible
     }
 
-    /// Looks for the target around its prediction, `seconds` after the last frame, and measures it where it
+    /// Looks for the target around its prediction, `seconds` after the last frame. Measures the target if it
     /// is found.
     fn follow(&mut self, frame: &VideoFrame, seconds: f64) -> Visibility {
         let (picture, now) = (&*frame.picture, frame.capture.at);
@@ -226,8 +228,8 @@ impl Follower {
         self.detector.refine_best_peak(&self.target, prediction, picture, observation)
     }
 
-    /// Looks for a doubtful target elsewhere in the search window. Where another place is clearly more
-    /// probable, the target continues from there.
+    /// Looks for the target elsewhere in the search window if the box of the followed candidate is
+    /// improbable. The track continues from another place if that is clearly more probable.
     fn reconsider(&mut self, picture: &Picture, prediction: &Prediction, followed: Candidate) -> Candidate {
         if !self.views.is_doubted(followed.refined.probability) || self.phase.is_confirming() {
             return followed;
@@ -255,7 +257,7 @@ impl Follower {
         })
     }
 
-    /// The target is not seen in this frame.
+    /// Handles a frame in which no candidate was accepted.
     fn reject_candidate(&mut self, candidate: &Candidate) -> Visibility {
         self.confidence = self.judgement.of_rejected(&candidate.observation, &self.target);
         self.motion.clear_background_reference();
@@ -299,8 +301,8 @@ impl Follower {
         self.learning.learn(&mut self.target, observer, picture, &candidate.observation);
     }
 
-    /// Keeps a picture in which the target is sure, and its identity, too. What was found after a loss is
-    /// given up where an earlier picture shows it apart from the target.
+    /// Keeps the picture if box and identity of the target are certain. Drops an object that was found after
+    /// a loss if an earlier picture shows the object apart from the target.
     fn compare_with_scene(&mut self, before: Phase, frame: &VideoFrame) {
         let geometry = &self.target.geometry;
         let bounds = self.reported.bounds(geometry).clipped(frame.picture.size());
@@ -309,7 +311,7 @@ impl Follower {
                 let now = frame.capture.at;
                 let is_at_loss = self.recognition.is_at_loss(geometry.centre, geometry.size_px(), now);
                 self.identity.add_found(&self.recognition, is_at_loss);
-                if self.scene.showed(&frame.picture, bounds, self.confidence) {
+                if self.scene.was_visible_before(&frame.picture, bounds, self.confidence) {
                     self.scene.exclude(geometry.centre);
                     self.phase = Phase::Lost { since };
                     self.confidence = 0.0;

@@ -1,49 +1,48 @@
 //! The stage that decides whether a candidate is the target, and whether the frame is one to learn from.
 //!
-//! Input: the candidate with the prediction. Output: a [`Verdict`]. It depends on nothing else, and keeps
-//! nothing.
+//! Input: the candidate with the prediction. Output: a [`Verdict`]. The stage has no state.
 
 use super::config::FusedConfig;
 use super::geometry::TargetGeometry;
 use super::observation::{Candidate, Observation};
 use super::prediction::Prediction;
 
-/// Settings of the decision. How much evidence a target needs are the user's `seen` and `learn`.
+/// Settings of the decision. The required evidence is set by the user: `seen` and `learn`. Settings without a
+/// figure were not measured individually.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct AcceptanceSettings {
-    /// A candidate whose box is less probable is rejected, 0 to 1. Not measured by itself.
+    /// Minimum probability of an accepted candidate's box, 0 to 1.
     min_probability: f32,
-    /// With a more probable box near the prediction, a candidate with its colour needs less evidence, 0 to 1.
-    /// Not measured by itself.
+    /// A candidate near the prediction that has the target's colour needs less evidence if its box is more
+    /// probable than this, 0 to 1.
     convincing_probability: f32,
-    /// Relative contrast that counts as its colour, 0 to 1. Not measured by itself.
+    /// Minimum relative contrast of a candidate that has the target's colour in this sense, 0 to 1.
     convincing_contrast: f32,
-    /// How much less evidence is needed, in the unit of the evidence. Not measured by itself.
+    /// Reduction of the required evidence in this case, in the unit of the evidence.
     convincing_evidence: f32,
-    /// From this probability on, a box near the prediction and wholly in the picture is *trusted*: it needs
-    /// as little evidence, and no colour, 0 to 1. Tracks were lost with boxes of 0.7 to 0.9 (decision 22).
+    /// Minimum probability of a *trusted* box, 0 to 1. A trusted box lies near the prediction and wholly in
+    /// the picture. Its candidate needs as little evidence, and may lack the target's colour. Without, tracks
+    /// were lost that had boxes of 0.7 to 0.9 (decision 22).
     trusted_probability: f32,
-    /// Largest distance of a trusted box from the prediction, sizes: filter and network together jump to what
-    /// looks like a hidden target. Not measured by itself.
+    /// Maximum distance of a trusted box from the prediction, sizes. If the target is hidden, filter and
+    /// network may agree on a similar object farther away.
     trusted_distance_sizes: f32,
-    /// Added to that distance, standard deviations of the prediction. Not measured by itself.
+    /// Added to that distance, standard deviations of the prediction.
     trusted_distance_deviations: f32,
-    /// Distance from the prediction that needs no more evidence, standard deviations of the prediction.
-    /// Beyond it, up to twice the evidence is required. Not measured by itself.
+    /// Distance from the prediction up to which the required evidence does not rise, standard deviations of
+    /// the prediction. Beyond this distance, up to twice the evidence is required.
     free_distance_deviations: f64,
-    /// Added to that distance, sizes. Not measured by itself.
+    /// Added to that distance, sizes.
     free_distance_sizes: f64,
-    /// From this usual contrast on, the absence of the colour rejects a candidate, 0 to 1. Not measured by
-    /// itself.
+    /// A candidate without the target's colour is rejected if the usual contrast is higher than this, 0 to 1.
     clear_contrast: f32,
-    /// The colour is absent where its relative contrast is lower, 0 to 1. Not measured by itself.
+    /// The colour is absent if the relative contrast is lower than this, 0 to 1.
     max_absent_colour: f32,
-    /// From this relative height of the response on, the pattern is the target's whatever its colour: a
-    /// change of the light or of the camera's white balance moves all colours within a second. Not measured
-    /// by itself.
+    /// Minimum relative height of a response that identifies the target's pattern in any colour. A change of
+    /// the light or of the camera's white balance changes all colours within a second.
     clear_pattern: f32,
-    /// Minimum relative contrast of a frame that is learned from, 0 to 1: with less, the target may be
-    /// hidden. Not measured by itself.
+    /// Minimum relative contrast of a frame that is learned from, 0 to 1. With less contrast the target may
+    /// be hidden.
     min_learned_contrast: f32,
 }
 
@@ -67,17 +66,17 @@ impl Default for AcceptanceSettings {
     }
 }
 
-/// What is decided about a candidate.
+/// The decision about a candidate.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Verdict {
     pub(super) is_accepted: bool,
-    /// Whether the target is seen so well that filter and colours may learn it.
+    /// Whether the target is visible enough for filter and colours to learn from the frame.
     pub(super) is_well_visible: bool,
     /// Whether the candidate is so far from the prediction that more evidence is required.
     pub(super) is_far: bool,
 }
 
-/// What a decision depends on.
+/// The inputs of a decision.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Evaluation<'a> {
     pub(super) candidate: &'a Candidate,
@@ -87,7 +86,7 @@ pub(super) struct Evaluation<'a> {
     pub(super) usual_contrast: f32,
     /// Whether a lost target is being confirmed.
     pub(super) is_confirming: bool,
-    /// Whether the colours of what is being confirmed are still the target's.
+    /// Whether the candidate that is being confirmed still matches the target; `true` otherwise.
     pub(super) is_recognised: bool,
 }
 
@@ -125,20 +124,20 @@ impl Acceptance {
             || refined.probability < self.settings.min_probability
             || !evaluation.is_recognised
             || trust != Trust::Full && self.is_colour_absent(observation, evaluation.usual_contrast));
-        // A clear pattern in other colours is the target in another light, which the colour model has to
-        // learn.
+        // A clear pattern in other colours is the target in another light. The colour model has to learn the
+        // new colours.
         let is_well_visible = observation.evidence >= self.config.learn as f32 * distance_factor
             && (observation.has_its_colour(self.settings.min_learned_contrast)
                 || self.is_pattern_clear(observation));
         Verdict { is_accepted, is_well_visible, is_far }
     }
 
-    /// How much the refined box counts. `is_far`: see [`Verdict`].
+    /// How much the refined box counts against weak evidence. `is_far`: see [`Verdict`].
     fn trust(&self, evaluation: &Evaluation<'_>, is_far: bool) -> Trust {
         let settings = &self.settings;
         let Evaluation { candidate, prediction, geometry, .. } = *evaluation;
         let (observation, probability) = (&candidate.observation, candidate.refined.probability);
-        // A box at the border may be all that is left of a target that leaves the picture.
+        // A box at the border may show the last part of a target that leaves the picture.
         if geometry.touches_border_at(observation.centre) {
             return Trust::None;
         }
@@ -166,13 +165,13 @@ impl Acceptance {
         (1.0 + 0.5 * excess.clamp(0.0, 2.0)) as f32
     }
 
-    /// Whether the response is about as high as the target's usually is.
+    /// Whether the response is about as high as usual for the target.
     fn is_pattern_clear(&self, observation: &Observation) -> bool {
         observation.relative_height >= self.settings.clear_pattern
     }
 
-    /// Whether a colour that is usually distinct is absent, and the pattern is not clear. Then the filter
-    /// responds to something else, such as what hides the target.
+    /// Whether a usually distinct colour is absent and the pattern is not clear. Then the filter responds to
+    /// another object, such as one that hides the target.
     fn is_colour_absent(&self, observation: &Observation, usual_contrast: f32) -> bool {
         usual_contrast > self.settings.clear_contrast
             && !self.is_pattern_clear(observation)

@@ -6,7 +6,7 @@ use crate::crop::ColourContrast;
 use crate::fourier::{AREA, Map, Spectrum};
 use crate::layout::ColourLayout;
 
-/// At a lower usual contrast the colour is not used, 0 to 1. Not measured by itself.
+/// Minimum usual contrast of a target whose colour is used, 0 to 1. Not measured individually.
 pub(super) const MIN_CONTRAST: f32 = 0.15;
 /// Lower bound of the usual height, as a divisor.
 const MIN_USUAL_HEIGHT: f32 = 0.05;
@@ -33,7 +33,7 @@ pub(super) struct Appearance {
     pub(super) frames_learned: u32,
 }
 
-/// Running means of what is measured at the target: the scale on which an observation is judged.
+/// Running means of measurements at the target. Observations are compared with these means.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct UsualValues {
     /// Target probability inside the target less that in the ring around it.

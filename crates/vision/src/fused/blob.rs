@@ -1,13 +1,13 @@
 //! The blob of the target's paint, followed from frame to frame.
 //!
-//! A boat that turns from bow-on to broadside grows to three times its length within two seconds. Neither the
-//! filter, which looks for what it knows, nor a silhouette measured in the known ellipse follows that. The
-//! blob does: it is measured in an ellipse around the blob of the last frame, and it changes little from one
-//! frame to the next. A blob that changes at once contains something else, or is partly hidden, and is not
-//! followed.
+//! A boat that turns from bow-on to broadside grows to three times its length within two seconds. The filter
+//! and a silhouette measured in the known ellipse cannot follow this growth. The blob can: it is measured in
+//! an ellipse around the blob of the last frame, and changes little between frames. A blob that changes
+//! abruptly contains another object, or is partly hidden; it is not followed.
 //!
-//! While the box fits the blob, the silhouette of all colours corrects the box: it is the more exact one. The
-//! blob corrects a box that does not fit, and that of a target that is too small for the silhouette.
+//! While the box fits the blob, the silhouette of all colours corrects the box, since the silhouette is more
+//! accurate. The blob corrects a box that does not fit the blob, and the box of a target that is too small
+//! for the silhouette.
 //!
 //! Input: the crop and the target's geometry. Output: a [`FollowedBlob`].
 
@@ -23,33 +23,31 @@ use crate::vector::{difference, distance, sum};
 /// Steps in which the blob is measured, each in an ellipse around the last one.
 const STEPS: usize = 2;
 
-/// Settings of the blob.
+/// Settings of the blob. Settings without a figure were not measured individually.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct BlobSettings {
-    /// Time constants with which axis, centre and size follow the blob's, seconds. Not measured by itself.
+    /// Time constants with which axis, centre and size follow the blob's, seconds.
     times: FollowingTimes,
-    /// Half axes of the ellipse in which the blob is measured, half axes of the last blob. Not measured by
-    /// itself.
+    /// Size of the ellipse in which the blob is measured, in sizes of the last blob.
     reach: f32,
-    /// Added to them, pixels. Not measured by itself.
+    /// Added to the half axes of that ellipse, pixels.
     margin_px: f32,
-    /// Minimum mean share of the paint in a blob, 0 to 1. Not measured by itself.
+    /// Minimum mean share of the paint in a blob, 0 to 1.
     min_fill: f32,
-    /// A blob that fills less of the ellipse of its axes than this share of what it filled at the selection
-    /// contains another object of the paint beside the target, 0 to 1. Not measured by itself.
+    /// Minimum fill of a blob, relative to its fill at the selection, 0 to 1. The *fill* is the share of the
+    /// ellipse of the blob's axes. A blob with less fill contains a second object of the same paint.
     min_fill_kept: f32,
-    /// Largest factor between the areas of the blob in consecutive frames. Not measured by itself.
+    /// Maximum ratio of the areas of the blob in consecutive frames.
     max_step: f32,
-    /// The same for each second without a measurement. Not measured by itself.
+    /// Further ratio for each second without a measurement.
     max_step_per_s: f32,
-    /// A blob that was not measured for longer is forgotten, seconds. Not measured by itself.
+    /// Maximum age of the last measured blob, seconds.
     max_age_s: f32,
-    /// A first blob differs from the known length and breadth by this factor at most. Not measured by itself.
+    /// Maximum ratio of a first blob's length and breadth to the known ones.
     max_first_misfit: f32,
-    /// The box fits the blob up to this factor between their lengths and breadths. Not measured by itself.
+    /// Maximum ratio of the blob's length and breadth to those of a box that fits the blob.
     max_change: f32,
-    /// The box fits the blob up to this distance of their centres, lengths of the target. Not measured by
-    /// itself.
+    /// Maximum distance of the blob's centre from that of a box that fits the blob, lengths of the target.
     max_off_lengths: f32,
 }
 
@@ -78,7 +76,7 @@ pub(super) struct TargetPaint {
     pub(super) reference: ReferenceSilhouette,
 }
 
-/// The blob as it was last measured.
+/// The last measurement of the blob.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct SeenBlob {
     /// From the centre of the target's box to the centroid, pixels.
@@ -97,7 +95,7 @@ struct SeenBlob {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct FollowedBlob {
     seen: Silhouette,
-    /// Whether the target's box is about the blob's.
+    /// Whether the target's box fits the blob.
     pub(super) fits: bool,
 }
 
@@ -105,18 +103,18 @@ pub(super) struct FollowedBlob {
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct BlobFollower {
     settings: BlobSettings,
-    /// The paint, if the target has one that sets it apart.
+    /// The paint, if the target has one that differs from its surroundings.
     pub(super) paint: Option<TargetPaint>,
     last: Option<SeenBlob>,
 }
 
 impl BlobFollower {
-    /// Forgets the blob: the track goes on at another place. The paint stays.
+    /// Drops the last measurement, since the track continues at another place. Keeps the paint.
     pub(super) fn restart(&mut self) {
         self.last = None;
     }
 
-    /// Measures the blob, `seconds` after the last frame; `None` where it is not continuous.
+    /// Measures the blob, `seconds` after the last frame. `None` if the blob changed abruptly.
     pub(super) fn find(
         &mut self,
         crop: &Crop,
@@ -167,8 +165,8 @@ impl BlobFollower {
         }
     }
 
-    /// Measures the blob around the last one, or in the target's ellipse; with the mean share of the paint in
-    /// it.
+    /// Measures the blob around the last one, otherwise in the target's ellipse. Returns the silhouette and
+    /// the mean share of the paint in it.
     fn measure(&self, crop: &Crop, paint: &Paint, geometry: &TargetGeometry) -> Option<(Silhouette, f32)> {
         let BlobSettings { reach, margin_px, .. } = self.settings;
         let (mut centre, mut half, mut axis) = match self.last {

@@ -17,8 +17,8 @@ pub(super) struct ColourCounts {
 }
 
 impl ColourCounts {
-    /// Counts the colours of a target with its centre here (pixels), `scale` times as large as its extent, with its
-    /// axis at `axis`.
+    /// Counts the colours of a target with its centre here (pixels), `scale` times as large as its extent,
+    /// with its axis at `axis`.
     pub(super) fn count(
         &mut self,
         picture: &Picture,

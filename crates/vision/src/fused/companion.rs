@@ -1,55 +1,56 @@
-//! An object of the target's colour near the target: where it is, and how it moves.
+//! An object of the target's colour near the target: its place and its motion relative to the target.
 
 use super::contact::{Chroma, ContactSettings};
 use super::ratio::is_within;
 use crate::vector::{Vector, difference, distance, length, product, scaled, sum};
 
-/// Settings of how such objects are followed and judged.
+/// Settings of the companions. The *judge* of an exchange is a companion that touched the target, is out of
+/// view since, and is expected on one side of the target. Settings without a figure were not measured
+/// individually.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct CompanionSettings {
-    /// Distance from which on an object does not touch the target, sizes. Not measured by itself.
+    /// Minimum distance of an object that does not touch the target, sizes.
     pub(super) clear_sizes: f32,
-    /// Gain of the place of an object that is measured, 0 to 1. Not measured by itself.
+    /// Gain of the place, 0 to 1.
     place_gain: f32,
-    /// Gain of its velocity, 0 to 1. Not measured by itself.
+    /// Gain of the velocity, 0 to 1.
     velocity_gain: f32,
-    /// An object is measured within this distance of its prediction, sizes. Not measured by itself.
+    /// Maximum distance of a measured object from its prediction, sizes.
     gate_sizes: f32,
-    /// Added to that distance, pixels. Not measured by itself.
+    /// Added to that distance, pixels.
     gate_px: f32,
-    /// Added for each second in which it was not measured, its own speeds. Not measured by itself.
+    /// Added for each second without a measurement, in speeds of the object.
     gate_speeds: f32,
-    /// An object that was not measured for longer is forgotten, seconds. Not measured by itself.
+    /// Maximum time without a measurement, seconds; then the object is forgotten.
     pub(super) max_hidden_s: f32,
-    /// The other side is judged by an object that was measured for so long before, seconds. Not measured by
-    /// itself.
+    /// Minimum time for which a judge was measured before it went out of view, seconds.
     min_seen_s: f32,
-    /// And that was not measured for at least so long since, seconds. Not measured by itself.
+    /// Minimum time for which a judge has been out of view, seconds.
     min_hidden_s: f32,
-    /// And that passed at this speed at least, sizes per second. Not measured by itself.
+    /// Minimum speed of a judge, sizes per second.
     min_speed: f32,
-    /// And that is expected at this distance at least, sizes. Not measured by itself.
+    /// Minimum expected distance of a judge from the target, sizes.
     min_distance: f32,
-    /// A component is on the other side if the cosine of the angle to the opposite of the expected place is
-    /// at least this, 0 to 1. Not measured by itself.
+    /// Minimum cosine of the angle between a component on the other side and the opposite of the judge's
+    /// expected place, 0 to 1.
     min_cosine: f32,
-    /// And if its distance is within this factor of the expected one. Not measured by itself.
+    /// Maximum ratio of the distance of that component to the judge's expected distance.
     max_distance_factor: f32,
-    /// Consecutive frames on the other side after which the two were exchanged. Not measured by itself.
+    /// Number of consecutive frames with a component on the other side that show an exchange.
     pub(super) frames: u32,
-    /// An object that touched the target is in contact with it when it was not measured for so long, seconds:
-    /// at least, and less than. Not measured by itself.
+    /// Range of the time without a measurement in which an object that touched the target counts as in
+    /// contact, seconds: minimum (inclusive) and maximum (exclusive).
     pub(super) contact_s: (f32, f32),
-    /// Largest distance from what is followed of an object that is seen first after a contact, and is one of
-    /// the two that touched, sizes. Not measured by itself.
+    /// Maximum distance from the followed object of a new object after a contact that may be one of the two
+    /// that touched, sizes.
     pub(super) apart_sizes: f32,
-    /// Largest distance of an object that is judged, sizes. Not measured by itself.
+    /// Maximum distance of an object whose chroma is compared after a contact, sizes.
     pub(super) judged_sizes: f32,
-    /// Smallest chroma of an object onto which the track is moved, along the target's and as a share of it.
-    /// Not measured by itself.
+    /// Minimum chroma of an object onto which the track is moved: the component along the target's chroma,
+    /// relative to it.
     pub(super) min_chroma_share: f32,
-    /// An object within this distance of the place to which the track is moved is the target, sizes. Not
-    /// measured by itself.
+    /// Maximum distance from the place to which the track is moved of a companion that is the target itself,
+    /// sizes.
     pub(super) own_sizes: f32,
     pub(super) contact: ContactSettings,
 }
@@ -81,33 +82,33 @@ impl Default for CompanionSettings {
     }
 }
 
-/// A component that is not what is followed.
+/// A component other than the followed object's.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(super) struct Seen {
-    /// From what is followed, pixels.
+    /// From the followed object, pixels.
     pub(super) place: Vector,
     pub(super) chroma: Chroma,
 }
 
-/// An object of the target's colour.
+/// An object of the target's colour that is not followed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Companion {
     /// From the target, pixels.
     pub(super) place: Vector,
-    /// The place when it was measured last.
+    /// Place at the last measurement.
     pub(super) seen_at: Vector,
-    /// Pixels a second.
+    /// Pixels per second.
     pub(super) velocity: Vector,
     /// Time since it was first measured, seconds.
     pub(super) age_s: f32,
-    /// How long it was measured, and how long it was not since, seconds.
+    /// Duration of the measurements, and time since the last one, seconds.
     pub(super) seen_s: f32,
     pub(super) hidden_s: f32,
     /// Consecutive frames with a component on the other side.
     pub(super) frames: u32,
-    /// Its chroma while it did not touch the target.
+    /// Chroma while the object did not touch the target.
     pub(super) chroma: Chroma,
-    /// Whether it may be one of the two that touched, when they are apart again.
+    /// Whether the object may be one of the two that touched.
     pub(super) is_of_contact: bool,
 }
 
@@ -151,7 +152,8 @@ impl Companion {
         self.hidden_s = 0.0;
     }
 
-    /// Measures the object by the nearest component that is not taken, if it is near enough.
+    /// Measures the object by the nearest free component within the gate. Returns the index of that
+    /// component.
     pub(super) fn find(
         &mut self,
         settings: &CompanionSettings,
@@ -175,19 +177,18 @@ impl Companion {
         self.seen_s >= settings.min_seen_s
     }
 
-    /// Whether the object is known and touched the target when it was measured last.
+    /// Whether the object is known and touched the target at the last measurement.
     pub(super) fn has_touched(&self, settings: &CompanionSettings, size: f32) -> bool {
         self.is_known(settings) && length(self.seen_at) <= settings.clear_sizes * size
     }
 
-    /// Whether the object is in contact with the target since a moment ago.
+    /// Whether the object has just come into contact with the target.
     pub(super) fn is_in_contact(&self, settings: &CompanionSettings, size: f32) -> bool {
         self.has_touched(settings, size)
             && (settings.contact_s.0..settings.contact_s.1).contains(&self.hidden_s)
     }
 
-    /// Whether it touched the target when it went out of view, and moves so that it can be told where it is
-    /// now.
+    /// Whether the object can be a judge (see [`CompanionSettings`]) for a target of this size, pixels.
     pub(super) fn can_judge(&self, settings: &CompanionSettings, size: f32) -> bool {
         self.has_touched(settings, size)
             && self.hidden_s >= settings.min_hidden_s
@@ -202,7 +203,7 @@ impl Companion {
     }
 }
 
-/// The component that is not taken and nearest to a place, with its distance.
+/// The free component nearest to a place, with its distance.
 fn nearest(others: &[Seen], is_taken: &[bool], to: Vector) -> Option<(usize, f32)> {
     let free = others.iter().enumerate().filter(|&(index, _)| !is_taken[index]);
     free.map(|(index, other)| (index, distance(other.place, to))).min_by(|a, b| a.1.total_cmp(&b.1))

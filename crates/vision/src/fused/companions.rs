@@ -1,19 +1,19 @@
-//! Objects of the target's colour near it, and on which side of the target they pass.
+//! Objects of the target's colour near the target, and on which side of the target they pass.
 //!
-//! A boat that passes a buoy of its colour becomes one blob with it, and the track may stay with the buoy.
-//! Nothing in one picture tells the two apart. Their relative motion does: a buoy ahead that comes nearer is
-//! astern after the boat has passed. If afterwards the other object is ahead of what is followed, then what
-//! is followed is the buoy. Relative motion needs neither the camera's motion nor the water's.
+//! A boat that passes a buoy of its colour merges with the buoy into one blob, and the track may stay with
+//! the buoy. One picture does not distinguish the two. Their relative motion does: a buoy ahead that comes
+//! nearer is astern after the boat has passed. If the other object is ahead of the followed object then, the
+//! followed object is the buoy. Relative motion requires no knowledge of the motion of camera or water.
 //!
-//! The side is not known where the two move little, or turn while they touch. There the chroma of both before
-//! tells ([`Contact`]).
+//! The side is unknown if the two move little, or turn while they touch. Then the chroma of both before the
+//! contact decides ([`Contact`]).
 
 use super::companion::{Companion, CompanionSettings, Seen};
 use super::contact::{Chroma, Contact, Followed};
 use crate::components::MAX_COMPONENTS;
 use crate::vector::{Vector, difference, length, product, scaled, sum};
 
-/// Number of objects that are followed.
+/// Maximum number of companions.
 const MAX_OBJECTS: usize = 6;
 
 /// The objects around a target.
@@ -21,20 +21,20 @@ const MAX_OBJECTS: usize = 6;
 pub(super) struct Companions {
     settings: CompanionSettings,
     objects: [Option<Companion>; MAX_OBJECTS],
-    /// Chroma of the target while nothing else touched it.
+    /// Chroma of the target while no other object touched it.
     own_chroma: Option<Chroma>,
     /// The last contact, until it is judged.
     contact: Option<Contact>,
-    /// Time since the last contact, seconds, until something tells which of the two is the target.
+    /// Time since the last contact, seconds; `None` once the target is identified.
     in_doubt_s: Option<f32>,
 }
 
-/// What is known of a contact after a frame.
+/// State of the judgement of a contact after a frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Judgement {
-    /// Nothing.
+    /// There is no contact, or the chroma does not decide.
     None,
-    /// It will be judged soon.
+    /// More frames are needed.
     Pending,
     /// The target is this component.
     Target(usize),
@@ -81,9 +81,10 @@ impl Companions {
         }
     }
 
-    /// Measures the objects after [`Self::predict`], with the chroma of what is followed, the components that
-    /// are not that, and its size, pixels. `is_visible` tells whether a place from it is in view. The index
-    /// of the component that is the target, where that is another one than what is followed.
+    /// Measures the objects after [`Self::predict`]. `chroma` and `size` (pixels) are those of the followed
+    /// object; `others` are the other components. `is_visible`: whether a place relative to the followed
+    /// object is in view. Returns the index of the component that is the target if the followed object is not
+    /// the target.
     pub(super) fn measure(
         &mut self,
         chroma: Chroma,
@@ -95,7 +96,7 @@ impl Companions {
         let settings = self.settings;
         let mut is_taken = [false; MAX_COMPONENTS];
         let mut measured = [None; MAX_OBJECTS];
-        // Those that are known first: a component is theirs if it is near enough.
+        // Known objects first: they have priority for components within their gates.
         for known in [true, false] {
             for (index, slot) in self.objects.iter_mut().enumerate() {
                 if let Some(object) = slot.as_mut().filter(|object| object.is_known(&settings) == known) {
@@ -122,14 +123,14 @@ impl Companions {
         target.filter(|&index| self.has_own_chroma(others[index].chroma))
     }
 
-    /// Whether an object has the target's chroma. Glitter and foam may be among the target's colours, but
-    /// lack its paint.
+    /// Whether an object has the target's chroma. Glitter and foam may have colours of the target, but not
+    /// the chroma of its paint.
     fn has_own_chroma(&self, chroma: Chroma) -> bool {
         self.own_chroma
             .is_none_or(|own| product(chroma, own) >= self.settings.min_chroma_share * product(own, own))
     }
 
-    /// Judges a contact by what is seen in a frame.
+    /// Judges a contact by the chroma of both objects in a frame.
     fn judge_contact(
         &mut self,
         chroma: Chroma,
@@ -156,7 +157,7 @@ impl Companions {
             Followed::Other => Judgement::Target(index),
             Followed::Target => {
                 (self.contact, self.in_doubt_s) = (None, None);
-                // The side on which the object was expected tells less.
+                // The chroma outweighs the side on which the object was expected.
                 for slot in &mut self.objects {
                     slot.take_if(|object| object.is_of_contact && object.hidden_s > 0.0);
                 }
@@ -165,8 +166,8 @@ impl Companions {
         }
     }
 
-    /// The component of an object that lies where the opposite of one is expected that was known before it
-    /// and is not in view now.
+    /// The component of an object that has been opposite to the expected place of a judge for several frames.
+    /// The judge was known before that object, and is out of view.
     fn find_exchanged(
         &mut self,
         measured: &[Option<usize>],
@@ -190,7 +191,7 @@ impl Companions {
         None
     }
 
-    /// The target is at this place from what was followed until now.
+    /// Continues with the target at this place, relative to the object that was followed until now.
     pub(super) fn exchange(&mut self, place: Vector, size: f32) {
         let settings = self.settings;
         (self.contact, self.in_doubt_s) = (None, None);
@@ -216,18 +217,17 @@ impl Companions {
         }
     }
 
-    /// Whether an object touched the target a moment ago, and nothing told since which of the two is
-    /// followed.
+    /// Whether an object touched the target recently, and it is not known which of the two is followed.
     pub(super) fn are_in_doubt(&self) -> bool {
         self.in_doubt_s.is_some()
     }
 
-    /// Distance, in pixels, from which on an object does not touch a target of this size.
+    /// Minimum distance of an object that does not touch a target of this size, pixels.
     pub(super) fn clear_distance(&self, size: f32) -> f32 {
         self.settings.clear_sizes * size
     }
 
-    /// Distance of the nearest object that is known, pixels; infinite where there is none.
+    /// Distance of the nearest known object, pixels; infinite if there is none.
     pub(super) fn nearest_distance(&self) -> f32 {
         let settings = self.settings;
         self.objects

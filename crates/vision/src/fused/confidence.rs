@@ -1,9 +1,10 @@
-//! The stage that says how sure the answer is: the probability of the followed box over frames, and the
-//! confidence of what was not accepted.
+//! The stage that computes the confidence of the answer: of an accepted box over several frames, of a
+//! prediction, and of a rejected observation.
 //!
-//! The network judges each frame by itself. A part of its error differs from frame to frame, while the track
-//! is right or wrong for longer: a moving mean of the log-odds knows more than the last frame. The frame
-//! counts for the rest, so that the confidence falls at once where the target is hidden.
+//! The network judges each frame independently. Part of its error changes from frame to frame, while a track
+//! is right or wrong over many frames. A moving mean of the log-odds therefore has less error than a single
+//! frame. The answer combines the mean with the last frame, so that the confidence falls at once when the
+//! target is hidden.
 //!
 //! Input: the network's probability, or an observation. Output: a confidence, 0 to 1.
 
@@ -13,35 +14,34 @@ use super::observation::Observation;
 use super::target::Target;
 use super::time_constant::share_in;
 
-/// Lower bound of a probability, and of its complement, of which log-odds are taken.
+/// Lower bound of a probability and of its complement before the log-odds are computed.
 const MIN_PROBABILITY: f64 = 1.0e-3;
 
-/// Settings of the confidence.
+/// Settings of the confidence. Settings without a figure were not measured individually.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct ConfidenceSettings {
     /// Time constant of the mean, seconds. Chosen by the confidences of left-out clips (decision 22).
     mean_s: f64,
     /// Share of the mean in the answer, 0 to 1. Chosen likewise.
     mean_share: f64,
-    /// Factor on the answer's log-odds: the mean has less error than one frame, for which the network's own
-    /// log-odds were calibrated. Chosen likewise.
+    /// Factor on the answer's log-odds. The network's log-odds were calibrated for one frame; the mean has
+    /// less error. Chosen likewise.
     gain: f64,
-    /// Share of the last box's probability that a predicted box has, 0 to 1. On 39 labelled recordings 0.20,
-    /// 0.20, 0.20 and 0.10 of the predicted boxes were right in the first four frames; this and the next give
-    /// 0.20, 0.19, 0.16 and 0.10.
+    /// Confidence of a predicted box relative to that of the last accepted box, 0 to 1. On 39 labelled
+    /// recordings, 0.20, 0.20, 0.20 and 0.10 of the predicted boxes were right in the first four frames. With
+    /// this share and the next setting, the confidences are 0.20, 0.19, 0.16 and 0.10.
     predicted_share: f64,
-    /// Time constant with which it falls, seconds.
+    /// Time constant with which the confidence of a predicted box falls, seconds.
     prediction_s: f64,
-    /// Least confidence of a predicted box, 0 to 1. Not measured by itself.
+    /// Minimum confidence of a predicted box, 0 to 1.
     min_prediction: f64,
-    /// Confidence of a box onto which the track was moved, and which the network has not seen yet, 0 to 1.
-    /// Not measured by itself.
+    /// Confidence of a box onto which the track was moved, before the network has evaluated it, 0 to 1.
     pub(super) unjudged: f64,
-    /// Factor after a contact with an object of the target's colour, as long as nothing told which of the two
-    /// is followed: it was the target in four of five frames.
+    /// Factor after a contact with an object of the target's colour, while it is not known which of the two
+    /// is followed. The target was followed in four of five such frames.
     pub(super) contact_share: f64,
-    /// Factor on the confidence of a rejected observation, and largest confidence of a target that is lost,
-    /// or found and not confirmed yet. Not measured by itself.
+    /// Factor on the confidence of a rejected observation, and maximum confidence of a target that is lost,
+    /// or not confirmed yet.
     rejected_factor: f64,
     /// Weights of a rejected observation's confidence, a logistic function. Fitted to the labelled recordings
     /// of the tracker's evaluation, each weighted with the root of its number of frames, and rounded: the
@@ -81,11 +81,11 @@ impl Default for ConfidenceSettings {
     }
 }
 
-/// What was said of the followed box until now.
+/// The confidences of the followed box so far.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Confidence {
     pub(super) settings: ConfidenceSettings,
-    /// Mean of the log-odds; `None` before the first frame of a place.
+    /// Mean of the log-odds; `None` before the first frame since a selection or a jump.
     mean: Option<f64>,
     /// Time of capture of the last frame in which the target was seen, and the probability of the box in it,
     /// 0 to 1.
@@ -98,13 +98,13 @@ impl Confidence {
         Self { settings: ConfidenceSettings::default(), mean: None, seen: Timestamp::ZERO, last: 1.0 }
     }
 
-    /// Nothing was said yet of the box of a selection on the frame that was captured `now`.
+    /// Begins with the box of a selection on the frame that was captured `now`.
     pub(super) fn select(&mut self, now: Timestamp) {
         (self.mean, self.seen, self.last) = (None, now, 1.0);
     }
 
-    /// Adds the network's probability for the frame that was captured `now`. The probability of the box, 0 to
-    /// 1.
+    /// Adds the network's probability for the frame that was captured `now`. Returns the confidence of the
+    /// box, 0 to 1.
     pub(super) fn add(&mut self, probability: f32, now: Timestamp) -> f64 {
         let settings = &self.settings;
         let probability = f64::from(probability).clamp(MIN_PROBABILITY, 1.0 - MIN_PROBABILITY);
@@ -117,7 +117,7 @@ impl Confidence {
         self.last
     }
 
-    /// Probability of a box that is predicted for the frame that was captured `now`, 0 to 1.
+    /// Confidence of a box that is predicted for the frame that was captured `now`, 0 to 1.
     pub(super) fn of_prediction(&self, now: Timestamp) -> f64 {
         let settings = &self.settings;
         (settings.predicted_share
@@ -146,7 +146,7 @@ impl Confidence {
         settings.rejected_factor * from_log_odds(log_odds)
     }
 
-    /// The confidence of a target that is lost, or found and not confirmed yet.
+    /// Confidence of a target that is lost, or not confirmed yet.
     pub(super) fn of_lost(&self, confidence: f64) -> f64 {
         confidence.min(self.settings.rejected_factor)
     }
@@ -155,7 +155,7 @@ impl Confidence {
         now.since(self.seen).as_secs_f64()
     }
 
-    /// Forgets the mean: the track goes on at another place.
+    /// Drops the mean, since the track continues at another place.
     pub(super) fn restart(&mut self) {
         self.mean = None;
     }

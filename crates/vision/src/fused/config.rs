@@ -1,5 +1,5 @@
-//! Settings of the fused tracker. The list below states each setting once; documentation, default and check follow from
-//! the list.
+//! Settings of the fused tracker. The list below states each setting once; documentation, default and check
+//! follow from the list.
 
 use thiserror::Error;
 
@@ -47,14 +47,15 @@ macro_rules! settings {
 
 settings! {
     /// Settings of [`FusedTracker`](crate::FusedTracker). No default was chosen for a single recording: the
-    /// leave-one-out table of the tracker's evaluation shows the result of each clip with settings chosen without it.
+    /// leave-one-out table of the tracker's evaluation shows the result of each clip with settings chosen
+    /// without it.
     ///
     /// A *size* is the root of the area of the target's box.
     pub struct FusedConfig {
         /// Side of the search window, in sizes. A wider window covers faster targets at a lower resolution.
         padding: f64 = 4.0, 2.5 to 6.0;
-        /// Support of the correlation filter, in multiples of the target's box. Nothing outside it is learned, so that
-        /// the background cannot attract the filter.
+        /// Support of the correlation filter, in multiples of the target's box. Nothing outside it is
+        /// learned, so that the background cannot attract the filter.
         mask: f64 = 1.5, 1.0 to 2.5;
         /// Standard deviation of the desired response, in sizes.
         response_deviation: f64 = 0.1, 0.02 to 0.5;
@@ -72,8 +73,8 @@ settings! {
         turn_step_deg: f64 = 4.0, 1.0 to 15.0;
         /// Factor on the response at another scale or rotation before it is compared with the present one.
         change_gain: f64 = 0.99, 0.9 to 1.0;
-        /// Minimum evidence of a visible target. Evidence is the peak-to-sidelobe ratio of the response, corrected by
-        /// the colour and by the height of the peak.
+        /// Minimum evidence of a visible target. Evidence is the peak-to-sidelobe ratio of the response,
+        /// corrected by the colour and by the height of the peak.
         seen: f64 = 9.0, 5.0 to 30.0;
         /// Minimum evidence of a frame that filter and histograms learn from.
         learn: f64 = 11.0, 5.0 to 40.0;
@@ -85,7 +86,8 @@ settings! {
         confirm: u32 = 3, 0.0 to 20.0;
         /// Maximum duration of coasting, seconds.
         coast_s: f64 = 0.4, 0.0 to 2.0;
-        /// Root of the spectral density of the target's acceleration, in sizes per second squared and root of Hz.
+        /// Root of the spectral density of the target's acceleration, in sizes per second squared and root of
+        /// Hz.
         agility: f64 = 4.0, 0.1 to 100.0;
     }
 }
@@ -118,7 +120,8 @@ pub struct FusedSetting {
     pub max: f64,
     /// Reads the setting.
     pub get: fn(&FusedConfig) -> f64,
-    /// Changes the setting, without a check of the range; a setting that is a whole number drops the fraction.
+    /// Changes the setting, without a check of the range; a setting that is a whole number drops the
+    /// fraction.
     pub set: fn(&mut FusedConfig, f64),
 }
 

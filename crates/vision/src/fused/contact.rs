@@ -1,8 +1,8 @@
-//! Which of two objects is the target after they touched: their chroma before tells.
+//! Which of two objects is the target after a contact, by the chroma of both before the contact.
 //!
-//! Boat and buoy, both red, differ by some levels of chroma. The light and the camera's white balance change
-//! both alike. So the difference between the two is the same after a contact as before, or has the other sign
-//! if the track stayed with the other one.
+//! A red boat and a red buoy differ by some levels of chroma. Light and white balance change the chroma of
+//! both by the same amount. The difference of the two is therefore the same after a contact as before. It has
+//! the opposite sign if the track stayed with the other object.
 
 use super::time_constant::rate_in;
 use crate::vector::{Vector, difference, length, product, scaled, sum};
@@ -10,24 +10,24 @@ use crate::vector::{Vector, difference, length, product, scaled, sum};
 /// U and V less those of the surroundings, levels.
 pub(super) type Chroma = Vector;
 
-/// Settings of the judgement by chroma. As a whole, on 40 clips of `distractors` that nothing was chosen
-/// with, 7 boats are lost instead of 13 (decision 22).
+/// Settings of the judgement by chroma. On 40 clips of `distractors` that no setting was chosen with, 7 boats
+/// are lost instead of 13 (decision 22). Settings without a figure were not measured individually.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct ContactSettings {
-    /// Smallest difference before a contact that tells two objects apart, levels. Not measured by itself.
+    /// Minimum difference before a contact that distinguishes two objects, levels.
     min_difference: f32,
-    /// A contact is judged after this number of frames with both apart. Not measured by itself.
+    /// Minimum number of frames with both objects apart before a contact is judged.
     min_frames: u32,
-    /// A contact is judged from this time with both apart on, seconds. Not measured by itself.
+    /// Minimum time with both objects apart before a contact is judged, seconds.
     min_apart_s: f32,
-    /// A contact is judged up to this time with both apart, seconds. Not measured by itself.
+    /// Time with both objects apart after which a contact is not judged any more, seconds.
     max_apart_s: f32,
-    /// A contact after which the two are not seen apart is forgotten, seconds. Not measured by itself.
+    /// Maximum age of a contact that is judged, seconds.
     pub(super) max_age_s: f32,
-    /// The difference along the one before from which on it is judged, as a share of the one before. Not
-    /// measured by itself.
+    /// Minimum component of the difference along the difference before the contact, relative to the latter, 0
+    /// to 1. With less, the contact is not decided.
     clear_share: f32,
-    /// Time constant of a chroma that is learned, seconds. Not measured by itself.
+    /// Time constant of a learned chroma, seconds.
     chroma_s: f64,
 }
 
@@ -48,10 +48,10 @@ impl Default for ContactSettings {
 /// A contact of the target with another object.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Contact {
-    /// Chroma of the target less that of the other object, before.
+    /// Chroma of the target less that of the other object, before the contact.
     before: Chroma,
-    /// Integral, over the time with both apart, of the chroma of what is followed less that of the other one,
-    /// level-seconds.
+    /// Integral, over the time with both apart, of the chroma of the followed object less that of the other
+    /// one, level-seconds.
     since: Chroma,
     apart_s: f32,
     /// Number of frames with both apart.
@@ -59,19 +59,19 @@ pub(super) struct Contact {
     age_s: f32,
 }
 
-/// What is followed after a contact.
+/// The object that is followed after a contact.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Followed {
-    /// The two were not seen apart for long enough.
+    /// The two have not been apart for long enough.
     Unseen,
-    /// The difference of the two tells nothing.
+    /// The difference of the two does not decide.
     Unknown,
     Target,
     Other,
 }
 
 impl Contact {
-    /// A contact that begins; `None` where the chroma of both is too much alike.
+    /// A contact that begins. `None` if the chroma of the two is too similar.
     pub(super) fn new(settings: &ContactSettings, target: Chroma, other: Chroma) -> Option<Self> {
         let before = difference(target, other);
         (length(before) >= settings.min_difference).then_some(Self {
@@ -83,18 +83,18 @@ impl Contact {
         })
     }
 
-    /// Adds a frame, `seconds` after the last one. Whether the contact can still be judged.
+    /// Adds a frame, `seconds` after the last one. Returns whether the contact can still be judged.
     pub(super) fn advance(&mut self, settings: &ContactSettings, seconds: f32) -> bool {
         self.age_s += seconds;
         self.age_s <= settings.max_age_s && self.apart_s < settings.max_apart_s
     }
 
-    /// Time since it began, seconds.
+    /// Time since the contact began, seconds.
     pub(super) fn age_s(&self) -> f32 {
         self.age_s
     }
 
-    /// Adds what is seen in a frame with both apart, `seconds` after the last one.
+    /// Adds the chroma of both in a frame in which they are apart, `seconds` after the last one.
     pub(super) fn judge(
         &mut self,
         settings: &ContactSettings,
@@ -111,7 +111,7 @@ impl Contact {
         let mean = scaled(self.since, 1.0 / self.apart_s);
         let squared = product(self.before, self.before);
         let share = product(mean, self.before) / squared;
-        // Across the difference of before: more than that is another object's.
+        // The component across the difference before the contact. A larger one belongs to a third object.
         let across = difference(mean, scaled(self.before, share));
         if share.abs() < settings.clear_share || product(across, across) > squared {
             Followed::Unknown
@@ -138,7 +138,7 @@ mod tests {
     const BUOY: Chroma = (-12.0, 18.0);
     const FRAME_S: f32 = 1.0 / 30.0;
 
-    /// What is judged within 100 frames after a contact of boat and buoy.
+    /// The judgement within 100 frames after a contact of boat and buoy.
     fn judged(followed: Chroma, other: Chroma) -> Followed {
         let settings = ContactSettings::default();
         let mut contact = Contact::new(&settings, BOAT, BUOY).expect("the two differ");

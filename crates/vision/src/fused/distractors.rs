@@ -1,8 +1,8 @@
-//! Objects that the operator rejected: each goes on being followed, so that the search for the target does
-//! not take it again, wherever it moves.
+//! Objects that the operator rejected. Each is followed further, so that the search for the target can
+//! exclude its place.
 //!
 //! Work per frame: that of one tracked target for each distractor, two at most. Not handled: a distractor
-//! that is hidden for longer than `kept_s`, or that crosses the target.
+//! that is hidden for longer than `kept_s`, or crosses the target.
 
 use barrelman_vocab::{MotionPrior, VideoFrame};
 
@@ -13,13 +13,12 @@ use crate::vector::length;
 /// Largest number of distractors; a further one takes the place of the oldest.
 const MAX_DISTRACTORS: usize = MAX_PLACES;
 
-/// Settings of the distractors.
+/// Settings of the distractors. Settings without a figure were not measured individually.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct DistractorSettings {
-    /// A distractor that was not seen for longer is forgotten, seconds. Its place is predicted meanwhile. Not
-    /// measured by itself.
+    /// Time after which a distractor that is lost is forgotten, seconds. Until then its place is predicted.
     kept_s: f64,
-    /// Radius of the place that is excluded, half diagonals of the distractor's box. Not measured by itself.
+    /// Radius of the excluded place, half diagonals of the distractor's box.
     radius_share: f32,
 }
 
@@ -55,11 +54,11 @@ impl Distractors {
         self.followers.push(rejected);
     }
 
-    /// Follows all distractors in a frame; their places.
+    /// Follows all distractors in a frame. Returns their places.
     pub(super) fn advance(&mut self, frame: &VideoFrame, prior: Option<&MotionPrior>) -> ExcludedPlaces {
         let now = frame.capture.at;
         for follower in &mut self.followers {
-            // A distractor that is lost is not searched for: the search could find the target.
+            // A lost distractor is not searched for, since the search could find the target.
             if follower.phase.is_followed() {
                 follower.advance(frame, prior);
             } else {

@@ -1,7 +1,8 @@
-//! The stage that notices a track that stayed with another object of the target's colour.
+//! The stage that detects a track that stayed with another object of the target's colour.
 //!
-//! Input: the crop and the target. Output: where the target is, if it is not what is followed. The stage
-//! keeps what is known of the objects around the target, and of the target before they came near.
+//! Input: the crop and the target. Output: the place of the target, if the followed object is not the target.
+//! State: the objects around the target, and area, scale and proportions of the target before these objects
+//! came near.
 
 use barrelman_vocab::PixelBox;
 
@@ -14,25 +15,24 @@ use crate::components::{Component, ComponentFinder, MAX_COMPONENTS};
 use crate::crop::Crop;
 use crate::vector::{Vector, difference, sum};
 
-/// Settings of the comparison with objects around the target.
+/// Settings of the comparison with objects around the target. Settings without a figure were not measured
+/// individually.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct ExchangeSettings {
-    /// Minimum usual contrast of a target whose colour tells objects apart, 0 to 1. Not measured by itself.
+    /// Minimum usual contrast of a target whose colour distinguishes objects, 0 to 1.
     min_contrast: f32,
-    /// A component that is larger than usual by this factor is the target and another object. Not measured by
-    /// itself.
+    /// Minimum area of a component that consists of the target and another object, relative to the usual
+    /// area.
     merged: f32,
-    /// Time constant of the usual area, seconds. Not measured by itself.
+    /// Time constant of the usual area, seconds.
     usual_area_s: f64,
-    /// A component with its middle within this factor of the box is a part of the target. Not measured by
-    /// itself.
+    /// Size of the box, relative to the target's, in which components are parts of the target.
     own_box: f32,
-    /// Least area of an object that is compared with the target, as a share of the target's usual area. Not
-    /// measured by itself.
+    /// Minimum area of an object that is compared with the target, relative to the target's usual area.
     min_area: f32,
-    /// The largest such area. Not measured by itself.
+    /// The maximum of the same area.
     max_area: f32,
-    /// Shortest time between two corrections, seconds. Not measured by itself.
+    /// Minimum time between two corrections, seconds.
     min_interval_s: f32,
 }
 
@@ -50,7 +50,7 @@ impl Default for ExchangeSettings {
     }
 }
 
-/// Where the target is that was exchanged.
+/// The target, where another object was followed in its place.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct ExchangedTarget {
     /// Centre of the target, pixels.
@@ -59,14 +59,14 @@ pub(super) struct ExchangedTarget {
     pub(super) shape: Option<(f32, Extent)>,
 }
 
-/// What is known of the objects around a target, with the buffers.
+/// The objects around a target, with the buffers.
 #[derive(Debug, Default)]
 pub(super) struct Exchange {
     settings: ExchangeSettings,
     /// Objects of the target's colour.
     components: ComponentFinder,
     companions: Companions,
-    /// Usual area of the target's component, pixels squared.
+    /// Usual area of the target's component, square pixels.
     usual_area: Option<f32>,
     /// Scale and proportions while no other object was near.
     clear_shape: Option<(f32, Extent)>,
@@ -82,26 +82,25 @@ struct Others {
 }
 
 impl Exchange {
-    /// Forgets the objects: the track goes on elsewhere.
+    /// Forgets the objects, since the track continues at another place.
     pub(super) fn restart(&mut self) {
         self.companions = Companions::default();
         (self.usual_area, self.clear_shape, self.since_exchange_s) = (None, None, 0.0);
     }
 
-    /// Moves the predictions to the next frame, `seconds` after the last one, with the target of this size,
+    /// Moves the predictions to the next frame, `seconds` after the last one. `size` is that of the target,
     /// pixels.
     pub(super) fn predict(&mut self, size: f32, seconds: f32) {
         self.companions.predict(size, seconds);
     }
 
-    /// Whether an object touched the target a moment ago, and nothing told since which of the two is
-    /// followed.
+    /// Whether an object touched the target recently, and it is not known which of the two is followed.
     pub(super) fn is_in_doubt(&self) -> bool {
         self.companions.are_in_doubt()
     }
 
-    /// Follows the objects of the target's colour around it, `seconds` after the last frame. Where the target
-    /// is, if one of them must be the target. `has_paint`: whether the target has a paint of its own.
+    /// Follows the objects of the target's colour around the target, `seconds` after the last frame. Returns
+    /// the target if one of these objects must be it. `has_paint`: whether the target has a paint of its own.
     pub(super) fn find(
         &mut self,
         crop: &Crop,
@@ -154,8 +153,8 @@ impl Exchange {
 }
 
 impl ExchangeSettings {
-    /// The components of about the target's usual area outside of the target's box with this centre and half
-    /// sides, pixels.
+    /// The components whose area is similar to the target's usual area, outside of the target's box with this
+    /// centre and half sides, pixels.
     fn others(
         &self,
         components: &[Component],
@@ -181,7 +180,7 @@ impl ExchangeSettings {
     }
 }
 
-/// The index of the component whose bounds have the largest part in common with a box.
+/// The index of the component whose bounds overlap a box most.
 fn own_component(components: &[Component], own_box: PixelBox) -> Option<usize> {
     let common = components.iter().map(|component| component.bounds.intersection(own_box).area()).enumerate();
     common.filter(|&(_, area)| area > 0.0).max_by(|a, b| a.1.total_cmp(&b.1)).map(|(index, _)| index)
@@ -216,8 +215,8 @@ mod tests {
         red_on_blue((320, 160), is_red)
     }
 
-    /// Where the track is, pixels, after the boat passed the buoy, if it stays with what `followed` gives for
-    /// the boat's place.
+    /// The track's place, pixels, after the boat has passed the buoy. `followed`: the place that is followed
+    /// for each place of the boat.
     fn track_after_passing(followed: impl Fn(f32) -> f32) -> f32 {
         let selection = PixelBox { u: 100.0, v: 60.0, w: 16.0, h: 8.0 };
         let (mut follower, _) = selected(picture(100), selection);

@@ -1,4 +1,4 @@
-//! Places of a video frame in which the search for the target must not find it: there are objects that the operator
+//! Places of a video frame that the search for the target excludes: those of objects that the operator
 //! rejected.
 
 use crate::vector::distance;

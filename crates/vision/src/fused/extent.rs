@@ -1,13 +1,13 @@
 //! Length, breadth and axis of the target, and the upright box that follows from them.
 //!
-//! The operator selects an upright box. Where the colour shows an elongated silhouette in it, the
-//! silhouette's axis is the target's, and length and breadth are those whose upright box is the operator's.
-//! Otherwise a clearly elongated box gives the axis. Otherwise the axis is unknown, and the box does not turn
-//! with the target.
+//! The operator selects an upright box. If the colour shows an elongated silhouette in it, the silhouette
+//! gives the target's axis, and length and breadth are those whose upright box is the operator's. Otherwise a
+//! clearly elongated box gives the axis. Otherwise the axis is unknown, and the box does not turn with the
+//! target.
 //!
-//! The upright box of a target of length L and breadth B with its axis at the angle a: a rectangle's is L
-//! |cos a| + B |sin a| wide, an ellipse's the root of the sum of squares. Hulls lie between, and so does the
-//! exponent of the norm, [`NORM_EXPONENT`].
+//! The target has the length L and the breadth B, and its axis the angle a. The width of the upright box of a
+//! rectangle is the sum of L |cos a| and B |sin a|, that of an ellipse the root of the sum of their squares.
+//! Hulls lie between the two, and so does the exponent of the norm, [`NORM_EXPONENT`].
 
 use crate::colour_model::TargetEllipse;
 use crate::silhouette::Silhouette;
@@ -15,17 +15,16 @@ use crate::vector::Rotation;
 
 /// Exponent of the norm: 1 for rectangles, 2 for ellipses.
 const NORM_EXPONENT: f32 = 1.25;
-/// Settings of what gives a selection an axis.
+/// Settings of the axis of a selection. Settings without a figure were not measured individually.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct ExtentSettings {
-    /// A silhouette with a larger ratio of minor to major axis gives no axis, 0 to 1. Not measured by itself.
+    /// Maximum ratio of minor to major axis of a silhouette that gives the axis, 0 to 1.
     max_roundness: f32,
-    /// Lower bound of the ratio of breadth to length, 0 to 1. Not measured by itself.
+    /// Lower bound of the ratio of breadth to length, 0 to 1.
     min_roundness: f32,
-    /// A box with a smaller ratio of its sides gives no axis, above 1. Not measured by itself.
+    /// Minimum ratio of the sides of a box that gives the axis, above 1.
     min_elongation: f32,
-    /// Maximum ratio of a side of the operator's box to that of the silhouette's upright box. Not measured by
-    /// itself.
+    /// Maximum ratio of a side of the operator's box to that of the silhouette's upright box.
     max_stretch: f32,
 }
 
@@ -93,7 +92,7 @@ impl Extent {
         }
     }
 
-    /// Half axes of the target's ellipse, along and across its axis, pixels.
+    /// Half axes of the target's ellipse, along and across its axis, pixels, at this scale.
     pub(super) fn half_axes(&self, scale: f32) -> (f32, f32) {
         match *self {
             Self::Box { width, height } => (0.5 * scale * width, 0.5 * scale * height),
@@ -101,8 +100,8 @@ impl Extent {
         }
     }
 
-    /// The ellipse in which the colours are counted of a target `scale` times as large with its axis at
-    /// `axis`.
+    /// The ellipse in which the colours of a target `scale` times as large with its axis at `axis` are
+    /// counted.
     pub(super) fn ellipse(&self, scale: f32, axis: f32) -> TargetEllipse {
         let box_size = self.upright_box(scale, axis);
         match *self {

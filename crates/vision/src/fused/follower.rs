@@ -1,8 +1,7 @@
-//! The stages of one followed object, and what concerns several of them: a selection, a loss, a jump.
+//! The stages of one followed object, and the operations on several stages: a selection, a loss, a jump.
 //!
-//! A stage owns its settings, its buffers and what it has learned. What flows between the stages is plain
-//! data: the [`Target`], predictions, observations, candidates, verdicts. `fused` runs the stages in each
-//! frame.
+//! A stage owns its settings, its buffers and its state. Plain data flows between the stages: the [`Target`],
+//! predictions, observations, candidates, verdicts. `fused` runs the stages in each frame.
 
 use std::sync::Arc;
 
@@ -32,7 +31,7 @@ use crate::explanation::{Explanation, TrackerState};
 use crate::heading::HeadingEstimator;
 use crate::refinement::{RefinedBox, RefinementWeights};
 
-/// What follows an object: its state, and the stages in the order of a frame.
+/// Follows an object: state and stages, in the order of a frame.
 #[derive(Debug)]
 pub(super) struct Follower {
     pub(super) config: FusedConfig,
@@ -57,18 +56,18 @@ pub(super) struct Follower {
     pub(super) scene: KnownScene,
 }
 
-/// A selection that was made.
+/// The result of a selection.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct SelectedTarget {
     /// The box that is used, pixels.
     pub(super) used: PixelBox,
-    /// What the network makes of that box.
+    /// The network's answer for that box.
     refined: RefinedBox,
     pub(super) colours: SelectionColours,
 }
 
 impl Follower {
-    /// The stages, with nothing to follow before [`Self::select`].
+    /// The stages before [`Self::select`].
     pub(super) fn new(config: &FusedConfig, weights: Arc<RefinementWeights>) -> Self {
         let learning = Learning::new(config);
         let geometry = TargetGeometry::new((0.0, 0.0), (1.0, 1.0), PictureSize::new(0, 0));
@@ -95,8 +94,8 @@ impl Follower {
         }
     }
 
-    /// Begins to follow what is in a box that the operator dragged. The refined box is used where the dragged
-    /// one is clearly too large or off, or where the silhouette agrees with the refined one alone.
+    /// Begins to follow the object in a box that the operator dragged. The refined box is used if the dragged
+    /// one is clearly too large or displaced, or if the silhouette agrees with the refined box only.
     pub(super) fn select(&mut self, frame: &VideoFrame, dragged: PixelBox) -> SelectedTarget {
         let first = self.select_box(frame, dragged);
         let bounds = first.refined.bounds().clipped(frame.picture.size());
@@ -111,13 +110,13 @@ impl Follower {
                 if self.target.reference.is_some() {
                     return tightened;
                 }
-                // Windows and references have to be those of the box that is used.
+                // Windows and references must be those of the used box.
                 self.select_box(frame, dragged)
             }
         }
     }
 
-    /// Begins to follow what is in a box, and refines the box.
+    /// Begins to follow the object in a box, and refines the box.
     fn select_box(&mut self, frame: &VideoFrame, used: PixelBox) -> SelectedTarget {
         let (picture, now) = (&*frame.picture, frame.capture.at);
         let middle = used.centre();
@@ -151,7 +150,7 @@ impl Follower {
         SelectedTarget { used, refined, colours }
     }
 
-    /// Forgets what was seen around the target until now.
+    /// Forgets path and surroundings of the target.
     fn forget_path(&mut self) {
         self.heading = HeadingEstimator::default();
         self.reported.restart();
@@ -174,9 +173,9 @@ impl Follower {
         self.heading.reset();
     }
 
-    /// Makes the target a lost one if a frame that was captured `now` comes after a gap in the video.
-    /// Whatever moved meanwhile, target or camera, the prediction tells no more which of several objects is
-    /// the target.
+    /// Makes the target a lost one if a frame that was captured `now` comes after a gap in the video. Target
+    /// or camera may have moved in the gap, so that the prediction does not distinguish the target from
+    /// similar objects.
     pub(super) fn lose_in_gap(&mut self, now: Timestamp) {
         if self.motion.is_after_gap(now, self.config.coast_s) {
             if !matches!(self.phase, Phase::Lost { .. }) {
@@ -197,7 +196,7 @@ impl Follower {
         self.learning.restore_reliable_size(&mut self.target.geometry);
     }
 
-    /// What is learned of the target now.
+    /// What has been learned of the target.
     pub(super) fn learned(&self) -> LearnedTarget {
         LearnedTarget {
             target: self.target.clone(),
@@ -207,8 +206,8 @@ impl Follower {
         }
     }
 
-    /// Searches everywhere for the target as it was selected, instead of following an object that is not the
-    /// target. Returns the stages that go on following that object.
+    /// Searches everywhere for the target as it was selected. Returns the stages that continue to follow the
+    /// rejected object.
     pub(super) fn begin_search(&mut self, selected: &LearnedTarget) -> Self {
         let searching = Self::new(&self.config, self.detector.refiner.weights());
         let mut rejected = core::mem::replace(self, searching);
@@ -225,7 +224,7 @@ impl Follower {
         rejected
     }
 
-    /// Makes a target as it was selected the present one.
+    /// Restores the target as it was selected.
     fn restore(&mut self, selected: &LearnedTarget) {
         self.target = selected.target.clone();
         self.detector.refiner.memory = selected.window_memory.clone();
@@ -235,8 +234,8 @@ impl Follower {
         self.learning.keep_size(&self.target.geometry);
     }
 
-    /// Continues from an observation elsewhere in the search window. What is known of other objects around
-    /// the target stays.
+    /// Continues from an observation elsewhere in the search window. Keeps the other objects around the
+    /// target.
     pub(super) fn continue_at(&mut self, observation: &Observation) {
         self.detector.refiner.clear_references();
         self.jump_to(observation);
@@ -256,7 +255,7 @@ impl Follower {
         self.heading.reset();
     }
 
-    /// Moves the target to an observation at another place: at rest, with nothing known of its box there.
+    /// Moves the target to an observation at another place, with zero velocity and without a reported box.
     fn jump_to(&mut self, observation: &Observation) {
         let geometry = &mut self.target.geometry;
         geometry.centre = geometry.box_centre_at(observation.centre);
@@ -265,8 +264,8 @@ impl Follower {
         self.judgement.restart();
     }
 
-    /// Moves the track onto the target that was exchanged for another object, and retrains the filter there.
-    /// The network has not seen the box yet.
+    /// Moves the track from another object back onto the target, and retrains the filter there. The network
+    /// has not evaluated the box there yet.
     pub(super) fn move_onto(&mut self, exchanged: &ExchangedTarget, frame: &VideoFrame) {
         let geometry = &mut self.target.geometry;
         if let Some((scale, extent)) = exchanged.shape {
@@ -282,8 +281,8 @@ impl Follower {
         self.confidence = self.judgement.settings.unjudged;
     }
 
-    /// Moves the target to the predicted position. What the network saw last of a target with a silhouette
-    /// may be the part of it that was not hidden yet: its own box is predicted.
+    /// Moves the target to the predicted position. The own box of a target with a silhouette is reported
+    /// there, since the network's last box may show only the part that was not hidden yet.
     pub(super) fn move_to_prediction(&mut self) {
         self.target.geometry.centre = self.motion.position();
         if self.target.reference.is_some() {
@@ -316,14 +315,14 @@ impl Follower {
         self.reported.localisation(&self.target, &self.heading, frame, (bounds, confidence))
     }
 
-    /// Keeps the view of a frame that is about to be learned from, if it is a new one. `probability` is that
-    /// of the box.
+    /// Keeps the view of a frame that will be learned from, if the view is new. `probability` is that of the
+    /// box.
     pub(super) fn keep_view(&mut self, probability: f32) {
         let spectra = &self.detector.observer.features.spectra;
         self.views.keep_if_new(&self.target.appearance, spectra, probability);
     }
 
-    /// Writes what the last answer is based on; `out` is empty.
+    /// Writes the explanation of the last answer; `out` is empty.
     pub(super) fn explain(&self, out: &mut Explanation) {
         self.detector.observer.explain(out);
         out.state = Some(match self.phase {

@@ -1,29 +1,29 @@
-//! An object that was found in the present picture, and whether an earlier picture shows the same object.
+//! An object in the present picture, and whether an earlier picture shows the same object.
 
 use crate::vector::Vector;
 use barrelman_vocab::{Picture, PictureSize, PixelBox};
 
-/// Largest side of the compared place, pixels.
+/// Maximum side of the compared place, pixels.
 const MAX_SIDE_PX: f32 = 65_535.0;
-/// Largest number of samples along a side.
+/// Maximum number of samples along a side.
 const MAX_SAMPLES: usize = 16;
-/// A picture that has moved by more shows nothing of before, pixels.
+/// Maximum shift of an earlier picture, pixels.
 const MAX_SHIFT_PX: f32 = 1.0e6;
 
-/// Settings of the comparison.
+/// Settings of the comparison. Settings without a figure were not measured individually.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct FoundObjectSettings {
-    /// An object was there if it differs from an earlier picture by at most this share of how it differs from
-    /// what is around it. Not measured by itself.
+    /// Maximum squared difference of the object from an earlier picture that shows it, relative to its
+    /// squared difference from its surroundings.
     max_difference: f32,
-    /// How far from its place an object is looked for, as a share of the picture's width: the kite sways. Not
-    /// measured by itself.
+    /// Maximum distance from its place at which an object is looked for, relative to the picture's width: the
+    /// kite sways.
     search_share: f32,
-    /// The compared place in boxes. Not measured by itself.
+    /// Size of the compared place, relative to the object's box.
     margin_factor: f32,
-    /// Least side of the compared place, pixels. Not measured by itself.
+    /// Minimum side of the compared place, pixels.
     min_side_px: f32,
-    /// How far what is around the place reaches from it, in its longer sides. Not measured by itself.
+    /// Width of the surroundings of the place, in longer sides of the place.
     around_sides: f32,
 }
 
@@ -42,16 +42,17 @@ impl Default for FoundObjectSettings {
 /// Samples of an object in the present picture.
 pub(super) struct FoundObject {
     settings: FoundObjectSettings,
-    /// Of the picture.
+    /// Size of the picture.
     size: PictureSize,
-    /// Left, top, right, bottom, pixels; the distance of two samples, pixels.
+    /// Left, top, right and bottom side of the compared place, pixels.
     sides: [i32; 4],
+    /// Distance of neighbouring samples, pixels.
     step: i32,
-    /// Its samples, those first that differ most from what is around it: they tell soonest that a place is
-    /// not like it.
+    /// The samples, in descending order of their difference from the surroundings: the first ones exclude a
+    /// different place soonest.
     samples: [Sample; MAX_SAMPLES * MAX_SAMPLES],
     count: usize,
-    /// Sum of their squared differences from what is around it.
+    /// Sum of the squared differences of the samples from the surroundings.
     contrast: f32,
 }
 
@@ -60,7 +61,7 @@ struct Sample {
     /// Pixels right and down.
     place: (i32, i32),
     colour: [i32; 3],
-    /// Squared difference from what is around the object.
+    /// Squared difference from the median of the surroundings.
     contrast: i32,
 }
 
@@ -100,8 +101,8 @@ impl FoundObject {
         Self { settings: *settings, size, sides, step, samples, count, contrast }
     }
 
-    /// Whether an earlier picture, with the target in this box, shows the object apart from the target. The
-    /// picture has moved since by this shift, pixels.
+    /// Whether an earlier picture shows the object apart from the target. `target` is the target's box in
+    /// that picture, `shift` the motion of the picture since, pixels.
     pub(super) fn was_in(&self, earlier: &Picture, target: PixelBox, shift: Vector) -> bool {
         let size = earlier.size();
         if size != self.size || self.contrast <= 0.0 {
@@ -137,7 +138,7 @@ impl FoundObject {
         })
     }
 
-    /// Whether an earlier picture is like the present one at the object, displaced by this, pixels.
+    /// Whether an earlier picture resembles the present one at the object, displaced by this, pixels.
     fn is_like(&self, earlier: &Picture, right_by: i32, down_by: i32) -> bool {
         let limit = (self.settings.max_difference * self.contrast) as i32;
         let mut total = 0;

@@ -27,7 +27,7 @@ const MIN_SELECTION_PX: (usize, usize) = (6, 4);
 /// use barrelman_vocab::video::{Capture, CaptureQuality, ColourEncoding};
 /// use barrelman_vocab::{Picture, PictureSize, PixelBox, Timestamp, Track, VideoFrame};
 ///
-/// /// A patterned red boat of 40 x 24 pixels, its left edge at `left` (an even number), on patterned blue water.
+/// /// A patterned red boat of 40 x 24 pixels on patterned blue water. `left`: its left edge, an even number.
 /// fn frame(sequence: u64, left: usize) -> VideoFrame {
 ///     let size = PictureSize::new(240, 160);
 ///     let mut picture = Picture::black(size, ColourEncoding::assumed_for(size));
@@ -37,7 +37,11 @@ const MIN_SELECTION_PX: (usize, usize) = (6, 4);
 ///     let [y, u, v] = picture.planes_mut();
 ///     for (index, y) in y.iter_mut().enumerate() {
 ///         let (column, row) = (index % 240, index / 240);
-///         *y = if is_boat(column, row) { 50 + 2 * pattern(column - left, row) } else { 80 + pattern(row, column) };
+///         *y = if is_boat(column, row) {
+///             50 + 2 * pattern(column - left, row)
+///         } else {
+///             80 + pattern(row, column)
+///         };
 ///     }
 ///     for (index, (u, v)) in u.iter_mut().zip(v).enumerate() {
 ///         (*u, *v) = if is_boat(2 * (index % 120), 2 * (index / 120)) { (90, 240) } else { (190, 100) };
@@ -51,7 +55,8 @@ const MIN_SELECTION_PX: (usize, usize) = (6, 4);
 /// tracker.select(&frame(0, 60), PixelBox { u: 60.0, v: 60.0, w: 40.0, h: 24.0 })?;
 /// for sequence in 1..=10 {
 ///     let left = 60 + 4 * sequence;
-///     let Track::Tracking(boat) = tracker.track(&frame(sequence as u64, left), None) else { panic!("not found") };
+///     let track = tracker.track(&frame(sequence as u64, left), None);
+///     let Track::Tracking(boat) = track else { panic!("{track:?}") };
 ///     assert!(boat.bounds.iou(PixelBox { u: left as f64, v: 60.0, w: 40.0, h: 24.0 }) > 0.75);
 /// }
 /// // The boat leaves the picture: the track coasts, and is lost.
@@ -61,9 +66,9 @@ const MIN_SELECTION_PX: (usize, usize) = (6, 4);
 /// ```
 #[derive(Debug)]
 pub struct FusedTracker {
-    /// The stages. They stay when nothing is followed, for their buffers.
+    /// The stages. They are kept while nothing is followed, for their buffers.
     follower: Follower,
-    /// The target at the selection: what is searched for after a rejection. `None` while nothing is followed.
+    /// The target at the selection, which is searched for after a rejection. `None` before a selection.
     selected: Option<LearnedTarget>,
     distractors: Distractors,
 }
@@ -90,14 +95,13 @@ impl FusedTracker {
         Ok(Self { follower, selected: None, distractors: Distractors::default() })
     }
 
-    /// The window that the refinement network read in the last frame; `None` where the target was searched
-    /// for.
+    /// The window that the refinement network read last; `None` while the target is searched for.
     pub fn refinement_window(&self) -> Option<&RefinementWindow> {
         let is_searched = matches!(self.follower.phase, Phase::Lost { .. });
         (self.selected.is_some() && !is_searched).then_some(&self.follower.detector.refiner.window)
     }
 
-    /// Measures the window of the last frame anew, around another box than the tracker's: for training
+    /// Measures the window of the last frame again, around another box than the tracker's, for training
     /// samples. The centre is moved by `shift` sizes of the target, the sides are multiplied by `factors`.
     pub fn measure_other_window(&mut self, shift: (f32, f32), factors: (f32, f32)) {
         let Follower { target, detector, .. } = &mut self.follower;

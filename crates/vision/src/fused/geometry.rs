@@ -1,4 +1,4 @@
-//! Where the target is in the picture, how large it is and how it is turned.
+//! Position, size and rotation of the target in the picture.
 
 use barrelman_vocab::PictureSize;
 
@@ -8,20 +8,20 @@ use crate::fourier::SIDE;
 use crate::gradients::CELL;
 use crate::vector::{Vector, scaled, sum};
 
-/// Limits of the target's box and of the search window.
+/// Limits of the target's box and of the search window. Settings without a figure were not measured
+/// individually.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct GeometrySettings {
-    /// Minimum side of the target's upright box, and minimum length and breadth by a silhouette, pixels. The
-    /// colours of video have half the resolution: less than two of their samples give no breadth, and boxes
-    /// became strips.
+    /// Minimum side of the target's upright box, and minimum length and breadth by a silhouette, pixels.
+    /// Chroma has half the resolution of the picture: less than two samples do not give a breadth. With a
+    /// lower minimum, boxes became strips.
     min_side_px: f32,
-    /// Minimum side of the search window, lengths of the target. Not measured by itself.
+    /// Minimum side of the search window, lengths of the target.
     min_window_lengths: f32,
-    /// Minimum side of the search window, pixels. A smaller window gains no resolution. Not measured by
-    /// itself.
+    /// Minimum side of the search window, pixels. A smaller window would not have a higher resolution.
     min_window_px: f32,
     /// Side of the square around the target that background registration leaves out, half lengths of the
-    /// target. Not measured by itself.
+    /// target.
     blanked_half_lengths: f32,
 }
 
@@ -39,7 +39,7 @@ pub(super) struct TargetGeometry {
     pub(super) extent: Extent,
     /// Root of the area of the selection's box, pixels.
     pub(super) initial_size_px: f32,
-    /// Present size over that of the selection.
+    /// Present size relative to that at the selection.
     pub(super) scale: f32,
     /// Rotation of the patches since the selection, radians clockwise.
     pub(super) patch_angle: f32,
@@ -85,7 +85,7 @@ impl TargetGeometry {
         self.extent.half_axes(self.scale)
     }
 
-    /// The longer one of them.
+    /// The longer half axis, pixels.
     pub(super) fn longer_half_axis(&self) -> f32 {
         let (along, across) = self.half_axes();
         along.max(across)
@@ -109,7 +109,7 @@ impl TargetGeometry {
         }
     }
 
-    /// The target's axis if the target is turned as the patch is.
+    /// The target's axis if the target has turned with the patch.
     pub(super) fn axis_in(&self, pose: &PatchPose) -> f32 {
         match self.extent {
             Extent::Box { .. } => 0.0,
@@ -165,8 +165,8 @@ impl TargetGeometry {
         }
     }
 
-    /// Makes a box without an axis wider and higher by these factors, between the minimum side and the
-    /// picture. The size, with which the filter is sampled, follows by the share `size_share` of the
+    /// Makes a box without an axis wider and higher by these factors, within the limits of minimum side and
+    /// picture. The size with which the filter is sampled follows the box by the share `size_share` of the
     /// logarithm.
     pub(super) fn reshape_box(&mut self, wider: f32, higher: f32, size_share: f32) {
         let (w, h) = self.upright_box();
@@ -201,8 +201,8 @@ impl TargetGeometry {
         u < half.0 || v < half.1 || u > width - half.0 || v > height - half.1
     }
 
-    /// Converts to pixels of a picture of another size with the same field of view. The factors along u and
-    /// v.
+    /// Converts to pixels of a picture of another size with the same field of view. Returns the factors along
+    /// u and v.
     pub(super) fn rescale_to_picture(&mut self, picture: PictureSize) -> (f32, f32) {
         let (u, v) = (
             picture.width as f32 / self.picture.width as f32,

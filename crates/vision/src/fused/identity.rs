@@ -1,13 +1,13 @@
-//! The stage that says whether the followed object is the target, or a similar object.
+//! The stage that decides whether the followed object is the target, or may be a similar object.
 //!
-//! The refinement network judges whether a box fits an object, not which object. After an interruption of the
-//! track (a loss, or a jump) the followed object may be a similar one. The confidence is halved then. Two
-//! comparisons decide:
+//! The refinement network judges whether a box fits an object, but not which object. After an interruption of
+//! the track (a loss, or a jump) the followed object may be a similar one. Two comparisons decide. If either
+//! leaves a doubt, the confidence is halved:
 //!
-//! - with the objects beside the target: the newest picture in which the target was sure is searched as if
-//!   the target were lost in it. Where a similar object would be recognised there, the candidate found after
-//!   the interruption may be that object.
-//! - with the target: a candidate elsewhere than at the loss must be recognised clearly.
+//! - with the objects beside the target: the newest picture with a certain target is searched as if the
+//!   target were lost in it. If the search recognises another object there, the candidate after the
+//!   interruption may be that object.
+//! - with the target: a candidate away from the place of the loss must be recognised clearly.
 //!
 //! Work: at most `max_rivals` + 1 search windows and one search by colour, once for each interruption. Not
 //! handled: similar objects that come into view after the interruption.
@@ -21,21 +21,20 @@ use super::search::Search;
 use super::target::Target;
 use crate::features::PatchPose;
 
-/// Settings of the check. With the check, 23 of 4,827 cut sequences of the 39 clips show another object at
-/// 0.5 or more; without, 527 (docs/tracking.md).
+/// Settings of the check. With the check, 24 of 4,863 cut sequences of the 39 clips show another object at
+/// 0.5 or more. Settings without a figure were not measured individually.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct IdentitySettings {
-    /// Recognition score from which on a candidate is clearly the target. Of the candidates in six clips that
-    /// were cut, 18 of 44 wrong and 14 of 121 right ones had less.
+    /// Minimum recognition score of a candidate that is clearly the target. Of the candidates in six clips
+    /// that were cut, 18 of 44 wrong and 14 of 121 right ones had less.
     min_clear_score: f32,
-    /// The same after a gap, when the camera may have turned away meanwhile: 38 of the wrong and 54 of the
-    /// right ones had less.
+    /// The same after a gap, in which the camera may have turned: 38 of the wrong and 54 of the right ones
+    /// had less.
     min_clear_score_after_gap: f32,
-    /// Number of places by colour beside the target that are compared with the target. Not measured by
-    /// itself.
+    /// Maximum number of places of the target's colour beside the target that are compared with the target.
     max_rivals: usize,
-    /// Factor on the confidence of a box that may be a similar object's: of two similar objects, each is as
-    /// probable.
+    /// Factor on the confidence of a box that may be that of a similar object. Two similar objects are
+    /// equally probable.
     doubtful_share: f64,
 }
 
@@ -48,22 +47,22 @@ impl Default for IdentitySettings {
 /// Whether the followed object, or the next candidate, is the target.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Identity {
-    /// It is.
+    /// The object is the target.
     Sure,
-    /// The track was interrupted. Whether similar objects were beside the target is not known yet.
+    /// The track was interrupted, and the objects beside the target have not been compared yet.
     Unchecked,
-    /// It may be a similar object.
+    /// The object may be a similar one.
     Doubtful,
 }
 
-/// The check, and what it has found.
+/// The check and its result.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct IdentityCheck {
     settings: IdentitySettings,
     identity: Identity,
 }
 
-/// The stages that a check asks.
+/// The inputs of a check.
 pub(super) struct IdentityInput<'a> {
     pub(super) observer: &'a mut Observer,
     pub(super) recognition: &'a mut Recognition,
@@ -82,22 +81,22 @@ impl IdentityCheck {
         self.identity = Identity::Sure;
     }
 
-    /// Whether what is followed is the target.
+    /// Whether the followed object is the target.
     pub(super) fn is_sure(&self) -> bool {
         self.identity == Identity::Sure
     }
 
-    /// Factor on the confidence of the box that is followed.
+    /// Factor on the confidence of the followed box.
     pub(super) fn share(&self) -> f64 {
         if self.is_sure() { 1.0 } else { self.settings.doubtful_share }
     }
 
-    /// The target was lost.
+    /// Records a loss of the target.
     pub(super) fn add_loss(&mut self) {
         self.identity = Identity::Unchecked;
     }
 
-    /// The track jumped within the picture.
+    /// Records a jump of the track within the picture.
     pub(super) fn add_jump(&mut self) {
         if self.is_sure() {
             self.identity = Identity::Unchecked;
@@ -127,8 +126,8 @@ impl IdentityCheck {
         }
     }
 
-    /// The best recognition score of a similar object in the newest picture in which the target was sure; 0
-    /// where there is none.
+    /// The best recognition score of a similar object in the newest picture with a certain target; 0 if there
+    /// is none.
     fn best_rival_score(&self, input: &mut IdentityInput<'_>) -> f32 {
         let Some((picture, own)) = input.scene.newest() else { return 0.0 };
         let picture = Arc::clone(picture);

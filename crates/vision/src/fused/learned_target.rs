@@ -1,7 +1,7 @@
-//! What is learned of a target at its selection: what the tracker searches for after a rejection.
+//! What is learned of a target at its selection. The tracker searches for this target after a rejection.
 //!
-//! Filters of earlier views and the reliable size follow from the target as it was at the selection. Everything
-//! else that a follower holds is a buffer, or belongs to the path since.
+//! The filters of earlier views and the reliable size follow from the target at the selection. All other
+//! fields of a follower are buffers, or belong to the path since the selection.
 
 use super::blob::TargetPaint;
 use super::confidence::Confidence;
@@ -12,9 +12,9 @@ use crate::refinement::WindowMemory;
 #[derive(Debug)]
 pub(super) struct LearnedTarget {
     pub(super) target: Target,
-    /// What the window of the refinement network showed.
+    /// The window of the refinement network at the selection.
     pub(super) window_memory: WindowMemory,
-    /// The target's paint, if the target has one that sets it apart.
+    /// The target's paint, if the target has one that differs from its surroundings.
     pub(super) paint: Option<TargetPaint>,
     pub(super) judgement: Confidence,
 }

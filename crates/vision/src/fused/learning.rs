@@ -1,7 +1,8 @@
-//! The stage that learns: the whole appearance from a selection, a small share from each reliable frame.
+//! The stage that learns the target's appearance: all of it from a selection, a small share from each
+//! reliable frame.
 //!
 //! Input: the target, the observer's crop and features, and the observation. Output: the target's filter,
-//! colours, layout and usual values. The stage keeps the size in the last frame that was learned from.
+//! colours, layout and usual values. State: the size in the last frame that was learned from.
 
 use barrelman_vocab::Picture;
 
@@ -19,32 +20,31 @@ use crate::fourier::{AREA, Map, SIDE};
 use crate::gradients::CELL;
 use crate::vector::length;
 
-/// Settings of the learning. The rates of filter and colours are the user's.
+/// Settings of the learning. The learning rates of filter and colours are set by the user. Settings without a
+/// figure were not measured individually.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct LearningSettings {
-    /// ADMM steps of the filter at the selection. Not measured by itself.
+    /// ADMM steps of the filter at the selection.
     initial_admm_steps: usize,
-    /// ADMM steps per learned frame, which continue from the last solution. Not measured by itself.
+    /// ADMM steps per learned frame. They continue from the last solution.
     admm_steps: usize,
-    /// Interval at which the colours are counted, learned frames. Not measured by itself.
+    /// Interval at which the colours are counted, learned frames.
     colour_interval: u32,
-    /// Minimum relative contrast at which the colours adapt, 0 to 1. Not measured by itself.
+    /// Minimum relative contrast at which the colours adapt, 0 to 1.
     min_adapted_contrast: f32,
-    /// Rate of the usual values, 0 to 1: about twenty frames. Not measured by itself.
+    /// Learning rate of the usual values, 0 to 1: a time constant of about twenty frames.
     usual_rate: f32,
-    /// Rate of the usual similarities, 0 to 1, which are measured in every fourth frame only. Not measured by
-    /// itself.
+    /// Learning rate of the usual similarities, 0 to 1. They are measured in every fourth frame only.
     similarity_rate: f32,
-    /// First estimate of the usual height of the response's peak. Not measured by itself.
+    /// First estimate of the usual height of the response's peak.
     initial_peak_height: f32,
-    /// First estimate of the usual similarity of the colours and of their layout, 0 to 1. Not measured by
-    /// itself.
+    /// First estimate of the usual similarity of the colours and of their layout, 0 to 1.
     initial_similarity: f32,
-    /// Increase of the filter's learning rate with the box's distance from the filter's place, per size. Without,
-    /// AUC is 0.707 for 0.702 with exact selections of the 39 clips; not measured with loose ones, where the
-    /// distance is larger.
+    /// Increase of the filter's learning rate with the box's distance from the filter's place, per size.
+    /// Without, AUC is 0.707 for 0.702 with exact selections of the 39 clips; not measured with loose ones,
+    /// where the distance is larger.
     offset_boost: f32,
-    /// The largest learning rate, 0 to 1. Not measured by itself.
+    /// Maximum learning rate of the filter, 0 to 1.
     max_learning_rate: f32,
 }
 
@@ -87,7 +87,7 @@ impl Learning {
         }
     }
 
-    /// The appearance of a target that was not selected yet.
+    /// The appearance before the first selection.
     pub(super) fn unknown_appearance(&self) -> Appearance {
         Appearance::new(ColourModel::default(), self.first_usual_values())
     }
@@ -118,8 +118,8 @@ impl Learning {
         Appearance::new(colours, self.first_usual_values())
     }
 
-    /// Sets what the filter is trained for by the box of a selection, width and height in pixels, and trains
-    /// the filter.
+    /// Sets desired response and mask for the box of a selection (width and height, pixels), and trains the
+    /// filter.
     pub(super) fn select_pattern(
         &mut self,
         target: &mut Target,
@@ -171,7 +171,7 @@ impl Learning {
         observation: &Observation,
     ) {
         let settings = self.settings;
-        // The filter learns the box's centre as its own place. Where the two differ, it learns faster.
+        // The filter learns the box's centre as its own place. It learns faster if the two differ.
         let (right, down) = target.geometry.offset;
         let boost = 1.0 + settings.offset_boost * length(target.geometry.offset);
         let rate = (self.config.learning_rate as f32 * boost).min(settings.max_learning_rate);

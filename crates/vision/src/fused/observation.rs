@@ -1,4 +1,4 @@
-//! What one evaluation of filter, colour and network says of a place.
+//! The result of one evaluation of filter, colour and network at a place.
 
 use crate::correlation::Peak;
 use crate::crop::ColourContrast;
@@ -6,7 +6,7 @@ use crate::features::PatchPose;
 use crate::refinement::RefinedBox;
 
 /// The peak of the filter's response in one search window, and the colour at that peak. *Relative* means
-/// divided by what is usual for the target.
+/// divided by the target's usual value.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Observation {
     /// Pose of the search window.

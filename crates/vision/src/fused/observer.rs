@@ -1,7 +1,7 @@
 //! The stage that evaluates filter and colour in a search window.
 //!
-//! Input: the target's model, a picture and the pose of a search window. Output: an [`Observation`]. The
-//! crop, the features and the response of the last search window stay for the stages after this one.
+//! Input: the target's model, a picture and the pose of a search window. Output: an [`Observation`]. State:
+//! crop, features and response of the last search window, which later stages use.
 
 use barrelman_vocab::{Picture, PixelBox};
 
@@ -17,26 +17,25 @@ use crate::fourier::{AREA, Map, SIDE, Spectrum};
 use crate::gradients::CELL;
 use crate::vector::Rotation;
 
-/// Settings of the evaluation of search windows.
+/// Settings of the evaluation of search windows. Settings without a figure were not measured individually.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct ObserverSettings {
-    /// Size of the crop in search windows: the crop also serves the patch that is learned from. Not measured
-    /// by itself.
+    /// Side of the crop, in sides of the search window. The crop also contains the patch that is learned
+    /// from.
     crop_margin: f32,
-    /// Height from which on a second peak is looked at, as a share of the first. Not measured by itself.
+    /// Minimum height of a second peak that is observed, relative to the first.
     min_second_height: f32,
-    /// Distance of a box from the middle of the crop from which on the crop is extracted anew, in sides of
-    /// the search window. Not measured by itself.
+    /// Maximum distance of a box from the middle of the crop, in sides of the search window. The crop is
+    /// extracted again for a box farther away.
     max_off_centre: f32,
-    /// Two standard deviations of the prediction may reach this share of the search window's side; beyond it
-    /// the neighbouring windows are evaluated, too. Not measured by itself.
+    /// Maximum of two standard deviations of the prediction, in sides of the search window. With a less
+    /// certain prediction, the neighbouring windows are evaluated as well.
     max_uncertainty_share: f32,
-    /// Relative contrast that is evidence neither for nor against the target. Not measured by itself.
+    /// Relative contrast that does not change the evidence.
     neutral_colour: f32,
-    /// Relative height of the response that is evidence neither for nor against the target. Not measured by
-    /// itself.
+    /// Relative height of the response that does not change the evidence.
     neutral_height: f32,
-    /// Evidence per unit of relative height. Not measured by itself.
+    /// Evidence per unit of relative height.
     height_evidence: f32,
 }
 
@@ -54,7 +53,7 @@ impl Default for ObserverSettings {
     }
 }
 
-/// How a target has grown and turned since the last frame, by the filter.
+/// Growth and rotation of a target since the last frame, by the filter.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct PoseChange {
     /// Factor on the size.
@@ -63,7 +62,7 @@ pub(super) struct PoseChange {
     pub(super) turn: f32,
 }
 
-/// What evaluates search windows, with its buffers.
+/// Evaluates search windows; keeps its buffers.
 #[derive(Debug)]
 pub(super) struct Observer {
     config: FusedConfig,
@@ -100,8 +99,8 @@ impl Observer {
         target.geometry.patch_pose(self.config.padding)
     }
 
-    /// Observes the window around the prediction, and its neighbours if the prediction is too uncertain. The
-    /// best observation, whose crop is the one that is kept.
+    /// Observes the window around the prediction, and its neighbours if the prediction is too uncertain.
+    /// Returns the best observation, and keeps its crop.
     pub(super) fn observe_prediction(
         &mut self,
         target: &Target,
@@ -130,8 +129,8 @@ impl Observer {
         best
     }
 
-    /// Observes a candidate in both directions of its axis, since a hull looks similar from either end. The
-    /// observation with more evidence, and whether that is the one in the other direction.
+    /// Observes a candidate in both directions of its axis, since a hull looks similar from either end.
+    /// Returns the observation with more evidence, and whether that is the one in the other direction.
     pub(super) fn observe_either_direction(
         &mut self,
         target: &Target,
@@ -143,7 +142,7 @@ impl Observer {
         if reversed.evidence > observation.evidence {
             return (reversed, true);
         }
-        // The following stages sample the crop of the observation that is returned.
+        // The following stages sample the crop of the returned observation.
         (self.observe(target, picture, observation.pose), false)
     }
 
@@ -157,15 +156,16 @@ impl Observer {
         self.observation_at(target, Peak::find(&self.response))
     }
 
-    /// The observation at the second highest peak of the last search window; `None` where it is much lower.
+    /// The observation at the second highest peak of the last search window. `None` if that peak is much
+    /// lower.
     pub(super) fn observe_second_peak(&self, target: &Target, first: &Observation) -> Option<Observation> {
         let second = first.peak.find_second(&self.response)?;
         (second.height > self.settings.min_second_height * first.peak.height)
             .then(|| self.observation_at(target, second))
     }
 
-    /// The observation at the highest response of the last search window, that of `highest`, at another place
-    /// that is allowed: by its shift right and down, cells.
+    /// The observation at the highest peak of the last search window that `is_allowed` (shift right and down,
+    /// cells). `highest` is the observation at the highest peak.
     pub(super) fn observe_other(
         &self,
         target: &Target,
@@ -206,7 +206,7 @@ impl Observer {
             + settings.height_evidence * height
     }
 
-    /// How the target has grown and turned since the last frame, by the responses at an observation.
+    /// Growth and rotation of the target since the last frame, by the responses at an observation.
     pub(super) fn measure_pose_change(&mut self, target: &Target, observation: &Observation) -> PoseChange {
         let config = self.config;
         let pose = PatchPose { centre: observation.centre, ..observation.pose };
@@ -242,7 +242,7 @@ impl Observer {
         if below <= present && above <= present {
             return parabola_vertex(below, present, above);
         }
-        // One step is better; two may be better still.
+        // The response is higher after one step. It may be still higher after two.
         let (side, near) = if above > below { (1.0, above) } else { (-1.0, below) };
         let far = score(2.0 * side);
         if far > near { 2.0 * side } else { side * (1.0 + parabola_vertex(present, near, far)) }
@@ -270,8 +270,8 @@ impl Observer {
         self.crop_centre = pose.centre;
     }
 
-    /// Extracts the crop anew around an observation's box if the box lies far from the middle of the last
-    /// crop. The centre of the box, pixels.
+    /// Extracts the crop again around an observation's box if the box lies far from the middle of the last
+    /// crop. Returns the centre of the box, pixels.
     pub(super) fn centre_crop(
         &mut self,
         target: &Target,

@@ -3,7 +3,7 @@
 //! ```text
 //!                  visible                                     visible
 //!                  +------+                                    +------+
-//!                  v      |  not visible                       v      | (fewer than `confirm` times in a row)
+//!                  v      |  not visible                       v      | (fewer than `confirm` times)
 //!  selection -> Tracking -+------------> Coasting            Confirming
 //!                  ^                      |   |               ^   |   |
 //!                  |  visible             |   | longer than   |   |   | not visible
@@ -17,8 +17,8 @@
 //!
 //! A gap in the video leads from any state to `Lost` (`Follower::lose_in_gap`).
 //!
-//! `Tracking` is reported as tracking, `Coasting` as coasting, `Lost` and `Confirming` as lost: a re-detected target is
-//! reported only once it is confirmed.
+//! `Tracking` is reported as tracking, `Coasting` as coasting, `Lost` and `Confirming` as lost: a re-detected
+//! target is reported only once it is confirmed.
 
 use barrelman_vocab::Timestamp;
 
@@ -58,7 +58,8 @@ pub(super) enum Visibility {
 }
 
 impl Phase {
-    /// The state after a frame captured at `now`. `coast_s` (seconds) and `confirm` are those of the configuration.
+    /// The state after a frame captured at `now`. `coast_s` (seconds) and `confirm` are those of the
+    /// configuration.
     pub(super) fn after(self, visibility: Visibility, now: Timestamp, coast_s: f64, confirm: u32) -> Self {
         match (self, visibility) {
             (Self::Tracking | Self::Coasting { .. }, Visibility::Visible) => Self::Tracking,

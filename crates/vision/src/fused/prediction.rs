@@ -1,7 +1,7 @@
 //! The stage that predicts the target's position: the Kalman filters of both picture axes and the motion of
 //! the camera.
 //!
-//! The camera's motion comes from the [`MotionPrior`], or else from registration of the background. Input:
+//! The camera's motion comes from the [`MotionPrior`], otherwise from registration of the background. Input:
 //! the frame and its prior. Output: a [`Prediction`].
 
 use barrelman_vocab::{MotionPrior, Picture, Timestamp};
@@ -15,33 +15,33 @@ use crate::motion::AxisFilter;
 use crate::tracker::BackgroundShift;
 use crate::vector::{Vector, distance};
 
-/// A prior with a larger shift or standard deviation is ignored, pixels.
+/// Maximum shift and standard deviation of a plausible prior, pixels.
 const MAX_PRIOR_SHIFT_PX: f64 = 1.0e6;
 
-/// Settings of the prediction. How far the target may accelerate is the user's `agility`.
+/// Settings of the prediction. The target's acceleration is set by the user: `agility`. Settings without a
+/// figure were not measured individually.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct PredictionSettings {
-    /// Least time between two frames that is reckoned with, seconds. Not measured by itself.
+    /// Lower bound of the predicted time between two frames, seconds.
     min_gap_s: f64,
-    /// Longest time that is reckoned with, seconds: a longer gap predicts no more. Not measured by itself.
+    /// Upper bound of the same time, seconds. After a longer gap the velocity is not extrapolated further.
     max_gap_s: f64,
-    /// A prior with a larger standard deviation is used only where background registration gives no shift,
-    /// pixels. Not measured by itself.
+    /// Maximum standard deviation of a precise prior, pixels. A coarse prior is used only if background
+    /// registration gives no shift.
     precise_prior_std_dev_px: f64,
     /// Maximum distance of a measured background shift from a coarse prior, standard deviations of the prior.
-    /// Not measured by itself.
     max_shift_deviations: f64,
-    /// Standard deviation of a measured background shift, sizes. Not measured by itself.
+    /// Standard deviation of a measured background shift, sizes.
     shift_std_dev_sizes: f64,
-    /// Standard deviation of the position at the selection, pixels. Not measured by itself.
+    /// Standard deviation of the position at the selection, pixels.
     initial_std_dev_px: f64,
-    /// Standard deviation of the velocity at the selection, sizes per second. Not measured by itself.
+    /// Standard deviation of the velocity at the selection, sizes per second.
     initial_speed_sizes_per_s: f64,
-    /// Standard deviation of the position after a re-detection, sizes. Not measured by itself.
+    /// Standard deviation of the position after a re-detection, sizes.
     restart_std_dev_sizes: f64,
-    /// Standard deviation of the velocity after a re-detection, sizes per second. Not measured by itself.
+    /// Standard deviation of the velocity after a re-detection, sizes per second.
     restart_speed_sizes_per_s: f64,
-    /// Standard deviation of a measured position, sizes. Not measured by itself.
+    /// Standard deviation of a measured position, sizes.
     position_std_dev_sizes: f64,
 }
 
@@ -62,7 +62,7 @@ impl Default for PredictionSettings {
     }
 }
 
-/// Where the target is expected.
+/// The expected place of the target.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Prediction {
     /// The predicted position, pixels; it may lie outside the picture.
@@ -83,7 +83,7 @@ pub(super) enum CameraShift {
 }
 
 impl CameraShift {
-    /// The best estimate; zero where the shift is unknown.
+    /// The best estimate; zero if the shift is unknown.
     pub(super) fn estimate(self) -> Vector {
         match self {
             Self::Unknown => (0.0, 0.0),
@@ -91,7 +91,7 @@ impl CameraShift {
         }
     }
 
-    /// The shift where it is known.
+    /// The shift, if it is known.
     pub(super) fn known(self) -> Option<Vector> {
         match self {
             Self::Known(shift) => Some(shift),
@@ -103,7 +103,7 @@ impl CameraShift {
 /// The motion prior of a frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Prior {
-    /// None, or one that says nothing.
+    /// No prior, or one without information.
     None,
     /// Less precise than background registration.
     Coarse(MotionPrior),
@@ -119,7 +119,7 @@ impl Prediction {
 }
 
 impl PredictionSettings {
-    /// What the prior of a frame is worth for a target of this size, pixels.
+    /// Classifies the prior of a frame for a target of this size, pixels.
     fn classify(&self, prior: Option<&MotionPrior>, size_px: f64) -> Prior {
         let Some(prior) = prior else { return Prior::None };
         // Also false for NaN.
@@ -188,12 +188,12 @@ impl TargetMotion {
         (self.prior, self.camera_shift) = (Prior::None, CameraShift::Unknown);
     }
 
-    /// Starts a frame: no shift of the background has been measured in it.
+    /// Starts a frame, in which no shift of the background has been measured yet.
     pub(super) fn begin_frame(&mut self) {
         self.background.forget_measurement();
     }
 
-    /// Predicts to the time of capture `now`. The time since the last frame, seconds.
+    /// Predicts to the time of capture `now`. Returns the time since the last frame, seconds.
     pub(super) fn predict(
         &mut self,
         now: Timestamp,
@@ -220,7 +220,7 @@ impl TargetMotion {
         seconds
     }
 
-    /// Measures the shift of the background in a frame where no precise prior gives it, and adds it to the
+    /// Measures the shift of the background, unless a precise prior gives it, and adds the shift to the
     /// prediction.
     pub(super) fn measure_shift(&mut self, picture: &Picture, geometry: &TargetGeometry) -> Prediction {
         let measured = match self.prior {
@@ -231,8 +231,7 @@ impl TargetMotion {
         self.prediction()
     }
 
-    /// The same for a target that is lost: only the first frame after a gap has a reference from before, and
-    /// the velocity decays.
+    /// The same for a lost target, whose velocity decays. Only the first frame after a gap has a reference.
     pub(super) fn predict_lost(&mut self, picture: &Picture, geometry: &TargetGeometry) -> Prediction {
         self.measure_shift(picture, geometry);
         self.background.clear_reference();
@@ -243,8 +242,7 @@ impl TargetMotion {
         self.prediction()
     }
 
-    /// Predicts the position of a target that is not looked for, and so has no measured shift of the
-    /// background.
+    /// Predicts the position of a target that is not looked for. The shift of the background is not measured.
     pub(super) fn predict_unseen(
         &mut self,
         now: Timestamp,
@@ -276,15 +274,15 @@ impl TargetMotion {
             && (0.0..=f64::from(picture.1)).contains(&self.axes.1.position)
     }
 
-    /// Whether a frame that was captured `now` comes after a gap in the video: it is later than the interval
-    /// of the last two frames by more than `coast_s`, seconds, and by more than that interval. So a slow
-    /// video has no gaps.
+    /// Whether a frame that was captured `now` comes after a gap in the video: the time since the last frame
+    /// exceeds the interval before by more than `coast_s`, seconds, and by more than that interval. A slow
+    /// video therefore has no gaps.
     pub(super) fn is_after_gap(&self, now: Timestamp, coast_s: f64) -> bool {
         let interval = now.since(self.last_capture).as_secs_f64();
         interval - self.last_interval_s > coast_s.max(self.last_interval_s)
     }
 
-    /// Adds the camera's shift where no precise prior gave it: the measured background shift, or else the
+    /// Adds the camera's shift, unless a precise prior gave it: the measured background shift, otherwise the
     /// coarse prior.
     fn add_camera_shift(&mut self, measured: Option<(f32, f32)>, size_px: f64) {
         let settings = self.settings;
@@ -311,8 +309,8 @@ impl TargetMotion {
         }
     }
 
-    /// Corrects the prediction by the target's measured centre, and makes the frame the reference of the next
-    /// registration where no precise prior tells of the camera's motion.
+    /// Corrects the prediction by the target's measured centre. Makes the frame the reference of the next
+    /// registration, unless there is a precise prior.
     pub(super) fn correct(&mut self, picture: &Picture, geometry: &TargetGeometry) {
         let std_dev = self.settings.position_std_dev_sizes * f64::from(geometry.size_px());
         self.axes.0.correct(f64::from(geometry.centre.0), std_dev);
@@ -329,7 +327,7 @@ impl TargetMotion {
         self.background.set_reference(picture.y(), &mut self.fourier, geometry.centre, blanked);
     }
 
-    /// Forgets the reference of background registration.
+    /// Drops the reference of background registration.
     pub(super) fn clear_background_reference(&mut self) {
         self.background.clear_reference();
     }
@@ -339,7 +337,7 @@ impl TargetMotion {
         self.background.measured()
     }
 
-    /// How the camera's motion in this frame is known.
+    /// The source of the camera's motion in this frame.
     pub(super) const fn camera_motion_source(&self) -> CameraMotionSource {
         match self.prior {
             Prior::Coarse(_) | Prior::Precise(_) => CameraMotionSource::Told,
@@ -347,7 +345,7 @@ impl TargetMotion {
         }
     }
 
-    /// Starts again at a re-detected position, pixels.
+    /// Restarts at another position, pixels.
     pub(super) fn restart_at(&mut self, centre: (f32, f32), geometry: &TargetGeometry) {
         let (settings, size_px) = (&self.settings, f64::from(geometry.size_px()));
         let axis = |position: f32| {

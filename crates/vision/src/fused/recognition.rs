@@ -1,7 +1,7 @@
 //! The stage that compares an observation with the lost target: pattern, colours and their layout.
 //!
-//! Input: an observation with the target's model and the picture. Output: a score, and whether that is enough
-//! at its place. The stage keeps where the target was lost, and the mean score of the candidate that is being
+//! Input: an observation with the target's model and the picture. Output: a score, and whether the score is
+//! sufficient at its place. State: the place of the loss, and the mean score of the candidate that is being
 //! confirmed.
 
 use barrelman_vocab::{Picture, Timestamp};
@@ -12,24 +12,24 @@ use super::observation::Observation;
 use super::target::Target;
 use crate::vector::distance;
 
-/// Settings of the recognition. The least evidence is the user's `again`.
+/// Settings of the recognition. The minimum evidence is set by the user: `again`. Settings without a figure
+/// were not measured individually.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct RecognitionSettings {
-    /// Minimum relative height of the response of an observation that is compared. Not measured by itself.
+    /// Minimum relative height of the response of a compared observation.
     min_relative_height: f32,
-    /// Minimum relative contrast of an observation that is compared, 0 to 1. Not measured by itself.
+    /// Minimum relative contrast of a compared observation, 0 to 1.
     min_relative_contrast: f32,
-    /// Minimum score, about 3 for the target, at the place of a recent loss: a target that was lost inside
-    /// the picture is probably still there and half hidden. Not measured by itself.
+    /// Minimum score at the place of a recent loss; the target has about 3. A target that was lost inside the
+    /// picture is probably still there, and half hidden.
     min_score_at_loss: f32,
-    /// The same elsewhere: another object must match in every respect. Not measured by itself.
+    /// Minimum score elsewhere. An object there must match in all respects.
     min_score_elsewhere: f32,
-    /// While a candidate is confirmed, its mean score may be lower by this than when it was found. Not
-    /// measured by itself.
+    /// Reduction of the minimum score for the mean score of a candidate that is being confirmed.
     confirming_slack: f32,
-    /// Radius of the place of the loss, sizes. Not measured by itself.
+    /// Radius of the place of the loss, sizes.
     loss_radius_sizes: f32,
-    /// How long the place of the loss is preferred, seconds. Not measured by itself.
+    /// Duration for which the place of the loss is preferred, seconds.
     loss_preferred_s: f64,
 }
 
@@ -47,15 +47,15 @@ impl Default for RecognitionSettings {
     }
 }
 
-/// Where and when the target was lost.
+/// Place and time of the loss of the target.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct LossPoint {
     pub(super) at: Timestamp,
     /// Predicted centre, pixels.
     pub(super) centre: (f32, f32),
-    /// Whether the prediction lay in the picture: the target was hidden rather than out of view.
+    /// Whether the prediction lay in the picture: then the target was hidden, not out of view.
     pub(super) is_in_picture: bool,
-    /// Whether a gap in the video came since the target was seen.
+    /// Whether the video had a gap since the target was seen.
     pub(super) is_in_gap: bool,
 }
 
@@ -66,17 +66,17 @@ impl LossPoint {
     }
 }
 
-/// Mean score of the observations of a candidate: how well it is recognised as the target.
+/// Mean score of the observations of a candidate.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(super) struct RecognitionScore {
     /// Number of observations.
     observations: u32,
-    /// Mean of height of the response, similarity of the colours and similarity of their layout, each
-    /// relative to its usual value: about 3 for the target.
+    /// Mean of the sum of height of the response, similarity of the colours and similarity of their layout,
+    /// each relative to its usual value. The target has about 3.
     pub(super) mean: f32,
 }
 
-/// What compares observations with the target, with its buffers.
+/// Compares observations with the target; keeps its buffers.
 #[derive(Debug)]
 pub(super) struct Recognition {
     config: FusedConfig,
@@ -98,15 +98,15 @@ impl Recognition {
         }
     }
 
-    /// Begins with a target that is selected: it was not lost yet.
+    /// Begins with a selected target, which was not lost yet.
     pub(super) fn select(&mut self, at: Timestamp, centre: (f32, f32)) {
         self.lost_at = LossPoint::out_of_picture(at, centre);
         self.score = RecognitionScore::default();
     }
 
-    /// How well an observation matches the target: relative height of the response, relative similarity of
-    /// the colours and relative similarity of their layout, in sum about 3 for the target. `None` if the
-    /// evidence is too weak for a comparison.
+    /// Score of an observation: the sum of relative height of the response, relative similarity of the
+    /// colours and relative similarity of their layout; the target has about 3. `None` if the evidence is too
+    /// weak for a comparison.
     pub(super) fn compare(
         &mut self,
         target: &Target,
@@ -120,8 +120,8 @@ impl Recognition {
         is_strong.then(|| height.min(1.0) + self.relative_similarity(target, picture, observation))
     }
 
-    /// Similarity (Bhattacharyya coefficient) of the colours at an observation to the target's, in all and
-    /// part by part, each relative to its usual value: in sum about 2 for the target.
+    /// Sum of the similarities of the colours and of their layout at an observation to the target's, each
+    /// relative to its usual value; the target has about 2.
     fn relative_similarity(&mut self, target: &Target, picture: &Picture, observation: &Observation) -> f32 {
         let Target { geometry, appearance, .. } = target;
         let axis = geometry.axis_in(&observation.pose);
@@ -132,8 +132,8 @@ impl Recognition {
             + self.counts.layout_similarity(appearance) / appearance.usual.layout_similarity
     }
 
-    /// Whether an observation of a lost target is recognised in a frame that was captured `now`. If so, it is
-    /// what will be confirmed.
+    /// Whether an observation of a lost target is recognised in a frame that was captured `now`. A recognised
+    /// one is the candidate that will be confirmed.
     pub(super) fn recognise(
         &mut self,
         target: &Target,
@@ -149,8 +149,8 @@ impl Recognition {
         is_recognised
     }
 
-    /// Whether the candidate that is being confirmed is still recognised: judged by the mean of its
-    /// observations, so that a single one may be worse.
+    /// Whether the candidate that is being confirmed is still recognised: by the mean of its observations, so
+    /// that a single one may be worse.
     pub(super) fn confirm(
         &mut self,
         target: &Target,
@@ -173,7 +173,7 @@ impl Recognition {
         }
     }
 
-    /// Score from which on an object elsewhere could be confirmed as the target.
+    /// Minimum mean score of an object elsewhere that could be confirmed as the target.
     pub(super) fn min_confirmed_score(&self) -> f32 {
         self.settings.min_score_elsewhere - self.settings.confirming_slack
     }

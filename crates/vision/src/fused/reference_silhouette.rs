@@ -1,4 +1,4 @@
-//! The silhouette at the selection, to which later silhouettes are compared.
+//! The silhouette at the selection, with which later silhouettes are compared.
 
 use crate::silhouette::Silhouette;
 use crate::vector::{Rotation, Vector, difference};
@@ -11,7 +11,7 @@ use crate::vector::{Rotation, Vector, difference};
 const ASTERN_CONSTANT: f32 = 0.22;
 const ASTERN_SLOPE: f32 = 0.34;
 
-/// What the colour showed of the target's shape at the selection, and how the operator's box lay around it.
+/// The target's shape by its colour at the selection, and its relation to the operator's box.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct ReferenceSilhouette {
     /// From the centroid of the colour to the centre of the box, pixels along the axis and across it
@@ -24,7 +24,7 @@ pub(super) struct ReferenceSilhouette {
     /// Full axes of the silhouette, pixels.
     pub(super) major: f32,
     pub(super) minor: f32,
-    /// Share of the ellipse of its axes that it filled.
+    /// Share of the ellipse of its axes that the silhouette filled.
     pub(super) fill: f32,
     /// Length and breadth of the target, pixels.
     pub(super) length: f32,

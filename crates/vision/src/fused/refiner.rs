@@ -1,5 +1,5 @@
-//! The stage that evaluates the refinement network at a box, with its windows and what earlier windows
-//! showed.
+//! The stage that evaluates the refinement network at a box, with the windows and the memory of earlier
+//! windows.
 //!
 //! Input: the crop, the target's model and a box. Output: a [`RefinedBox`]: the edges, their expected errors,
 //! and the probability that the box is right.
@@ -21,11 +21,11 @@ pub(super) struct Refiner {
     network: RefinementNetwork,
     /// Window of the last refinement.
     pub(super) window: RefinementWindow,
-    /// Window of the best of the observations that are compared.
+    /// Window of the best of the compared observations.
     best_window: RefinementWindow,
     /// Earlier frames around the target.
     references: MotionReferences,
-    /// What the window showed at the selection, and usually shows.
+    /// The window at the selection, and the usual window.
     pub(super) memory: WindowMemory,
 }
 
@@ -45,15 +45,15 @@ impl Refiner {
         self.network.weights()
     }
 
-    /// Begins with a target that is selected: nothing is known of it.
+    /// Begins with a selected target.
     pub(super) fn restart(&mut self) {
         self.window.measurements.fill(0.0);
         self.references.clear();
         self.memory.forget();
     }
 
-    /// Sets what the network is told of an observation besides the picture. `centre` is that of the box,
-    /// `distance` that of the observation from the prediction, pixels.
+    /// Sets the measurements of an observation that the network reads beside the window. `centre` is that of
+    /// the box, `distance` that of the observation from the prediction, pixels.
     pub(super) fn set_measurements(
         &mut self,
         target: &Target,
@@ -103,22 +103,22 @@ impl Refiner {
         self.window.measure(crop, centre, box_size, context);
     }
 
-    /// Keeps the last window, to return to it.
+    /// Keeps a copy of the last window.
     pub(super) fn keep_window(&mut self) {
         self.best_window.copy_from(&self.window);
     }
 
-    /// Makes the window that was kept the last one again.
+    /// Makes the kept window the last one again.
     pub(super) fn return_to_kept(&mut self) {
         self.window.copy_from(&self.best_window);
     }
 
-    /// Makes the last window that of the selection.
+    /// Remembers the last window as that of the selection.
     pub(super) fn remember_selection(&mut self) {
         self.window.remember_selection(&mut self.memory);
     }
 
-    /// Adapts what is usual to the last window.
+    /// Adapts the usual window to the last one.
     pub(super) fn remember_usual(&mut self) {
         self.window.remember_usual(&mut self.memory);
     }

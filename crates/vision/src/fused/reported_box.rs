@@ -1,7 +1,7 @@
-//! The stage that reports: the box of the network, and the localisation that follows from it.
+//! The stage that reports: the reported box follows the network's box, and gives the localisation.
 //!
-//! Input: the network's box, and the target. Output: a [`Localisation`]. The confidence is that of the
-//! network's box; the target's own box, with which the filter works, follows later.
+//! Input: the network's box, and the target. Output: a [`Localisation`]. The reported box follows the
+//! network's box faster than the target's own box does, which the filter uses.
 
 use barrelman_vocab::track::Shape;
 use barrelman_vocab::{Angle, Localisation, PixelBox, PixelPoint, VideoFrame};
@@ -12,10 +12,10 @@ use super::time_constant::rate_in;
 use crate::heading::HeadingEstimator;
 use crate::vector::Rotation;
 
-/// Settings of the reported box.
+/// Settings of the reported box. Settings without a figure were not measured individually.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct ReportedBoxSettings {
-    /// Time constant with which the reported box follows the network's, seconds. Not measured by itself.
+    /// Time constant with which the reported box follows the network's box, seconds.
     follow_s: f64,
 }
 
@@ -29,13 +29,14 @@ impl Default for ReportedBoxSettings {
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct ReportedBox {
     settings: ReportedBoxSettings,
-    /// Its edges, from the centre of the target's own box: left, top, right, bottom, pixels. `None` until the
-    /// network saw the target, and while one with a silhouette coasts: then the own box is reported.
+    /// Its edges, from the centre of the target's own box: left, top, right, bottom, pixels. `None` before
+    /// the network has evaluated the target, and while a target with a silhouette coasts. Then the own box is
+    /// reported.
     edges: Option<[f32; 4]>,
 }
 
 impl ReportedBox {
-    /// Reports the target's own box until the network sees the target again.
+    /// Reports the target's own box until the network evaluates the target again.
     pub(super) fn restart(&mut self) {
         self.edges = None;
     }
@@ -106,11 +107,11 @@ impl ReportedBox {
         }
     }
 
-    /// The hull's centre; the centre of the reported box where there is no reference silhouette.
+    /// The hull's centre; the centre of the reported box if there is no reference silhouette.
     ///
-    /// While the bow is unknown, the centre is taken halfway between the ends of the colour. That is wrong
-    /// where bow or stern have another paint, or where the wake has the target's colour. Once the bow is
-    /// known, the centre follows from the operator's box, which contains the whole hull
+    /// While the bow is unknown, the centre lies halfway between the ends of the colour. That is wrong if bow
+    /// or stern have another paint, or if the wake has the target's colour. Once the bow is known, the centre
+    /// follows from the operator's box, which contains the whole hull
     /// ([`ReferenceSilhouette::box_astern`](super::reference_silhouette::ReferenceSilhouette::box_astern)).
     fn hull_centre(&self, target: &Target, heading: &HeadingEstimator) -> PixelPoint {
         let geometry = &target.geometry;

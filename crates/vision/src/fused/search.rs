@@ -2,7 +2,7 @@
 //! frame.
 //!
 //! Input: the target's model, the prediction and the picture. Output: the observation that is recognised as
-//! the target, if there is one, and the confidence of the best.
+//! the target, if there is one, and the confidence of the best observation.
 
 use barrelman_vocab::{Picture, Timestamp};
 
@@ -23,25 +23,22 @@ use crate::silhouette::Silhouette;
 /// Strides of the systematic search (primes), so that consecutive windows are not neighbours.
 const SCAN_STRIDES: [u32; 4] = [7, 11, 13, 17];
 
-/// Settings of the search.
+/// Settings of the search. Settings without a figure were not measured individually.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct SearchSettings {
-    /// Number of places found by colour that are observed in one frame. Not measured by itself.
+    /// Maximum number of places by colour that are observed in one frame.
     colour_candidates: usize,
-    /// Distance of neighbouring windows of the systematic search, sides of the window. Not measured by
-    /// itself.
+    /// Distance of neighbouring windows of the systematic search, sides of the window.
     scan_spacing: f32,
     /// Radius of the circle around a place in which its silhouette is measured, half lengths of the target.
-    /// Not measured by itself.
     silhouette_radius: f32,
-    /// Sizes tried for a target without a reference silhouette, relative to its own. Not measured by itself.
+    /// Sizes at which a target without a reference silhouette is looked for, relative to its own.
     other_sizes: [f32; 2],
-    /// Maximum factor by which a target may grow or shrink while it is lost. Not measured by itself.
+    /// Maximum factor by which a target may grow or shrink while it is lost.
     max_growth: f32,
-    /// A silhouette with a larger ratio of minor to major axis gives no axis, 0 to 1. Not measured by itself.
+    /// Maximum ratio of minor to major axis of a silhouette that gives the axis, 0 to 1.
     max_roundness: f32,
-    /// Upper bound of the target probability around a place, as a share of that inside. Not measured by
-    /// itself.
+    /// Upper bound of the target probability around a place, relative to that inside.
     max_ring_share: f32,
 }
 
@@ -73,7 +70,7 @@ pub(super) struct Search {
     pub(super) excluded: ExcludedPlaces,
 }
 
-/// The stages that a search asks, and what is searched.
+/// The inputs of a search.
 pub(super) struct SearchInput<'a> {
     pub(super) observer: &'a mut Observer,
     pub(super) recognition: &'a mut Recognition,
@@ -84,7 +81,7 @@ pub(super) struct SearchInput<'a> {
     pub(super) now: Timestamp,
 }
 
-/// What a search has found in a frame.
+/// The result of a search in a frame.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(super) struct SearchResult {
     /// The observation with the most evidence among those that are recognised as the target.
@@ -129,14 +126,14 @@ impl Search {
         result
     }
 
-    /// Observes the best places by colour.
+    /// Observes the best candidates by colour.
     fn search_by_colour(&mut self, input: &mut SearchInput<'_>, result: &mut SearchResult, pose: PatchPose) {
         let (mut candidates, count) = self.rank_candidates(input.target, input.picture);
         let sizes = self.settings.other_sizes;
         let searched = self.frames_searched as usize;
         let other_size = sizes[searched / count.max(1) % sizes.len()];
-        // The best candidate is observed in every frame, the others take turns, so that objects of the
-        // target's colour do not keep the target from being observed.
+        // The best candidate is observed in every frame. The others take turns, so that the target is
+        // observed even if many objects have its colour.
         if count > 2 {
             candidates.swap(1, 1 + searched % (count - 1));
         }
@@ -149,7 +146,7 @@ impl Search {
                     self.consider(input, result, PatchPose { angle: guess.angle + half_turn, ..guess });
                 }
             } else {
-                // The candidate's own size; where that is the expected one, another size in each frame.
+                // The candidate's own size. If that is the expected one, another size in each frame.
                 let size = if candidate.scale == 1.0 { other_size } else { candidate.scale };
                 self.consider(input, result, PatchPose { step: first.step * size, ..first });
             }
@@ -163,7 +160,7 @@ impl Search {
         let observation = input.observer.observe(target, picture, pose);
         result.confidence = result.confidence.max(input.confidence.of_rejected(&observation, target));
         if self.excluded.contains(observation.centre)
-            || input.scene.is_of_another(observation.centre, target.geometry.size_px())
+            || input.scene.is_excluded_object(observation.centre, target.geometry.size_px())
         {
             return;
         }
@@ -174,7 +171,7 @@ impl Search {
         }
     }
 
-    /// Places found by colour, sorted by the similarity of their layout to the target's, and their number.
+    /// Candidates by colour, sorted by the similarity of their layout to the target's, and their number.
     pub(super) fn rank_candidates(
         &mut self,
         target: &Target,
@@ -195,9 +192,8 @@ impl Search {
         (candidates, count)
     }
 
-    /// The pose in which the target would lie as the silhouette at the pose's centre does; the direction of
-    /// the axis is arbitrary. `None` where there is no reference silhouette or no elongated silhouette of a
-    /// plausible size.
+    /// The pose of a target that has the silhouette at the pose's centre; the direction of the axis is
+    /// arbitrary. `None` if there is no reference silhouette, or no elongated silhouette of a plausible size.
     fn pose_from_silhouette(&self, input: &SearchInput<'_>, pose: &PatchPose) -> Option<PatchPose> {
         let (settings, geometry) = (&self.settings, &input.target.geometry);
         let reference = input.target.reference.as_ref()?;
@@ -205,7 +201,7 @@ impl Search {
         let (along, across) = geometry.half_axes();
         let long = geometry.longer_half_axis();
         if geometry.is_cut_off(pose.centre, (long, long)) {
-            // The border may cut the silhouette off: neither size nor axis can be measured.
+            // The border may cut the silhouette off, so that size and axis cannot be measured.
             return None;
         }
         let ColourContrast { inside, ring } = crop.contrast(pose.centre, (across, across), 0.0);

@@ -1,12 +1,12 @@
 //! The stage that measures a selection: colours, silhouette and paint in the box that the operator dragged,
-//! and whether another box is the better one.
+//! and whether another box is better.
 //!
-//! The silhouette of the paint is exact to a part of a pixel, an operator's box is not. Where a hand explains
-//! how the two differ, the box around the paint is used. Where it does not, the paint is only a part of the
-//! target, and the relation of box and paint is kept.
+//! The silhouette of the paint has subpixel accuracy; an operator's box has not. If the difference of the two
+//! is within the error of a hand-drawn box, the box around the paint is used. If the difference is larger,
+//! the paint is only a part of the target, and the relation of box and paint is kept.
 //!
-//! Input: the crop and the box. Output: the target's extent, reference silhouette and paint, and the box that
-//! is used.
+//! Input: the crop and the box. Output: the target's extent, reference silhouette and paint, and the used
+//! box.
 
 use barrelman_vocab::PixelBox;
 
@@ -20,41 +20,41 @@ use crate::paint::Paint;
 use crate::refinement::RefinedBox;
 use crate::silhouette::Silhouette;
 
-/// Ellipse around the selection's box, in half sides of the box: a corner is 1.41 half sides from the centre.
+/// Half axes of the ellipse around the selection's box, in half sides of the box. A corner is 1.41 half sides
+/// from the centre.
 const BOX_ELLIPSE: f32 = 1.42;
 
-/// Settings of the selection.
+/// Settings of the selection. Settings without a figure were not measured individually.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct SelectionSettings {
-    /// Target probability from which on a pixel counts as coloured, 0 to 255. Not measured by itself.
+    /// Minimum target probability of a coloured pixel, 0 to 255.
     min_coloured_probability: u8,
-    /// A silhouette is trusted to measure size and axis later if at the selection it had at least this
-    /// contrast, 0 to 1. Not measured by itself.
+    /// Minimum contrast of a trusted silhouette at the selection, 0 to 1. Size and axis are measured by
+    /// trusted silhouettes only.
     min_trusted_contrast: f32,
-    /// And if its upright box matched the operator's within this factor. Not measured by itself.
+    /// Maximum ratio of the sides of a trusted silhouette's upright box to those of the operator's box.
     max_trusted_stretch: f32,
-    /// And if it filled at least this share of the ellipse, 0 to 1. Not measured by itself.
+    /// Minimum share of its ellipse that a trusted silhouette fills, 0 to 1.
     min_trusted_fill: f32,
-    /// A dragged box is replaced by the refined one only if that has more than this probability, 0 to 1. Not
-    /// measured by itself.
+    /// Minimum probability of a refined box that replaces a dragged one, 0 to 1.
     min_tightening_probability: f32,
-    /// And if that has at least this width and height, pixels. Not measured by itself.
+    /// Minimum width and height of a box that replaces a dragged one, pixels.
     min_tightened_px: (f64, f64),
-    /// And if the IoU of the two is less, or the silhouette agrees with the refined one alone, 0 to 1. Not
-    /// measured by itself.
-    max_kept_iou: f64,
-    /// Maximum share of the paint in the surroundings when it is learned, 0 to 1. Not measured by itself.
+    /// Minimum IoU of dragged and refined box with which the dragged box is kept, 0 to 1. With a larger IoU,
+    /// the refined box is used only if it has a trusted silhouette and the dragged box has none.
+    min_kept_iou: f64,
+    /// Maximum share of the paint in the surroundings when it is learned, 0 to 1.
     max_unpainted_share: f32,
-    /// Sides of a hull in full axes of an ellipse with the same moments: 0.87 for a rectangle, 1 for an
-    /// ellipse.
+    /// Sides of a hull relative to the full axes of an ellipse with the same moments: 0.87 for a rectangle, 1
+    /// for an ellipse.
     hull_axes: f32,
-    /// Minimum mean share of the paint in the ellipse of its silhouette, 0 to 1. Not measured by itself.
+    /// Minimum mean share of the paint in the ellipse of its silhouette, 0 to 1.
     min_painted_fill: f32,
-    /// Least sides of a dragged box, sides of the box around the paint. Not measured by itself.
+    /// Minimum sides of a dragged box, in sides of the box around the paint.
     min_dragged: f32,
-    /// The largest sides. Not measured by itself.
+    /// Maximum of the same sides.
     max_dragged: f32,
-    /// The largest distance of its centre, sides of the box around the paint. Not measured by itself.
+    /// Maximum distance of the centres of both boxes, in sides of the box around the paint.
     max_dragged_offset: f64,
 }
 
@@ -67,7 +67,7 @@ impl Default for SelectionSettings {
             min_trusted_fill: 0.5,
             min_tightening_probability: 0.5,
             min_tightened_px: (6.0, 4.0),
-            max_kept_iou: 0.7,
+            min_kept_iou: 0.7,
             max_unpainted_share: 0.25,
             hull_axes: 0.92,
             min_painted_fill: 0.35,
@@ -95,7 +95,7 @@ pub(super) enum BoxChoice {
     Dragged,
     /// The refined one.
     Refined,
-    /// The refined one if the silhouette agrees with it, otherwise the dragged one.
+    /// The refined one if it gives a trusted silhouette, otherwise the dragged one.
     RefinedWithSilhouette,
 }
 
@@ -106,9 +106,9 @@ pub(super) struct Selection {
 }
 
 impl Selection {
-    /// Measures how distinct the colours of a box (width and height, pixels) around the target are, and takes
-    /// the target's extent and reference silhouette from them. Its paint, if the target has one that sets it
-    /// apart.
+    /// Measures how distinct the colours in a box (width and height, pixels) around the target are, and sets
+    /// the target's extent and reference silhouette. Also returns the target's paint, if it differs from the
+    /// surroundings.
     pub(super) fn measure(
         &self,
         crop: &Crop,
@@ -204,9 +204,9 @@ impl Selection {
             .then_some((paint, seen))
     }
 
-    /// The upright box around the paint in a dragged box, where the operator's hand explains the difference,
-    /// and where the refined box overlaps it by more than the dragged one: the network tells whether the
-    /// paint is the target or a part of it.
+    /// The upright box around the paint in a dragged box. `None` if the two differ by more than the error of
+    /// a hand-drawn box, or if the refined box overlaps the dragged one more: then the paint is a part of the
+    /// target.
     pub(super) fn painted_box(&self, crop: &Crop, dragged: PixelBox, refined: PixelBox) -> Option<PixelBox> {
         let settings = &self.settings;
         let (w, h) = (dragged.w as f32, dragged.h as f32);
@@ -239,7 +239,7 @@ impl Selection {
             refined.probability > self.settings.min_tightening_probability && self.is_large_enough(bounds);
         if !is_plausible {
             BoxChoice::Dragged
-        } else if bounds.iou(dragged) < self.settings.max_kept_iou {
+        } else if bounds.iou(dragged) < self.settings.min_kept_iou {
             BoxChoice::Refined
         } else if has_silhouette {
             BoxChoice::Dragged

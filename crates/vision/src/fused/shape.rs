@@ -1,8 +1,8 @@
 //! The stage that measures size, rotation and centre of a target that was found in the frame: its *own box*,
-//! with which filter and silhouette work.
+//! which filter and silhouette use.
 //!
-//! Input: the crop, the observation, and what filter and network say of size and edges. Output: the target's
-//! geometry. The stage keeps the silhouette at the selection, the paint and its blob.
+//! Input: the crop, the observation, the filter's size and rotation, and the network's edges. Output: the
+//! target's geometry. State: the paint, its blob, and the contradictions of the network's box.
 
 use super::blob::BlobFollower;
 use super::contradiction::Contradiction;
@@ -15,39 +15,35 @@ use crate::crop::Crop;
 use crate::refinement::{RefinedBox, RefinementWindow};
 use crate::silhouette::Silhouette;
 
-/// Settings of the own box.
+/// Settings of the own box. Settings without a figure were not measured individually.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct ShapeSettings {
-    /// With less of its usual contrast a target with a silhouette does not grow by the filter, 0 to 1: the box
-    /// contains background already, and the filter has learned the target together with another object that goes
-    /// away. Without, 0.106 for 0.100 of `clips-more` are lost.
+    /// Minimum relative contrast of a target with a silhouette that may grow by the filter, 0 to 1. With
+    /// less, the box already contains background, and the filter has learned the target together with another
+    /// object that moves away. Without this setting, 0.106 of `clips-more` are lost instead of 0.100.
     min_growing_contrast: f32,
-    /// Time constants with which axis, centre and size follow the silhouette's, seconds. Not measured by
-    /// itself.
+    /// Time constants with which axis, centre and size follow the silhouette's, seconds.
     times: FollowingTimes,
-    /// Half axes of the ellipse in which the silhouette is measured, half axes of the target. Not measured by
-    /// itself.
+    /// Size of the ellipse in which the silhouette is measured, in sizes of the target's ellipse.
     reach: f32,
-    /// A silhouette that fills less of the ellipse of its axes consists of several objects, 0 to 1. Without, 0.105
-    /// for 0.100 of `clips-more` are lost.
+    /// Minimum share of the ellipse of its axes that a silhouette of a single object fills, 0 to 1. Without
+    /// this setting, 0.105 of `clips-more` are lost instead of 0.100.
     min_fill: f32,
-    /// A silhouette whose length or breadth differs by a larger factor includes something else. Not measured
-    /// by itself.
+    /// Maximum ratio of length and breadth of a silhouette without other objects to the target's.
     max_misfit: f32,
-    /// Probability of the refined box from which on its edges are followed, 0 to 1. Not measured by itself.
+    /// Minimum probability of a refined box whose edges are followed, 0 to 1.
     min_edge_probability: f32,
-    /// Probability from which on they are followed fully, 0 to 1. Not measured by itself.
+    /// Minimum probability of a refined box whose edges are followed at the full rate, 0 to 1.
     full_edge_probability: f32,
-    /// Largest share of the way that an edge moves in a frame, 0 to 1. Not measured by itself.
+    /// Maximum share of the distance to the refined edge that an edge moves in a frame, 0 to 1.
     max_edge_rate: f32,
-    /// Expected error at which an edge moves half as far, sides. Not measured by itself.
+    /// Expected error of an edge that moves at half the rate, sides.
     edge_drift: f32,
-    /// Largest step of an edge in a frame, sides. Not measured by itself.
+    /// Maximum step of an edge in a frame, sides.
     max_edge_step: f32,
-    /// Largest distance of the box from the filter's response, sizes. Not measured by itself.
+    /// Maximum distance of the box from the filter's response, sizes.
     max_offset_sizes: f32,
-    /// Share of a change of the box that the filter's size follows in a frame, 0 to 1. Not measured by
-    /// itself.
+    /// Share of a change of the box that the filter's size follows in a frame, 0 to 1.
     size_share: f32,
 }
 
@@ -94,7 +90,7 @@ impl Shape {
             geometry.rescale(change.scale_factor);
         }
         geometry.turn(change.turn);
-        // The silhouette of all colours is the more exact one, where the target is not too small for it.
+        // The silhouette of all colours is more accurate, unless the target is too small for it.
         match self.blob.find(crop, &target.geometry, seconds) {
             Some(blob) if !blob.fits => self.blob.follow(&mut target.geometry, &blob, seconds),
             blob => {
@@ -106,7 +102,8 @@ impl Shape {
         }
     }
 
-    /// Corrects the drift of axis, centre, length and breadth by the silhouette. Whether it could.
+    /// Corrects the drift of axis, centre, length and breadth by the silhouette. Returns whether a fitting
+    /// silhouette was measured.
     fn follow_silhouette(
         &self,
         target: &mut Target,
@@ -136,8 +133,8 @@ impl Shape {
         true
     }
 
-    /// Moves a box with a silhouette onto the network's box where that contradicts it. Whether it did: then
-    /// the filter has to be retrained.
+    /// Moves a box with a silhouette onto the network's box if that contradicts it. Returns whether it did;
+    /// then the filter has to be retrained.
     pub(super) fn correct_contradicted_box(
         &mut self,
         target: &mut Target,
@@ -160,9 +157,9 @@ impl Shape {
         true
     }
 
-    /// Moves the edges of a target without a silhouette towards those of the refinement, which read this
-    /// window. An edge moves the faster the smaller the error that is expected of it. `place` is that of the
-    /// filter's response, pixels.
+    /// Moves the edges of a target without a silhouette towards the refined ones, which were read from this
+    /// window. An edge with a smaller expected error moves faster. `place` is that of the filter's response,
+    /// pixels.
     pub(super) fn follow_refined_box(
         &self,
         target: &mut Target,

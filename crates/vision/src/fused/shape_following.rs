@@ -22,7 +22,7 @@ pub(super) fn follow_shape(
     seconds: f32,
 ) {
     let rate = |time_s: f64| rate_in(f64::from(seconds), time_s);
-    // The more elongated the silhouette, the more its axis counts.
+    // The axis of a more elongated silhouette has more weight.
     let elongation = (1.0 - seen.roundness()).clamp(0.0, 1.0);
     geometry.axis += rate(times.axis_s) * elongation * axis_difference(seen.axis, geometry.axis);
     let centre = reference.box_centre_of(seen, geometry.axis);

@@ -1,4 +1,4 @@
-//! What is known of the target: the plain data that flows from stage to stage.
+//! The target: the plain data that flows from stage to stage.
 
 use super::appearance::Appearance;
 use super::geometry::TargetGeometry;

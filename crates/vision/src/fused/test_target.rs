@@ -19,7 +19,7 @@ pub(super) fn red_on_blue(size: (u32, u32), is_red: impl Fn(usize, usize) -> boo
     painted(size, |column, row| if is_red(column, row) { [90, 90, 240] } else { [80, 190, 100] })
 }
 
-/// What follows the target that is selected in a picture.
+/// A follower of the target that is selected in a picture, with the frame.
 pub(super) fn selected(picture: Picture, selection: PixelBox) -> (Follower, VideoFrame) {
     let mut follower = Follower::new(&FusedConfig::default(), RefinementWeights::built_in());
     let capture = Capture { at: Timestamp::from_nanos(0), quality: CaptureQuality::Sensor };
@@ -28,7 +28,7 @@ pub(super) fn selected(picture: Picture, selection: PixelBox) -> (Follower, Vide
     (follower, frame)
 }
 
-/// An observation at a place, pixels, with about the usual colour and response.
+/// An observation at a place, pixels, with the usual colour and response.
 pub(super) fn observation_at(centre: (f32, f32)) -> Observation {
     Observation {
         pose: PatchPose { centre, step: 1.0, angle: 0.0 },

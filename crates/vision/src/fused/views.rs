@@ -1,13 +1,12 @@
-//! The stage that looks for the target elsewhere in the search window, where the box that is followed is
-//! improbable.
+//! The stage that looks for the target elsewhere in the search window if the followed box is improbable.
 //!
-//! The filter adapts. Once the track has gone over to what hid the target, or to what was beside it, the
-//! filter learns that, and responds to it more and more clearly. The filters of earlier views do not adapt:
-//! that of the selection, and of later views that none of the kept ones responds to. Away from what is
-//! followed, their highest responses are places where the target may be. The refinement network decides.
+//! The filter adapts. If the track has moved onto an object that hid the target, or was beside it, the filter
+//! learns that object and responds to it more and more. The filters of earlier views do not adapt. They are
+//! that of the selection, and those of later views to which no kept filter responds. Their highest responses
+//! away from the followed object are candidates. The refinement network decides among the candidates.
 //!
-//! Input: the candidate that is followed. Output: the candidate that is taken. Not handled: a target outside
-//! of the search window, which is found after it was lost.
+//! Input: the followed candidate. Output: the candidate to follow. Not handled: a target outside of the
+//! search window; the search finds it after the loss.
 
 use barrelman_vocab::Picture;
 
@@ -23,32 +22,33 @@ use crate::fourier::Spectrum;
 use crate::gradients::CELL;
 use crate::vector::distance;
 
-/// Number of views. That of the selection stays; the later ones stay, too.
+/// Maximum number of views. A kept view is never replaced.
 const MAX_VIEWS: usize = 3;
 
-/// Settings of the search with earlier views. The search as a whole, on 1,248 loose selections of the clips:
-/// AUC 0.642 for 0.628 without, lost 0.100 for 0.119 (decision 22).
+/// Settings of the search with earlier views. On 1,248 loose selections of the clips, AUC is 0.642, without
+/// the search 0.628; 0.100 are lost, without it 0.119 (decision 22). Settings without a figure were not
+/// measured individually.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct ViewSettings {
-    /// Below this probability of the box that is followed, the target is looked for elsewhere, 0 to 1. Not
-    /// measured by itself.
+    /// Minimum probability of a followed box that is not doubted, 0 to 1. With a doubted box, the target is
+    /// looked for elsewhere.
     max_doubted_probability: f32,
-    /// Relative contrast of the colour at a place elsewhere, at least, 0 to 1. Not measured by itself.
+    /// Minimum relative contrast of another candidate, 0 to 1.
     min_contrast: f32,
-    /// Probability of the box at a place elsewhere, at least, 0 to 1. Not measured by itself.
+    /// Minimum probability of another candidate's box, 0 to 1.
     min_probability: f32,
-    /// A place elsewhere is more probable by this, 0 to 1. Not measured by itself.
+    /// Minimum excess of the probability of another candidate's box over that of the best so far, 0 to 1.
     clearly_more_probable: f32,
-    /// Least distance of two places, sizes. Not measured by itself.
+    /// Minimum distance of two candidates, sizes.
     apart_sizes: f32,
-    /// The same, cells. Not measured by itself.
+    /// The same, cells.
     apart_cells: f32,
-    /// A view is kept from a frame whose box has more than this probability, 0 to 1. Not measured by itself.
+    /// Minimum probability of the box in a frame whose view is kept, 0 to 1.
     min_kept_probability: f32,
-    /// A view is new where the response of each kept view is below this share of its usual height. Not
-    /// measured by itself.
-    max_known_response: f32,
-    /// Interval at which the views are compared, frames that are learned from. Not measured by itself.
+    /// Minimum relative height of the response of a kept view to a known view. A view is new if no kept view
+    /// responds to it.
+    min_known_response: f32,
+    /// Interval at which the views are compared, frames that are learned from.
     compared_interval: u32,
 }
 
@@ -62,13 +62,13 @@ impl Default for ViewSettings {
             apart_sizes: 0.4,
             apart_cells: 2.0,
             min_kept_probability: 0.8,
-            max_known_response: 0.7,
+            min_known_response: 0.7,
             compared_interval: 5,
         }
     }
 }
 
-/// The views that are kept of a target.
+/// The kept views of a target.
 #[derive(Debug)]
 pub(super) struct EarlierViews {
     settings: ViewSettings,
@@ -77,11 +77,11 @@ pub(super) struct EarlierViews {
     count: usize,
 }
 
-/// One of them.
+/// A kept view.
 #[derive(Debug)]
 struct FilterView {
     filter: FixedFilter,
-    /// Usual height of the response when it was kept.
+    /// Usual height of the response when the view was kept.
     usual_height: f32,
 }
 
@@ -93,7 +93,7 @@ impl FilterView {
 }
 
 impl EarlierViews {
-    /// No views, with the memory of all of them.
+    /// No views; allocates the memory for all of them.
     pub(super) fn new() -> Self {
         let empty = || FilterView { filter: FixedFilter::new(CHANNELS), usual_height: 0.0 };
         Self { settings: ViewSettings::default(), views: core::array::from_fn(|_| empty()), count: 0 }
@@ -113,13 +113,13 @@ impl EarlierViews {
         }
     }
 
-    /// The views that are kept.
+    /// The views in use.
     fn kept(&self) -> &[FilterView] {
         &self.views[..self.count]
     }
 
-    /// Keeps the view of a frame that is about to be learned from, with the target at the middle of a patch
-    /// with these spectra, if the target looks like none of the kept views. `probability` is that of the box.
+    /// Keeps the view of a frame that will be learned from, if the view is new. The patch with these spectra
+    /// has the target in its middle; `probability` is that of the box.
     pub(super) fn keep_if_new(&mut self, appearance: &Appearance, spectra: &[Spectrum], probability: f32) {
         let Self { settings, count, .. } = *self;
         if probability <= settings.min_kept_probability
@@ -128,15 +128,15 @@ impl EarlierViews {
             return;
         }
         let is_known = |view: &FilterView| {
-            view.relative(view.filter.response_in_the_middle(spectra)) >= settings.max_known_response
+            view.relative(view.filter.response_in_the_middle(spectra)) >= settings.min_known_response
         };
         if count < MAX_VIEWS && !self.kept().iter().any(is_known) {
             self.keep(&appearance.filter, appearance.usual.peak_height);
         }
     }
 
-    /// Looks for the target elsewhere in the last search window if the box of what is followed is improbable.
-    /// The most probable candidate: another one only if clearly more probable.
+    /// Looks for the target elsewhere in the last search window. Returns the most probable candidate; another
+    /// one than the followed only if it is clearly more probable.
     pub(super) fn reconsider(
         &mut self,
         detector: &mut Detector,
@@ -147,7 +147,7 @@ impl EarlierViews {
     ) -> Candidate {
         let mut best = followed;
         detector.refiner.keep_window();
-        // What is followed, and one place for each view.
+        // The followed place, and one place for each view.
         let mut places = [followed.observation.centre; MAX_VIEWS + 1];
         for index in 0..self.count {
             let Some(other) = self.observe_view(&mut detector.observer, target, index, &places[..=index])
@@ -168,7 +168,7 @@ impl EarlierViews {
         best
     }
 
-    /// Whether a box that is followed with this probability is doubted.
+    /// Whether a followed box of this probability is doubted.
     pub(super) fn is_doubted(&self, probability: f32) -> bool {
         probability < self.settings.max_doubted_probability
     }
@@ -196,8 +196,7 @@ impl EarlierViews {
         Some(observer.observation_at(target, peak))
     }
 
-    /// Whether the target continues from a place with a box of this probability, instead of from the best one
-    /// so far.
+    /// Whether a candidate whose box has this probability is followed instead of the best one so far.
     fn is_better(&self, probability: f32, best: f32) -> bool {
         let settings = &self.settings;
         probability >= settings.min_probability && probability > best + settings.clearly_more_probable
