@@ -1,7 +1,7 @@
 //! Cost of one frame of CamShift, by the size of the target in a 1280x720 picture.
 //!
-//! The picture is the worst case for the search: saturated water, and a red target that fills the window and moves
-//! between the frames, so that mean shift takes several steps.
+//! The picture is the worst case for the search: saturated water, and a red target that fills the window and
+//! moves between the frames, so that mean shift takes several steps.
 
 use std::sync::Arc;
 
@@ -15,8 +15,8 @@ fn main() {
     divan::main();
 }
 
-/// One frame with a target of `width` x `width` * 9/16 pixels, alternating between two frames 1/20 of its width apart.
-/// The search window is 1.155 times as long: for the widest target a quarter of the picture.
+/// One frame with a target of `width` x `width` * 9/16 pixels, alternating between two frames 1/20 of its
+/// width apart. The search window is 1.155 times as long: for the widest target a quarter of the picture.
 #[divan::bench(args = [40, 80, 160, 320, 550])]
 fn one_frame(bencher: divan::Bencher<'_, '_>, width: u32) {
     let width = f64::from(width);

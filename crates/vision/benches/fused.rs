@@ -1,8 +1,8 @@
 //! Cost of one frame of the fused tracker, by the size of the target in a 1280x720 picture.
 //!
 //! Water and target have patterns and different colours, so that no step is skipped: filter, scale, rotation,
-//! silhouette, and learning in every frame in which the target is visible. While it is lost, many small objects of its
-//! colour on the water provide candidates by colour.
+//! silhouette, and learning in every frame in which the target is visible. While it is lost, many small
+//! objects of its colour on the water provide candidates by colour.
 
 use std::sync::Arc;
 
@@ -17,7 +17,8 @@ fn main() {
     divan::main();
 }
 
-/// One frame with a visible target of `width` x `width` * 9/16 pixels, which moves back and forth by 1/40 of its width.
+/// One frame with a visible target of `width` x `width` * 9/16 pixels, which moves back and forth by 1/40 of
+/// its width.
 #[divan::bench(args = [40, 160, 550])]
 fn tracking(bencher: divan::Bencher<'_, '_>, width: u32) {
     let target = target(width);
@@ -39,8 +40,8 @@ fn target(width: u32) -> PixelBox {
     PixelBox { u: 640.0 - 0.5 * width, v: 360.0 - width * 9.0 / 32.0, w: width, h: width * 9.0 / 16.0 }
 }
 
-/// Selects on the first frame, runs the frames in turn (for a lost target, only the last) until the track has the
-/// wanted state, and measures from there on.
+/// Selects on the first frame, runs the frames in turn (for a lost target, only the last) until the track has
+/// the wanted state, and measures from there on.
 fn measure(
     bencher: divan::Bencher<'_, '_>,
     frames: &[VideoFrame; 2],
@@ -67,8 +68,8 @@ fn measure(
     bencher.bench_local(next);
 }
 
-/// Red inside the box, sea blue outside, both with a pattern. `scattered`: another pattern, with red spots on the
-/// water.
+/// Red inside the box, sea blue outside, both with a pattern. `scattered`: another pattern, with red spots on
+/// the water.
 fn painted(target: Option<PixelBox>, scattered: bool) -> VideoFrame {
     let mut picture = Picture::black(SIZE, ColourEncoding::assumed_for(SIZE));
     let inside =

@@ -1,9 +1,9 @@
 //! The back projection: for each pixel, the weight of its hue in the target's histogram.
 //!
-//! The map has the size of the picture, but only the required part is computed: a box that starts as the first search
-//! window and grows with the search. A search therefore gives the same result as on the whole picture, for the cost of
-//! the pixels it visits. Work: every pixel at most once per frame, and only inside the box around all visited windows,
-//! enlarged by the margin where it had to grow.
+//! The map has the size of the picture, but only the required part is computed: a box that starts as the
+//! first search window and grows with the search. A search therefore gives the same result as on the whole
+//! picture, for the cost of the pixels it visits. Work: every pixel at most once per frame, and only inside
+//! the box around all visited windows, enlarged by the margin where it had to grow.
 
 use barrelman_vocab::{Picture, PictureSize};
 
@@ -38,8 +38,8 @@ impl BackProjection {
         &self.weights[row * self.width + self.computed.x..][..self.computed.w]
     }
 
-    /// The back projection of one picture, which has the size of the last reset and the encoding of `table`. Where the
-    /// computed part has to grow, it grows by `margin` pixels more than needed.
+    /// The back projection of one picture, which has the size of the last reset and the encoding of `table`.
+    /// Where the computed part has to grow, it grows by `margin` pixels more than needed.
     pub(crate) fn lazy<'a>(
         &'a mut self,
         picture: &'a Picture,

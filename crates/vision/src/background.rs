@@ -1,10 +1,11 @@
-//! Shift of the picture since the last frame, measured by registration of the background: for video without camera
-//! commands.
+//! Shift of the picture since the last frame, measured by registration of the background: for video without
+//! camera commands.
 //!
-//! A patch around the target, with the target itself blanked out, is compared with the same place in the next frame by
-//! phase correlation (Kuglin and Hines 1975). With the patches' spectra F and G, the inverse transform of conj(F) G /
-//! |F G|^(1/2) peaks at the shift; the exponent is 1/2 instead of 1 because weak components are mostly noise. The water
-//! moves by itself, so the shift is one input of the prediction among others.
+//! A patch around the target, with the target itself blanked out, is compared with the same place in the next
+//! frame by phase correlation (Kuglin and Hines 1975). With the patches' spectra F and G, the inverse
+//! transform of conj(F) G / |F G|^(1/2) peaks at the shift. The exponent is 1/2 instead of 1 because weak
+//! components are mostly noise. The water has a motion of its own, so the shift is one input of the
+//! prediction among others.
 
 use barrelman_vocab::PixelPoint;
 use barrelman_vocab::video::Plane;
@@ -79,8 +80,8 @@ impl BackgroundMotion {
         self.reference_patch = None;
     }
 
-    /// The shift of the surroundings since [`Self::set_reference`], pixels right and down; `None` without a reference
-    /// or a distinct peak.
+    /// The shift of the surroundings since [`Self::set_reference`], pixels right and down; `None` without a
+    /// reference or a distinct peak.
     pub(crate) fn measure_shift(&mut self, luma: Plane<'_>, fourier: &mut Fourier) -> Option<(f32, f32)> {
         self.measure_distinct_shift(luma, fourier, MIN_PEAK_TO_SIDELOBE_RATIO)
     }
@@ -120,8 +121,8 @@ impl BackgroundMotion {
         Some((u, v))
     }
 
-    /// Makes the surroundings of the target in this frame the reference for the next. A square of `blank_px` pixels a
-    /// side around `centre` is blanked out.
+    /// Makes the surroundings of the target in this frame the reference for the next. A square of `blank_px`
+    /// pixels a side around `centre` is blanked out.
     pub(crate) fn set_reference(
         &mut self,
         luma: Plane<'_>,

@@ -1,18 +1,20 @@
-//! The published tracker: hue histogram, back projection, mean shift, and size and orientation from the moments.
+//! The published tracker: hue histogram, back projection, mean shift, and size and orientation from the
+//! moments.
 //!
-//! Each frame: the search starts at the last window, shifted by the motion prior if there is one. Mean shift moves the
-//! window to the nearest mode of the target's hues. The moments there give the target's box and axes and the next
-//! window (equations at [`cam_shift`]). The reported box is the upright box of the ellipse with those axes, plus a
-//! margin for the mixed pixels at the edge ([`CamShiftTarget::bounds`]), clipped to the picture. The centre is the
-//! centroid. The confidence is the mean weight in the box: 1 where every pixel has the selection's most frequent hue.
+//! Each frame: the search starts at the last window, shifted by the motion prior if there is one. Mean shift
+//! moves the window to the nearest mode of the target's hues. The moments there give the target's box and
+//! axes and the next window (equations at [`cam_shift`]). The reported box is the upright box of the ellipse
+//! with those axes, plus a margin for the mixed pixels at the edge ([`CamShiftTarget::bounds`]), clipped to
+//! the picture. The centre is the centroid. The confidence is the mean weight in the box: 1 where every pixel
+//! has the selection's most frequent hue.
 //!
-//! CamShift itself does not detect a loss: it follows anything of the target's hue in the window. `Lost` is therefore
-//! reported only if the search window and its margin contain no weight at all. The window then grows by the margin in
-//! every frame until it contains some, up to the whole picture.
+//! CamShift itself does not detect a loss: it follows anything of the target's hue in the window. `Lost` is
+//! therefore reported only if the search window and its margin contain no weight at all. The window then
+//! grows by the margin in every frame until it contains some, up to the whole picture.
 //!
-//! Work per frame: one table look-up per pixel that the search visits, sums over its windows, and about a microsecond
-//! per new pair of chroma samples; at worst, the whole picture. Memory: one byte per pixel of the picture, and the
-//! table of weights, at most 16 MiB.
+//! Work per frame: one table look-up per pixel that the search visits, sums over its windows, and about a
+//! microsecond per new pair of chroma samples; at worst, the whole picture. Memory: one byte per pixel of the
+//! picture, and the table of weights, at most 16 MiB.
 //!
 //! Not handled: targets without colour, water of the target's hue, other objects of the same hue, loss and
 //! re-detection. The fused tracker handles them.
@@ -260,8 +262,8 @@ fn rescaled(window: Window, from: PictureSize, to: PictureSize) -> Window {
     Window::rounded_from(scaled, to).unwrap_or(Window::full(to.width as usize, to.height as usize))
 }
 
-/// Shifts the window by the prior, in whole pixels, and keeps it in the picture. A prior that is not finite, or whose
-/// standard deviation exceeds the window's size, is ignored.
+/// Shifts the window by the prior, in whole pixels, and keeps it in the picture. A prior that is not finite,
+/// or whose standard deviation exceeds the window's size, is ignored.
 fn shifted(window: Window, prior: &MotionPrior, picture: PictureSize) -> Window {
     let known = prior.std_dev_px <= window.w.max(window.h) as f64;
     if !(known && prior.shift_u_px.is_finite() && prior.shift_v_px.is_finite()) {

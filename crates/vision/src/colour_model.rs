@@ -1,14 +1,15 @@
 //! Probability that a colour belongs to the target rather than to its surroundings.
 //!
-//! Two histograms over (Y, U, V), one of the target (F) and one of the ring around it (B), are each normalised to a sum
-//! of 1. The target probability of a colour is
+//! Two histograms over (Y, U, V), one of the target (F) and one of the ring around it (B), are each
+//! normalised to a sum of 1. The target probability of a colour is
 //!
 //! ```text
 //! F / (F + B + e)
 //! ```
 //!
-//! with a small e, so that a colour seen in neither is not the target's. U and V are hue and saturation in Cartesian
-//! coordinates: there is no wrap-around of the hue, and grey needs no floors. It is a bin like any other.
+//! with a small e, so that a colour seen in neither is not the target's. U and V are hue and saturation in
+//! Cartesian coordinates: there is no wrap-around of the hue, and grey needs no floors. It is a bin like any
+//! other.
 
 use crate::vector::Rotation;
 use barrelman_vocab::Picture;
@@ -64,8 +65,8 @@ impl ColourHistogram {
         }
     }
 
-    /// Similarity of two normalised histograms, 0 to 1: the Bhattacharyya coefficient, the sum of the roots of the
-    /// products (Bhattacharyya 1943).
+    /// Similarity of two normalised histograms, 0 to 1: the Bhattacharyya coefficient, the sum of the roots
+    /// of the products (Bhattacharyya 1943).
     pub(crate) fn similarity(&self, other: &Self) -> f32 {
         self.bins.iter().zip(&other.bins).map(|(a, b)| (a * b).sqrt()).sum()
     }
@@ -101,7 +102,8 @@ pub(crate) fn smooth(bins: &mut [f32], stride: usize, length: usize) {
 /// The two histograms and the table of probabilities computed from them.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct ColourModel {
-    /// The colours that the target is recognised by: a mixture of those at the selection and the adapted ones.
+    /// The colours that the target is recognised by: a mixture of those at the selection and the adapted
+    /// ones.
     pub(crate) target: ColourHistogram,
     selected: ColourHistogram,
     adapted: ColourHistogram,
@@ -151,8 +153,8 @@ impl ColourModel {
         self.adapted.copy_from(&self.target);
     }
 
-    /// Adapts to the colours of a frame, of the target at this rate and of its surroundings at twice the rate: the water
-    /// changes faster than the target's paint. The colours of the selection keep their share.
+    /// Adapts to the colours of a frame, of the target at this rate and of its surroundings at twice the
+    /// rate: the water changes faster than the target's paint. The colours of the selection keep their share.
     pub(crate) fn adapt(&mut self, target: &ColourHistogram, surroundings: &ColourHistogram, rate: f32) {
         self.adapted.blend(target, rate);
         self.target.copy_from(&self.adapted);
@@ -180,8 +182,8 @@ impl TargetEllipse {
     }
 }
 
-/// Counts the colours inside the ellipse (weights decrease from the centre to the edge) and in the ring around its box,
-/// and normalises both histograms.
+/// Counts the colours inside the ellipse (weights decrease from the centre to the edge) and in the ring
+/// around its box, and normalises both histograms.
 pub(crate) fn count_colours(
     picture: &Picture,
     centre: (f32, f32),

@@ -1,4 +1,5 @@
-//! Connected components of the target's colour in a crop: the target, and other objects of its colour around it.
+//! Connected components of the target's colour in a crop: the target, and other objects of its colour around
+//! it.
 
 use barrelman_vocab::PixelBox;
 
@@ -18,8 +19,8 @@ pub(crate) struct Component {
     pub(crate) bounds: PixelBox,
     /// Area, pixels squared.
     pub(crate) area: f32,
-    /// Chroma of its paint: U and V less those around the components, levels; the mean over its bounds and a sample around
-    /// them, weighted with the distance from the chroma around.
+    /// Chroma of its paint: U and V less those around the components, levels; the mean over its bounds and a
+    /// sample around them, weighted with the distance from the chroma around.
     pub(crate) chroma: (f32, f32),
 }
 

@@ -8,24 +8,25 @@ use crate::mean_shift::TerminationCriteria;
 /// Settings of [`CamShift`](crate::CamShift).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CamShiftConfig {
-    /// Minimum saturation (of 255, hexcone) of a pixel whose hue counts; 0 to 255, default 60. Below it the hue is
-    /// mostly noise. The laboratory's operators chose 52 to 130, depending on the venue.
+    /// Minimum saturation (of 255, hexcone) of a pixel whose hue counts; 0 to 255, default 60. Below it the
+    /// hue is mostly noise. The laboratory's operators chose 52 to 130, depending on the venue.
     pub saturation_floor: u8,
-    /// Minimum value (of 255: the maximum of red, green and blue) of a pixel whose hue counts; 0 to 255, default 32.
-    /// The hue of darker pixels is mostly noise. The laboratory's operators chose 10 to 100.
+    /// Minimum value (of 255: the maximum of red, green and blue) of a pixel whose hue counts; 0 to 255,
+    /// default 32. The hue of darker pixels is mostly noise. The laboratory's operators chose 10 to 100.
     pub value_floor: u8,
-    /// Number of equal bins of the hue circle, the first starting at 0 degrees (red); 2 to 180, default 16 as in the
-    /// paper. A bin of 22.5 degrees covers light and shade on one paint. Red lies on both sides of 0, and so in the
-    /// first and in the last bin.
+    /// Number of equal bins of the hue circle, the first starting at 0 degrees (red); 2 to 180, default 16 as
+    /// in the paper. A bin of 22.5 degrees covers light and shade on one paint. Red lies on both sides of 0,
+    /// and so in the first and in the last bin.
     pub bins: usize,
     /// Maximum number of mean-shift steps per frame; 1 to 100, default 10 as in the paper. Bounds the work.
     pub max_iterations: u32,
-    /// Mean shift ends after a step shorter than this, pixels; above 0, at most 100, default 1 as in the paper: the
-    /// window moves by whole pixels, so it is then at rest.
+    /// Mean shift ends after a step shorter than this, pixels; above 0, at most 100, default 1 as in the
+    /// paper: the window moves by whole pixels, so it is then at rest.
     pub epsilon_px: f64,
-    /// Margin computed around the search window when the window reaches the border of the computed part of the back
-    /// projection, pixels; 0 to 1000, default 12. It changes the cost, not the result: a larger margin gives fewer but
-    /// larger pieces of work. 12 covers the margin of the moments (10) and the step of a slow target.
+    /// Margin computed around the search window when the window reaches the border of the computed part of
+    /// the back projection, pixels; 0 to 1000, default 12. It changes the cost, not the result: a larger
+    /// margin gives fewer but larger pieces of work. 12 covers the margin of the moments (10) and the step of
+    /// a slow target.
     pub search_margin_px: usize,
 }
 

@@ -1,17 +1,17 @@
 //! The correlation filter, which locates the target's pattern in a patch.
 //!
-//! Ridge regression over all circular shifts of a training patch (Bolme et al. 2010), with the filter restricted to a
-//! mask around the target, so that the surroundings take part in the training but cannot attract the filter (Galoogahi
-//! et al. 2017). It is solved by ADMM (alternating direction method of multipliers). With x_d the spectrum of channel
-//! d, g the unconstrained filter, h the masked filter, y the desired response (a Gaussian at shift zero) and u the
-//! scaled dual, one step is, for each frequency,
+//! Ridge regression over all circular shifts of a training patch (Bolme et al. 2010), with the filter
+//! restricted to a mask around the target, so that the surroundings take part in the training but cannot
+//! attract the filter (Galoogahi et al. 2017). It is solved by ADMM (alternating direction method of
+//! multipliers). With x_d the spectrum of channel d, g the unconstrained filter, h the masked filter, y the
+//! desired response (a Gaussian at shift zero) and u the scaled dual, one step is, for each frequency,
 //!
 //! - g = (x x^H + mu I)^-1 (x conj(y) + mu (h - u)), by the Sherman-Morrison formula,
 //! - h = mask . F^-1(g + u) mu / (mu + lambda), in space,
 //! - u = u + g - h.
 //!
-//! x is a running mean of the training patches. Each frame continues from the last solution. The response to a patch z
-//! is the inverse transform of sum conj(h_d) z_d.
+//! x is a running mean of the training patches. Each frame continues from the last solution. The response to
+//! a patch z is the inverse transform of sum conj(h_d) z_d.
 
 use crate::fourier::{AREA, Fourier, Map, SIDE, Spectrum};
 use crate::simd::simd_kernel;
@@ -289,8 +289,8 @@ impl Peak {
         Self { right, down, height, peak_to_sidelobe_ratio }
     }
 
-    /// The highest other local maximum that is not part of this peak; `None` where there is none above zero. Its
-    /// peak-to-sidelobe ratio refers to the sidelobes of this peak.
+    /// The highest other local maximum that is not part of this peak; `None` where there is none above zero.
+    /// Its peak-to-sidelobe ratio refers to the sidelobes of this peak.
     pub(crate) fn find_second(&self, response: &Map) -> Option<Self> {
         // Rounded cells of the peak: a cast after the remainder is lossless.
         let cell = |shift: f32| (libm::roundf(shift) as i32).rem_euclid(SIDE as i32) as usize;
@@ -298,8 +298,8 @@ impl Peak {
         self.find_maximum(response, |r, c| is_beside_peak((r, c), peak))
     }
 
-    /// The highest local maximum at which `is_allowed`, by its shift right and down in cells; `None` where there is none above zero.
-    /// Its peak-to-sidelobe ratio refers to the sidelobes of this peak.
+    /// The highest local maximum at which `is_allowed`, by its shift right and down in cells; `None` where
+    /// there is none above zero. Its peak-to-sidelobe ratio refers to the sidelobes of this peak.
     pub(crate) fn find_other(&self, response: &Map, is_allowed: impl Fn(f32, f32) -> bool) -> Option<Self> {
         self.find_maximum(response, |r, c| is_allowed(signed_shift(c), signed_shift(r)))
     }
@@ -351,7 +351,8 @@ fn interpolated_shift(response: &Map, row: usize, column: usize) -> (f32, f32) {
     )
 }
 
-/// Abscissa of the maximum of the parabola through three values at -1, 0 and 1; limited to -1/2 to 1/2, 0 if convex.
+/// Abscissa of the maximum of the parabola through three values at -1, 0 and 1; limited to -1/2 to 1/2, 0 if
+/// convex.
 pub(crate) fn parabola_vertex(before: f32, here: f32, after: f32) -> f32 {
     let curvature = before - 2.0 * here + after;
     if curvature < 0.0 { (0.5 * (before - after) / curvature).clamp(-0.5, 0.5) } else { 0.0 }

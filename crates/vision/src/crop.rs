@@ -1,10 +1,11 @@
-//! A crop of the picture at the coarsest resolution that the target's size allows, computed once per search window.
+//! A crop of the picture at the coarsest resolution that the target's size allows, computed once per search
+//! window.
 //!
-//! The luma plane is averaged over cells of k x k pixels (k whole, integer arithmetic), the chroma planes over cells of
-//! the size of two crop samples of luma. The colour model turns each chroma sample with its luma into a *target
-//! probability*: the probability that the colour belongs to the target. Later stages sample patches of any position,
-//! size and rotation from these two maps and never from the picture. Outside the picture the border samples are
-//! replicated; the feature extractor blanks the cells there.
+//! The luma plane is averaged over cells of k x k pixels (k whole, integer arithmetic), the chroma planes
+//! over cells of the size of two crop samples of luma. The colour model turns each chroma sample with its
+//! luma into a *target probability*: the probability that the colour belongs to the target. Later stages
+//! sample patches of any position, size and rotation from these two maps and never from the picture. Outside
+//! the picture the border samples are replicated; the feature extractor blanks the cells there.
 
 use barrelman_vocab::{Picture, PixelBox};
 
@@ -16,7 +17,8 @@ use crate::vector::Rotation;
 
 /// Maximum decimation, pixels per luma sample.
 const MAX_DECIMATION: i32 = 64;
-/// Inner radius of the ring around an ellipse, squared, in squared radii of the ellipse: 1.3^2. The outer radius is 2.
+/// Inner radius of the ring around an ellipse, squared, in squared radii of the ellipse: 1.3^2. The outer
+/// radius is 2.
 const RING_INNER_SQUARED: f32 = 1.69;
 
 /// The decimated maps of one search window.
@@ -112,8 +114,8 @@ impl ColourContrast {
 }
 
 impl Crop {
-    /// Extracts the part of the picture within `reach` pixels of `centre` along each axis. Each luma sample covers at
-    /// most `step` pixels a side.
+    /// Extracts the part of the picture within `reach` pixels of `centre` along each axis. Each luma sample
+    /// covers at most `step` pixels a side.
     pub(crate) fn extract(
         &mut self,
         picture: &Picture,
@@ -185,7 +187,8 @@ impl Crop {
         sample_bilinear(&self.probability, grid, &mut self.row, out);
     }
 
-    /// The chroma nearest to the points of a grid placed on the picture, which is not rotated: U and V, 0 to 255.
+    /// The chroma nearest to the points of a grid placed on the picture, which is not rotated: U and V, 0 to
+    /// 255.
     pub(crate) fn sample_chroma(&self, grid: &SamplingGrid, out: &mut [Vec<f32>; 2]) {
         let grid = self.to_map_grid(grid, 0.5 / self.decimation as f32);
         let (width, height) = (self.probability.width, self.probability.height);
@@ -230,9 +233,9 @@ impl Crop {
         (2 * self.decimation) as f32
     }
 
-    /// Calls `visit` for each sample of the probability map inside an ellipse and inside the picture, with the distance
-    /// right and down of the centre (pixels) and the target probability (0 to 255). The ellipse has the half axes
-    /// `half` (pixels) around `centre`; `angle` turns it clockwise, radians.
+    /// Calls `visit` for each sample of the probability map inside an ellipse and inside the picture, with
+    /// the distance right and down of the centre (pixels) and the target probability (0 to 255). The ellipse
+    /// has the half axes `half` (pixels) around `centre`; `angle` turns it clockwise, radians.
     pub(crate) fn for_each_probability(
         &self,
         centre: (f32, f32),
@@ -295,8 +298,8 @@ impl Crop {
         }
     }
 
-    /// Mean target probability inside an ellipse (see [`Self::for_each_probability`]) and in the ring from 1.3 to 2
-    /// times its size; 0 where no sample of either lies in the picture.
+    /// Mean target probability inside an ellipse (see [`Self::for_each_probability`]) and in the ring from
+    /// 1.3 to 2 times its size; 0 where no sample of either lies in the picture.
     pub(crate) fn contrast(&self, centre: (f32, f32), half: (f32, f32), angle: f32) -> ColourContrast {
         let (mut inner, mut outer) = ((0_u32, 0_u32), (0_u32, 0_u32));
         let turn = Rotation::by(angle);
@@ -370,7 +373,8 @@ mod tests {
                 for (index, &sample) in patch.iter().enumerate() {
                     let (right, down) = ((index % 16) as f32 - 7.5, (index / 16) as f32 - 5.5);
                     let u = centre.0 + step * (right * libm::cosf(angle) - down * libm::sinf(angle));
-                    // Pixel `n` covers n to n + 1; positions are rounded to 1/256 sample, means to whole numbers.
+                    // Pixel `n` covers n to n + 1; positions are rounded to 1/256 sample, means to whole
+                    // numbers.
                     let expected = u - 0.5;
                     assert!(
                         (sample - expected).abs() < 0.6,

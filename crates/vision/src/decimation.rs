@@ -1,7 +1,7 @@
 //! Decimation: a plane at a lower resolution, each sample the mean of a square cell of pixels.
 //!
-//! Integer arithmetic throughout, so the result is the same on every machine. Outside the picture the border samples
-//! are replicated.
+//! Integer arithmetic throughout, so the result is the same on every machine. Outside the picture the border
+//! samples are replicated.
 
 use barrelman_vocab::video::Plane;
 
@@ -11,9 +11,9 @@ use crate::simd::simd_kernel;
 const MAX_ROWS_PER_CELL: i32 = 4;
 
 simd_kernel! {
-/// Writes `size` (width, height) means over cells of `k` x `k` samples of a plane to `out`, rows tightly packed.
-/// `corner` (left, top) is the first cell's corner, in samples of the plane; it may lie outside the plane. `columns`
-/// is scratch space. A plane without samples gives zeros.
+/// Writes `size` (width, height) means over cells of `k` x `k` samples of a plane to `out`, rows tightly
+/// packed. `corner` (left, top) is the first cell's corner, in samples of the plane; it may lie outside the
+/// plane. `columns` is scratch space. A plane without samples gives zeros.
 pub(crate) fn decimate(plane: Plane<'_>, corner: (i32, i32), k: i32, size: (usize, usize), columns: &mut Vec<u16>, out: &mut Vec<u8>) {
     let ((left, top), (width, height)) = (corner, size);
     out.clear();
@@ -22,7 +22,8 @@ pub(crate) fn decimate(plane: Plane<'_>, corner: (i32, i32), k: i32, size: (usiz
         return;
     }
     let (last_x, last_y) = (plane.width as i32 - 1, plane.height as i32 - 1);
-    // Samples `first..last` of a plane's row are used; to the left and right, the border sample is replicated.
+    // Samples `first..last` of a plane's row are used; to the left and right, the border sample is
+    // replicated.
     let whole = width as i32 * k;
     let (first, last) = (left.clamp(0, last_x), (left + whole).clamp(1, last_x + 1));
     let before = (first - left).clamp(0, whole) as usize;

@@ -2,8 +2,8 @@
 
 use barrelman_vocab::PixelBox;
 
-/// Filled by [`Tracker::explain`](crate::Tracker::explain). The caller owns it; its memory is reused from frame to
-/// frame.
+/// Filled by [`Tracker::explain`](crate::Tracker::explain). The caller owns it; its memory is reused from
+/// frame to frame.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Explanation {
     /// Where the next search starts, pixels of the last picture; `None` before a selection.

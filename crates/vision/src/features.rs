@@ -1,7 +1,7 @@
 //! Feature channels of a patch, on which the correlation filter works.
 //!
-//! Nine gradient directions, the brightness, and the target probability of the colour, in cells of [`CELL`] x [`CELL`]
-//! samples. Cells outside the picture are blank.
+//! Nine gradient directions, the brightness, and the target probability of the colour, in cells of [`CELL`] x
+//! [`CELL`] samples. Cells outside the picture are blank.
 
 use crate::correlation::CorrelationFilter;
 use crate::crop::Crop;
@@ -166,9 +166,9 @@ impl FeatureExtractor {
         }
     }
 
-    /// Response of a filter to the patch at a pose, without a shift: the value that [`Self::extract`] and an inverse
-    /// transform would give there, computed for that shift only. `half_size_cells` is the number of cells right and
-    /// down of the centre that are summed.
+    /// Response of a filter to the patch at a pose, without a shift: the value that [`Self::extract`] and an
+    /// inverse transform would give there, computed for that shift only. `half_size_cells` is the number of
+    /// cells right and down of the centre that are summed.
     pub(crate) fn response_at(
         &mut self,
         crop: &mut Crop,

@@ -1,12 +1,13 @@
 //! Two-dimensional Fourier transform of small square maps, with the same bits on every machine.
 //!
-//! The side is a power of two, [`SIDE`]. Both directions are radix-2 passes over whole rows: each pass is a loop over
-//! independent columns, which the compiler can vectorise without changing a bit. The forward transform decimates in
-//! frequency; its output is transposed and in bit-reversed order along both dimensions. The inverse transform expects
-//! that order. Products of spectra, value by value, do not depend on the order.
+//! The side is a power of two, [`SIDE`]. Both directions are radix-2 passes over whole rows: each pass is a
+//! loop over independent columns, which the compiler can vectorise without changing a bit. The forward
+//! transform decimates in frequency; its output is transposed and in bit-reversed order along both
+//! dimensions. The inverse transform expects that order. Products of spectra, value by value, do not depend
+//! on the order.
 //!
-//! Two real maps share one complex transform, as its real and imaginary parts. [`Fourier::forward_pair`] separates them
-//! by the symmetry of the spectra of real maps.
+//! Two real maps share one complex transform, as its real and imaginary parts. [`Fourier::forward_pair`]
+//! separates them by the symmetry of the spectra of real maps.
 
 use crate::simd::simd_kernel;
 
@@ -104,7 +105,8 @@ fn forward_pair(fourier: &mut Fourier, maps: (&Map, &Map), spectra: (&mut Spectr
 }
 }
 
-/// Position of the negative frequency, in bit-reversed order: from each power of two to the next, the order is reversed.
+/// Position of the negative frequency, in bit-reversed order: from each power of two to the next, the order
+/// is reversed.
 #[inline(always)]
 fn negative(position: usize) -> usize {
     match position.checked_ilog2() {

@@ -1,9 +1,11 @@
-//! Histograms of oriented gradients over square cells (Dalal and Triggs 2005): the channels that do not use colour.
+//! Histograms of oriented gradients over square cells (Dalal and Triggs 2005): the channels that do not use
+//! colour.
 //!
-//! At each sample the gradient d = (dx, dy) is the central difference, m its magnitude. It votes for the unsigned
-//! directions within 20 degrees: with the unit vector e of a direction, the vote is max(0, |d . e| - m cos 20), which
-//! is largest along e and zero at the neighbouring directions. The votes are summed over a cell. A cell's histogram is
-//! divided by the root of the mean energy of the 3 x 3 cells around it and clipped at [`MAX_NORMALISED`].
+//! At each sample the gradient d = (dx, dy) is the central difference, m its magnitude. It votes for the
+//! unsigned directions within 20 degrees: with the unit vector e of a direction, the vote is max(0, |d . e| -
+//! m cos 20), which is largest along e and zero at the neighbouring directions. The votes are summed over a
+//! cell. A cell's histogram is divided by the root of the mean energy of the 3 x 3 cells around it and
+//! clipped at [`MAX_NORMALISED`].
 
 use crate::simd::simd_kernel;
 
@@ -31,7 +33,8 @@ pub(crate) struct GradientHistograms {
 }
 
 impl GradientHistograms {
-    /// Computes the histograms of a patch of `(width * CELL + 2 * MARGIN) x (height * CELL + 2 * MARGIN)` samples.
+    /// Computes the histograms of a patch of `(width * CELL + 2 * MARGIN) x (height * CELL + 2 * MARGIN)`
+    /// samples.
     pub(crate) fn compute(
         &mut self,
         patch: &[f32],
@@ -159,7 +162,8 @@ mod tests {
 
     const SIDE: usize = 6;
 
-    /// The cells of a patch whose samples are given as a function of the distance right and down of its centre.
+    /// The cells of a patch whose samples are given as a function of the distance right and down of its
+    /// centre.
     fn measured(sample: impl Fn(f32, f32) -> f32) -> Vec<f32> {
         let stride = SIDE * CELL + 2 * MARGIN;
         let middle = 0.5 * (stride as f32 - 1.0);

@@ -1,13 +1,14 @@
 //! Heading: which end of the hull's axis is the bow, estimated from the boat's path.
 //!
-//! A silhouette's axis has two ends. The path over water of the last [`PATH_DURATION_S`] seconds, without the camera's
-//! motion, is simplified by the method of Douglas and Peucker (1973) to a few straight legs. The path is kept by time,
-//! not by frames, so that the result does not depend on the frame rate. If the last leg is long enough, its direction
-//! votes for one end of the axis; the votes are summed and bounded. A boat that stops keeps its heading; a boat that
-//! was never under way has none.
+//! A silhouette's axis has two ends. The path over water of the last [`PATH_DURATION_S`] seconds, without the
+//! camera's motion, is simplified by the method of Douglas and Peucker (1973) to a few straight legs. The
+//! path is kept by time, not by frames, so that the result does not depend on the frame rate. If the last leg
+//! is long enough, its direction votes for one end of the axis; the votes are summed and bounded. A boat that
+//! stops keeps its heading; a boat that was never under way has none.
 //!
-//! Bow and stern do not change places. Where the camera's motion is only measured in the picture, which on water may take the
-//! camera's motion for the boat's, votes against a bow that was known make it unknown, and not the other end the bow.
+//! Bow and stern do not change places. Where the camera's motion is only measured in the picture, which on
+//! water may take the camera's motion for the boat's, votes against a bow that was known make it unknown, and
+//! not the other end the bow.
 
 use std::collections::VecDeque;
 
@@ -74,9 +75,9 @@ impl HeadingEstimator {
         (self.votes, self.known) = (0.0, None);
     }
 
-    /// Adds the motion since the last frame: `(du, dv)` pixels over stationary water in `seconds`, ending at `at_s`.
-    /// `axis` is one end of the axis, radians clockwise from image right, the same end as in the last frame. `length`
-    /// is the boat's length, pixels. `source`: how the camera's motion is known.
+    /// Adds the motion since the last frame: `(du, dv)` pixels over stationary water in `seconds`, ending at
+    /// `at_s`. `axis` is one end of the axis, radians clockwise from image right, the same end as in the last
+    /// frame. `length` is the boat's length, pixels. `source`: how the camera's motion is known.
     pub(crate) fn add_motion(
         &mut self,
         at_s: f64,
@@ -111,12 +112,14 @@ impl HeadingEstimator {
         self.known = self.is_bow_at_axis_end().or(self.known);
     }
 
-    /// Whether the bow is at the given end of the axis (`true`) or at the other (`false`); `None` while it is unknown.
+    /// Whether the bow is at the given end of the axis (`true`) or at the other (`false`); `None` while it is
+    /// unknown.
     pub(crate) fn is_bow_at_axis_end(&self) -> Option<bool> {
         (self.votes.abs() >= MIN_VOTES_FOR_BOW).then_some(self.votes > 0.0)
     }
 
-    /// Certainty that the bow is at the given end of the axis: 1 if it is known to be there, -1 if at the other end.
+    /// Certainty that the bow is at the given end of the axis: 1 if it is known to be there, -1 if at the
+    /// other end.
     pub(crate) fn signed_certainty(&self) -> f64 {
         (self.votes / MIN_VOTES_FOR_BOW).clamp(-1.0, 1.0)
     }
@@ -126,8 +129,8 @@ impl HeadingEstimator {
         let end = *self.path.back()?;
         let mut start = 0;
         let last = self.path.len() - 1;
-        // Only the last leg is needed: while a point lies off the line from the start, the path is cut at the farthest
-        // point and only the part behind it is examined.
+        // Only the last leg is needed: while a point lies off the line from the start, the path is cut at the
+        // farthest point and only the part behind it is examined.
         while start + 1 < last {
             let from = self.path[start];
             let (du, dv) = (end.u - from.u, end.v - from.v);
@@ -172,7 +175,8 @@ mod tests {
     }
 
     impl Boat {
-        /// Moves the boat at this speed in a direction (degrees clockwise from image right); its axis is at zero.
+        /// Moves the boat at this speed in a direction (degrees clockwise from image right); its axis is at
+        /// zero.
         fn move_for(&mut self, seconds: f64, lengths_per_s: f64, direction_deg: f64) -> Option<bool> {
             for _ in 0..(seconds / FRAME_S) as usize {
                 self.now_s += FRAME_S;

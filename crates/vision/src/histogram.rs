@@ -4,11 +4,11 @@ use thiserror::Error;
 
 use crate::hue::HUE_CODES;
 
-/// A histogram over the hue circle, scaled as in the laboratory's program: the fullest bin weighs 255 and the emptiest
-/// 0; if all are equally full, all weigh 255.
+/// A histogram over the hue circle, scaled as in the laboratory's program: the fullest bin weighs 255 and the
+/// emptiest 0; if all are equally full, all weigh 255.
 ///
-/// Hue is counted in steps of two degrees, h = 0 to 179, and bin = floor(h * bins / 180). The circle is cut at red: a
-/// red boat fills the first and the last bin.
+/// Hue is counted in steps of two degrees, h = 0 to 179, and bin = floor(h * bins / 180). The circle is cut
+/// at red: a red boat fills the first and the last bin.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct HueHistogram {
     /// Weight of each bin.

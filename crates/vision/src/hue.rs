@@ -1,15 +1,15 @@
 //! Hue of pixels given as Y, U and V.
 //!
-//! A pixel's red, green and blue R, G, B (0 to 255) follow from its samples by the picture's matrix and range, rounded
-//! and clipped. In the hexcone model (Smith 1978) the value is V = max(R, G, B), the chroma C = V - min(R, G, B), the
-//! saturation S = 255 C / V, and the hue H = 60 degrees times (G - B)/C where red is the maximum, 2 + (B - R)/C where
-//! green is, 4 + (R - G)/C where blue is, on a circle of 360 degrees. The *hue code* of a pixel is H / 2 degrees,
-//! rounded, 0 to 179 (red lies at both ends), or [`BELOW_FLOORS`] where saturation or value are too low for a
-//! meaningful hue. This is OpenCV's 8-bit hue, saturation and value of the same picture converted to RGB; the fixtures
-//! compare both.
+//! A pixel's red, green and blue R, G, B (0 to 255) follow from its samples by the picture's matrix and
+//! range, rounded and clipped. In the hexcone model (Smith 1978) the value is V = max(R, G, B), the chroma C
+//! = V - min(R, G, B), the saturation S = 255 C / V, and the hue H = 60 degrees times (G - B)/C where red is
+//! the maximum, 2 + (B - R)/C where green is, 4 + (R - G)/C where blue is, on a circle of 360 degrees. The
+//! *hue code* of a pixel is H / 2 degrees, rounded, 0 to 179 (red lies at both ends), or [`BELOW_FLOORS`]
+//! where saturation or value are too low for a meaningful hue. This is OpenCV's 8-bit hue, saturation and
+//! value of the same picture converted to RGB; the fixtures compare both.
 //!
-//! Integer and fixed-point arithmetic (1/65536 of a level) throughout, with the same result on every machine. A
-//! conversion costs some nanoseconds, which is why the back projection uses a table.
+//! Integer and fixed-point arithmetic (1/65536 of a level) throughout, with the same result on every machine.
+//! A conversion costs some nanoseconds, which is why the back projection uses a table.
 
 use barrelman_vocab::video::{ColourEncoding, SampleRange};
 
@@ -37,7 +37,8 @@ pub struct YuvToHue {
     colour: ColourEncoding,
     /// Level at Y = 0 plus half a level for rounding, in 1/65536 of a level.
     level_of_zero: i32,
-    /// Levels per step of a sample, in 1/65536: Y for each channel, V for red and green, U for green and blue.
+    /// Levels per step of a sample, in 1/65536: Y for each channel, V for red and green, U for green and
+    /// blue.
     per_y: i32,
     red_per_v: i32,
     green_per_u: i32,

@@ -1,12 +1,13 @@
 //! Look-up table from Y, U and V to the weight of the hue in the target's histogram.
 //!
-//! The four pixels of a 2 x 2 block share U and V, and a picture contains few pairs of them. A row of 256 weights, one
-//! per Y, is computed when a pair first occurs and kept until the next selection. After that a pixel costs one look-up.
-//! Pairs without weight at any Y, such as those of grey water, share one row.
+//! The four pixels of a 2 x 2 block share U and V, and a picture contains few pairs of them. A row of 256
+//! weights, one per Y, is computed when a pair first occurs and kept until the next selection. After that a
+//! pixel costs one look-up. Pairs without weight at any Y, such as those of grey water, share one row.
 //!
-//! Work: 256 conversions, about a microsecond, for each pair that occurs for the first time since the selection; there
-//! are 65,536 pairs, and a few thousand in a natural picture. Memory: a quarter of a megabyte plus 256 bytes per pair
-//! with a weight, at most 16 MiB, reserved at the selection and used on demand.
+//! Work: 256 conversions, about a microsecond, for each pair that occurs for the first time since the
+//! selection; there are 65,536 pairs, and a few thousand in a natural picture. Memory: a quarter of a
+//! megabyte plus 256 bytes per pair with a weight, at most 16 MiB, reserved at the selection and used on
+//! demand.
 
 use crate::hue::{Floors, YuvToHue};
 
@@ -44,8 +45,8 @@ impl HueWeightTable {
         &self.hue
     }
 
-    /// Looks up two rows of pixels that share a row of chroma samples: each is given as its Y and the weights to fill.
-    /// A row may be empty, or end with the first half of the last block.
+    /// Looks up two rows of pixels that share a row of chroma samples: each is given as its Y and the weights
+    /// to fill. A row may be empty, or end with the first half of the last block.
     pub(crate) fn fill_weights(&mut self, us: &[u8], vs: &[u8], [upper, lower]: [(&[u8], &mut [u8]); 2]) {
         let (upper_whole, upper_rest) = upper.0.as_chunks::<2>();
         let (upper_weights, upper_rest_weights) = upper.1.as_chunks_mut::<2>();

@@ -1,10 +1,10 @@
 //! Layout of the target's colours: a histogram for each third of its length.
 //!
-//! Two objects may have the same colours in the same shares and still look different: a boat with a dark engine at the
-//! stern, and a raft of the same paint with a dark patch in the middle. The target's ellipse is cut across its axis
-//! into [`PARTS`] parts. Each part is compared with the learned one by the Bhattacharyya coefficient. The histograms
-//! are coarse and smoothed, because a third of a small target has few samples. The share of a part outside the picture
-//! has similarity 0.
+//! Two objects may have the same colours in the same shares and still look different: a boat with a dark
+//! engine at the stern, and a raft of the same paint with a dark patch in the middle. The target's ellipse is
+//! cut across its axis into [`PARTS`] parts. Each part is compared with the learned one by the Bhattacharyya
+//! coefficient. The histograms are coarse and smoothed, because a third of a small target has few samples.
+//! The share of a part outside the picture has similarity 0.
 
 use barrelman_vocab::Picture;
 
@@ -22,8 +22,8 @@ const MAX_SAMPLES: f32 = 1024.0;
 /// Share of the ellipse's area in each part.
 const PART_AREA_SHARES: [f32; PARTS] = [0.292, 0.416, 0.292];
 
-/// Share of its expected samples from which on a part counts as complete: the number of samples depends on how the part
-/// lies between them.
+/// Share of its expected samples from which on a part counts as complete: the number of samples depends on
+/// how the part lies between them.
 const MIN_WHOLE_SHARE: f32 = 0.9;
 
 /// Histogram of each part, with the sum 1 or the share of the part inside the picture.
@@ -45,8 +45,8 @@ fn bin(y: u8, u: u8, v: u8) -> usize {
 }
 
 impl ColourLayout {
-    /// Counts the colours inside an ellipse of half axes `half` around `centre`, pixels. `angle` turns the first half
-    /// axis clockwise, radians.
+    /// Counts the colours inside an ellipse of half axes `half` around `centre`, pixels. `angle` turns the
+    /// first half axis clockwise, radians.
     pub(crate) fn count(&mut self, picture: &Picture, centre: (f32, f32), half: (f32, f32), angle: f32) {
         self.parts.iter_mut().for_each(|part| part.fill(0.0));
         let (y, u, v) = (picture.y(), picture.u(), picture.v());

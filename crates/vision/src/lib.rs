@@ -1,18 +1,20 @@
 //! Video frame in, localisation out: where the selected boat is in the picture.
 //!
-//! [`Tracker`] is the interface of every tracker. [`FusedTracker`], the default, combines a correlation filter with a
-//! colour model. [`CamShift`] is the tracker of the published system (Biswas, Karnan, Dhulipala, Dufek and Murphy,
-//! arXiv 1710.02932): a hue histogram of the selection, its back projection, mean shift to the mode, and size and
-//! orientation from the image moments.
+//! [`Tracker`] is the interface of every tracker. [`FusedTracker`], the default, combines a correlation
+//! filter with a colour model. [`CamShift`] is the tracker of the published system (Biswas, Karnan,
+//! Dhulipala, Dufek and Murphy, arXiv 1710.02932): a hue histogram of the selection, its back projection,
+//! mean shift to the mode, and size and orientation from the image moments.
 //!
-//! All coordinates are *pixel* coordinates: u to the right, v downwards, origin at the top left corner of the picture,
-//! pixel (0,0) covering [0,1) x [0,1). Reported angles of an axis are anticlockwise from image right, as seen.
+//! All coordinates are *pixel* coordinates: u to the right, v downwards, origin at the top left corner of the
+//! picture, pixel (0,0) covering [0,1) x [0,1). Reported angles of an axis are anticlockwise from image
+//! right, as seen.
 //!
 //! # What this crate does not contain
-//! No I/O, clock, thread or randomness: the same frames give the same track, bit for bit, on every machine (integers
-//! for sums over pixels, `libm` for transcendental functions). No allocation per frame once the buffers have their
-//! size. No knowledge of what a localisation is used for: no camera, camera rates or region of interest. The camera's
-//! motion comes in as an optional [`MotionPrior`](barrelman_vocab::MotionPrior).
+//! No I/O, clock, thread or randomness: the same frames give the same track, bit for bit, on every machine
+//! (integers for sums over pixels, `libm` for transcendental functions). No allocation per frame once the
+//! buffers have their size. No knowledge of what a localisation is used for: no camera, camera rates or
+//! region of interest. The camera's motion comes in as an optional
+//! [`MotionPrior`](barrelman_vocab::MotionPrior).
 #![deny(unsafe_code)]
 
 mod tracker;

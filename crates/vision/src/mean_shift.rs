@@ -1,42 +1,46 @@
 //! Mean shift and CamShift on any map of weights.
 //!
-//! *Mean shift* moves the search window so that its centre lies on the centroid of the weights in it, (m10, m01) / m00,
-//! until it comes to rest. The window moves by whole pixels and stays in the map.
+//! *Mean shift* moves the search window so that its centre lies on the centroid of the weights in it, (m10,
+//! m01) / m00, until it comes to rest. The window moves by whole pixels and stays in the map.
 //!
-//! *CamShift* (continuously adaptive mean shift; Bradski 1998) then computes the moments over the window and a margin
-//! around it, so that a target larger than the window can be measured. The normalised central moments, square pixels,
-//! are a = m20/m00 - xc^2, b = m11/m00 - xc yc and c = m02/m00 - yc^2. The variances along the principal axes are
+//! *CamShift* (continuously adaptive mean shift; Bradski 1998) then computes the moments over the window and
+//! a margin around it, so that a target larger than the window can be measured. The normalised central
+//! moments, square pixels, are a = m20/m00 - xc^2, b = m11/m00 - xc yc and c = m02/m00 - yc^2. The variances
+//! along the principal axes are
 //!
 //! ```text
 //! ((a + c) ± sqrt(4 b^2 + (a - c)^2)) / 2
 //! ```
 //!
-//! and the major axis is turned by atan2(2 b, a - c) / 2 from the x axis towards the y axis. A uniform ellipse with full
-//! axes l and w has the variances (l/4)^2 and (w/4)^2; the reported axes are therefore four standard deviations long.
+//! and the major axis is turned by atan2(2 b, a - c) / 2 from the x axis towards the y axis. A uniform
+//! ellipse with full axes l and w has the variances (l/4)^2 and (w/4)^2; the reported axes are therefore four
+//! standard deviations long.
 //!
-//! The next search window is upright, centred on the centroid, max(l |cos|, w |sin|) + 2 wide and max(l |sin|, w |cos|)
-//! + 2 high, clipped to the map. All this agrees with OpenCV's `CamShift`, which the laboratory used.
+//! The next search window is upright, centred on the centroid, max(l |cos|, w |sin|) + 2 wide and
+//! max(l |sin|, w |cos|) + 2 high, clipped to the map. All this agrees with OpenCV's `CamShift`, which the
+//! laboratory used.
 //!
-//! The *reported* box is the upright box of the ellipse, sqrt((l cos)^2 + (w sin)^2) wide and sqrt((l sin)^2 + (w
-//! cos)^2) high about the unrounded centroid, plus [`EDGE_MARGIN_PX`] on every side. The search window is too small for
-//! a target at an angle, and the upright box of OpenCV's rotated rectangle is larger than the ellipse.
+//! The *reported* box is the upright box of the ellipse, sqrt((l cos)^2 + (w sin)^2) wide and sqrt((l
+//! sin)^2 + (w cos)^2) high about the unrounded centroid, plus [`EDGE_MARGIN_PX`] on every side. The search
+//! window is too small for a target at an angle, and the upright box of OpenCV's rotated rectangle is larger
+//! than the ellipse.
 //!
-//! Work: one pass over the first window with a few integer operations per pixel. Each of the at most `max_iterations`
-//! steps adds the pixels that enter and leave the window, never more than another pass. Not handled: several targets in
-//! one window, and changes of scale between the frames.
+//! Work: one pass over the first window with a few integer operations per pixel. Each of the at most
+//! `max_iterations` steps adds the pixels that enter and leave the window, never more than another pass. Not
+//! handled: several targets in one window, and changes of scale between the frames.
 
 use barrelman_vocab::{Angle, PixelBox, PixelPoint};
 
 use crate::moments::{MomentSource, Moments, RunningMoments};
 use crate::window::Window;
 
-/// Margin on every side of the window over which size and axis are measured, and by which an empty window grows,
-/// pixels. 10 is OpenCV's value, and so the laboratory's.
+/// Margin on every side of the window over which size and axis are measured, and by which an empty window
+/// grows, pixels. 10 is OpenCV's value, and so the laboratory's.
 pub const MOMENT_MARGIN_PX: usize = 10;
 
-/// Margin of the reported box on every side of the ellipse, pixels. The pixels at the target's edge are mixed with the
-/// background, and their hues do not count: a chroma sample is two pixels wide, and a sample cut by the edge is lost.
-/// On labelled recordings 1 to 2 fit best.
+/// Margin of the reported box on every side of the ellipse, pixels. The pixels at the target's edge are mixed
+/// with the background, and their hues do not count: a chroma sample is two pixels wide, and a sample cut by
+/// the edge is lost. On labelled recordings 1 to 2 fit best.
 pub const EDGE_MARGIN_PX: f64 = 1.5;
 
 /// When mean shift ends.
@@ -165,8 +169,8 @@ impl EquivalentEllipse {
         let (sin, cos) = (libm::sin(self.turn).abs(), libm::cos(self.turn).abs());
         let (x, w) = next_window_span(self.x, (self.major * cos).max(self.minor * sin), width);
         let (y, h) = next_window_span(self.y, (self.major * sin).max(self.minor * cos), height);
-        // In the picture the positive direction is clockwise, in the report anticlockwise. Where the turn is slightly
-        // above zero, the difference rounds to pi, which is the same axis as 0.
+        // In the picture the positive direction is clockwise, in the report anticlockwise. Where the turn is
+        // slightly above zero, the difference rounds to pi, which is the same axis as 0.
         let upward = if self.turn > 0.0 { core::f64::consts::PI - self.turn } else { -self.turn };
         let axis = if upward >= core::f64::consts::PI { 0.0 } else { upward };
         CamShiftTarget {
@@ -179,7 +183,8 @@ impl EquivalentEllipse {
     }
 }
 
-/// Start and length of the next window along one axis: `reach` plus two pixels around `centroid`, within 0..end.
+/// Start and length of the next window along one axis: `reach` plus two pixels around `centroid`, within
+/// 0..end.
 fn next_window_span(centroid: f64, reach: f64, end: usize) -> (usize, usize) {
     let middle = (centroid.round_ties_even() as usize).min(end.saturating_sub(1));
     let length = (reach.round_ties_even() as usize + 2).min((end - middle) * 2);

@@ -1,8 +1,8 @@
 //! Image moments of a map of weights over a window, up to the second order.
 //!
-//! With p(x, y) the weight (0 to 255) of the pixel in column x and row y, the moment of order (i, j) over a window is
-//! m_ij = sum of p(x, y) x^i y^j. All sums are integers and exact; 64 bits suffice for pictures of up to 16384 x 16384
-//! pixels.
+//! With p(x, y) the weight (0 to 255) of the pixel in column x and row y, the moment of order (i, j) over a
+//! window is m_ij = sum of p(x, y) x^i y^j. All sums are integers and exact; 64 bits suffice for pictures of
+//! up to 16384 x 16384 pixels.
 
 use core::ops::{AddAssign, SubAssign};
 
@@ -48,8 +48,8 @@ impl SubAssign for Moments {
     }
 }
 
-/// Moments over a moving window: only the pixels that enter and leave are summed. The sums are integers, so the result
-/// equals that of a full sum.
+/// Moments over a moving window: only the pixels that enter and leave are summed. The sums are integers, so
+/// the result equals that of a full sum.
 pub(crate) struct RunningMoments<'a, M> {
     map: &'a mut M,
     window: Window,

@@ -1,8 +1,8 @@
 //! Kalman filter with constant velocity, one for each axis of the picture.
 //!
-//! State: position (pixels) and velocity (pixels per second). Between frames, a white acceleration of spectral density
-//! q acts on the velocity; a measured position has the variance r. The camera's motion enters as a known displacement
-//! with its own variance.
+//! State: position (pixels) and velocity (pixels per second). Between frames, a white acceleration of
+//! spectral density q acts on the velocity; a measured position has the variance r. The camera's motion
+//! enters as a known displacement with its own variance.
 
 /// Filter of one axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -18,7 +18,8 @@ pub(crate) struct AxisFilter {
 }
 
 impl AxisFilter {
-    /// A filter at a position with this standard deviation, and at velocity zero with the standard deviation `speed`.
+    /// A filter at a position with this standard deviation, and at velocity zero with the standard deviation
+    /// `speed`.
     pub(crate) fn new(position: f64, std_dev: f64, speed: f64) -> Self {
         Self {
             position,
@@ -29,8 +30,8 @@ impl AxisFilter {
         }
     }
 
-    /// Predicts by `seconds`. `acceleration_density` is q, pixels squared per second cubed; `shift` is the displacement
-    /// by the camera, pixels, with its standard deviation.
+    /// Predicts by `seconds`. `acceleration_density` is q, pixels squared per second cubed; `shift` is the
+    /// displacement by the camera, pixels, with its standard deviation.
     pub(crate) fn predict(
         &mut self,
         seconds: f64,

@@ -1,17 +1,18 @@
 //! The target's paint: one chroma that sets the target apart from what is around it.
 //!
-//! A sample of chroma at the edge of a target shows a mixture of paint and surroundings. With the chroma p of the paint
-//! and the mean chroma b of the surroundings, the share of the paint in a sample of the chroma c is
+//! A sample of chroma at the edge of a target shows a mixture of paint and surroundings. With the chroma p of
+//! the paint and the mean chroma b of the surroundings, the share of the paint in a sample of the chroma c is
 //!
 //! ```text
 //! share = (c - b) (p - b) / |p - b|^2        (inner product in the plane of U and V)
 //! ```
 //!
-//! The weight of a sample is (share - q) / (1 - q), from 0 to 1, with the share q that nine tenths of the surroundings do
-//! not reach. Foam has a share, too: white lies between blue water and red paint. For a target that is many samples
-//! wide, q is at least the share of foam, so that its wake counts nothing. Mixtures are weighed in proportion, so that the
-//! moments of a target of a few samples can be measured ([`Silhouette`]). The target probability of the colour model cannot do
-//! that: a mixed colour is a colour of its own there, and may be unknown.
+//! The weight of a sample is (share - q) / (1 - q), from 0 to 1, with the share q that nine tenths of the
+//! surroundings do not reach. Foam has a share, too: white lies between blue water and red paint. For a
+//! target that is many samples wide, q is at least the share of foam, so that its wake counts nothing.
+//! Mixtures are weighed in proportion, so that the moments of a target of a few samples can be measured
+//! ([`Silhouette`]). The target probability of the colour model cannot do that: a mixed colour is a colour of
+//! its own there, and may be unknown.
 
 use crate::crop::Crop;
 use crate::silhouette::Silhouette;
@@ -37,7 +38,8 @@ pub(crate) struct PaintScale {
     floor: f32,
 }
 
-/// The surroundings begin beyond this multiple of the target's half axes and so many pixels, and end beyond these.
+/// The surroundings begin beyond this multiple of the target's half axes and so many pixels, and end beyond
+/// these.
 const RING_INNER: (f32, f32) = (1.3, 3.0);
 const RING_OUTER: (f32, f32) = (2.0, 10.0);
 /// Minimum distance of the paint from the mean of the surroundings, levels of chroma.
@@ -47,8 +49,8 @@ const MAX_FLOOR: f32 = 0.6;
 /// Chroma of foam, which is white, and the maximum share of the paint in it.
 const NEUTRAL: u8 = 128;
 const MAX_FOAM_SHARE: f32 = 0.6;
-/// The edges of a target of this breadth, in samples, are most of it, and mixed; from the second one on the target is
-/// resolved.
+/// The edges of a target of this breadth, in samples, are most of it, and mixed; from the second one on the
+/// target is resolved.
 const MIXED_BREADTH: f32 = 4.0;
 const RESOLVED_BREADTH: f32 = 7.0;
 /// Share of the surroundings above the floor.
@@ -75,8 +77,9 @@ impl PaintScale {
 }
 
 impl Paint {
-    /// The paint of a target that was selected by a box of these half sides (pixels): the mean of the samples in the box
-    /// that differ most from the surroundings. `None` where the chroma does not set the target apart.
+    /// The paint of a target that was selected by a box of these half sides (pixels): the mean of the samples
+    /// in the box that differ most from the surroundings. `None` where the chroma does not set the target
+    /// apart.
     pub(crate) fn find(crop: &Crop, centre: (f32, f32), half: (f32, f32)) -> Option<Self> {
         let background = mean_around(crop, centre, half, 0.0)?;
         let (mut u_sum, mut v_sum, mut count) = (0.0_f32, 0.0_f32, 0.0_f32);

@@ -1,8 +1,8 @@
-//! Motion of the whole picture between video frames, by registration of a few patches: for measuring a camera that turns,
-//! without a target.
+//! Motion of the whole picture between video frames, by registration of a few patches: for measuring a camera
+//! that turns, without a target.
 //!
-//! Each patch is registered with its own reference frame until the picture has moved by a share of the patch; then a new
-//! reference is taken. Errors of a registration therefore do not add up with every frame.
+//! Each patch is registered with its own reference frame until the picture has moved by a share of the patch;
+//! then a new reference is taken. Errors of a registration therefore do not add up with every frame.
 
 use barrelman_vocab::{Picture, PictureSize, PixelPoint};
 

@@ -1,10 +1,11 @@
-//! Re-detection by colour in the whole picture: a coarse map of target probabilities and box sums from an integral
-//! image.
+//! Re-detection by colour in the whole picture: a coarse map of target probabilities and box sums from an
+//! integral image.
 //!
-//! Every few pixels one sample is looked up in the colour model. Candidates are places where a box of the target's size
-//! has a higher mean target probability than the ring around it. Each candidate is then refined to the nearby position
-//! and the scale with the highest contrast of a box of the target's proportions, since the target may have come nearer
-//! or gone farther away. Candidates are found by colour alone; the correlation filter has to confirm them.
+//! Every few pixels one sample is looked up in the colour model. Candidates are places where a box of the
+//! target's size has a higher mean target probability than the ring around it. Each candidate is then refined
+//! to the nearby position and the scale with the highest contrast of a box of the target's proportions, since
+//! the target may have come nearer or gone farther away. Candidates are found by colour alone; the
+//! correlation filter has to confirm them.
 
 use barrelman_vocab::Picture;
 
@@ -26,8 +27,8 @@ pub(crate) struct Candidate {
 
 #[derive(Debug, Default)]
 pub(crate) struct Redetector {
-    /// Integral image of the target probabilities: sums over all samples above and to the left, with a first row and
-    /// column of zeros.
+    /// Integral image of the target probabilities: sums over all samples above and to the left, with a first
+    /// row and column of zeros.
     sums: Vec<u32>,
     width: usize,
     height: usize,
@@ -52,8 +53,8 @@ impl Redetector {
         (w, h): (f32, f32),
     ) -> &[Candidate] {
         let size = (w * h).sqrt();
-        // Ten samples a side distinguish a box from its surroundings and from boxes of other sizes. A chroma sample covers
-        // two pixels.
+        // Ten samples a side distinguish a box from its surroundings and from boxes of other sizes. A chroma
+        // sample covers two pixels.
         let step = ((size / 20.0) as usize).clamp(1, 16);
         self.candidates.clear();
         self.candidates.reserve(MAX_CANDIDATES);
@@ -92,8 +93,8 @@ impl Redetector {
         }
     }
 
-    /// Collects the places where a square of the target's size (pixels) has a higher mean target probability than the
-    /// ring around it. A sample covers `unit` pixels.
+    /// Collects the places where a square of the target's size (pixels) has a higher mean target probability
+    /// than the ring around it. A sample covers `unit` pixels.
     fn collect(&mut self, size: f32, unit: f32) {
         let half = ((0.5 * size / unit + 0.5) as usize).max(1);
         let outer = 2 * half;
@@ -113,8 +114,8 @@ impl Redetector {
         }
     }
 
-    /// Fills `contrasts`: for each column the mean target probability in a square of `half` samples to every side of the
-    /// place, less that in the ring around it, up to `outer` samples from the place.
+    /// Fills `contrasts`: for each column the mean target probability in a square of `half` samples to every
+    /// side of the place, less that in the ring around it, up to `outer` samples from the place.
     fn fill_contrasts(&mut self, row: usize, half: usize, outer: usize) {
         self.contrasts.resize(self.width, 0.0);
         // Between these columns no square is cut off at the left or right edge.
@@ -212,8 +213,8 @@ impl Redetector {
     }
 }
 
-/// Mean target probability inside less that in the ring around it, from the sum and the number of the samples inside, and
-/// those of both together.
+/// Mean target probability inside less that in the ring around it, from the sum and the number of the samples
+/// inside, and those of both together.
 #[inline(always)]
 fn contrast(inner: (u32, u32), outer: (u32, u32)) -> f32 {
     let mean = |sum: u32, count: u32| sum as f32 / (255 * count) as f32;
@@ -246,8 +247,8 @@ fn subtract_rows(lower: &[u32], upper: &[u32], out: &mut Vec<u32>) {
 }
 
 simd_kernel! {
-/// The contrasts of consecutive places from the sums of the columns. `squares` gives the half side and the rows of the
-/// inner and the outer square, which begin with the first column of `inner` and `outer`.
+/// The contrasts of consecutive places from the sums of the columns. `squares` gives the half side and the
+/// rows of the inner and the outer square, which begin with the first column of `inner` and `outer`.
 fn row_contrasts(inner: &[u32], outer: &[u32], squares: [(usize, usize); 2], out: &mut [f32]) {
     let [inner_side, outer_side] = squares.map(|(half, _)| 2 * half + 1);
     let count = |side: usize, (_, rows): (usize, usize)| (side * rows) as u32;

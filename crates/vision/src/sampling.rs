@@ -8,20 +8,22 @@ pub(crate) struct SampleMap {
     pub(crate) width: usize,
     pub(crate) height: usize,
     pub(crate) values: Vec<u8>,
-    /// Each sample with its right, lower and lower right neighbours, one byte each: one load per bilinear sample.
+    /// Each sample with its right, lower and lower right neighbours, one byte each: one load per bilinear
+    /// sample.
     quads: Vec<u32>,
 }
 
 impl SampleMap {
-    /// Becomes a copy of another map, in the buffers that are there. They get the other map's capacity, so that a copy of
-    /// the largest map that it held so far allocates nothing.
+    /// Becomes a copy of another map, in the buffers that are there. They get the other map's capacity, so
+    /// that a copy of the largest map that it held so far allocates nothing.
     pub(crate) fn copy_from(&mut self, other: &Self) {
         (self.width, self.height) = (other.width, other.height);
         copy_with_capacity(&mut self.values, &other.values);
         copy_with_capacity(&mut self.quads, &other.quads);
     }
 
-    /// Prepares the map for [`sample_bilinear`]; to be called after `values` changed. The map must not be empty.
+    /// Prepares the map for [`sample_bilinear`]; to be called after `values` changed. The map must not be
+    /// empty.
     pub(crate) fn pack(&mut self) {
         self.quads.clear();
         // Room for as many as there is for values, so that a map whose values need no memory needs none here.
@@ -68,8 +70,8 @@ pub(crate) struct SamplingGrid {
 }
 
 impl SamplingGrid {
-    /// A grid placed on the picture, in samples of a map whose left upper corner is at `origin` (pixels) and which has
-    /// `scale` samples per pixel.
+    /// A grid placed on the picture, in samples of a map whose left upper corner is at `origin` (pixels) and
+    /// which has `scale` samples per pixel.
     pub(crate) fn on_map(&self, origin: (f32, f32), scale: f32) -> Self {
         let centre = ((self.centre.0 - origin.0) * scale, (self.centre.1 - origin.1) * scale);
         Self { centre, step: self.step * scale, ..*self }
@@ -100,8 +102,8 @@ pub(crate) struct SampleRow {
 }
 
 simd_kernel! {
-/// Samples `map` at the points of `grid` (in samples of the map) by bilinear interpolation, with positions rounded to
-/// 1/256 sample. Outside the map the border samples are replicated.
+/// Samples `map` at the points of `grid` (in samples of the map) by bilinear interpolation, with positions
+/// rounded to 1/256 sample. Outside the map the border samples are replicated.
 pub(crate) fn sample_bilinear(map: &SampleMap, grid: SamplingGrid, line: &mut SampleRow, out: &mut Vec<f32>) {
     const ONE: f32 = 65_536.0;
     out.resize(grid.width * grid.height, 0.0);
@@ -139,8 +141,8 @@ pub(crate) fn sample_bilinear(map: &SampleMap, grid: SamplingGrid, line: &mut Sa
                 y = y.saturating_add(step.1);
             }
         }
-        // From each sample's index to its neighbours: the loops before and after this one have no such lookup, so that
-        // they can be vectorised.
+        // From each sample's index to its neighbours: the loops before and after this one have no such
+        // lookup, so that they can be vectorised.
         for quad in quads.iter_mut() {
             *quad = map.quads[*quad as usize];
         }

@@ -1,9 +1,10 @@
 //! Size, position and orientation of the target from the moments of its colour.
 //!
-//! The target probability of each sample inside an ellipse around the target becomes a weight between 0 and 1: 0 up to
-//! a quarter of the way from the ring's mean probability to the target's, 1 from three quarters on, linear between.
-//! With the weights' sum m, centroid c and covariance C, the axis is the eigenvector of the larger eigenvalue of C, and
-//! the full axes are 4 times the roots of the eigenvalues, as for a uniform ellipse.
+//! The target probability of each sample inside an ellipse around the target becomes a weight between 0 and
+//! 1: 0 up to a quarter of the way from the ring's mean probability to the target's, 1 from three quarters
+//! on, linear between. With the weights' sum m, centroid c and covariance C, the axis is the eigenvector of
+//! the larger eigenvalue of C, and the full axes are 4 times the roots of the eigenvalues, as for a uniform
+//! ellipse.
 
 use crate::crop::{ColourContrast, Crop};
 use crate::vector::Rotation;
@@ -26,8 +27,8 @@ pub(crate) struct Silhouette {
 }
 
 impl Silhouette {
-    /// Measures the silhouette inside the ellipse of half axes `half` (pixels), turned clockwise by `angle`; `contrast`
-    /// gives the mean target probabilities. `None` where the contrast or the area is too small.
+    /// Measures the silhouette inside the ellipse of half axes `half` (pixels), turned clockwise by `angle`;
+    /// `contrast` gives the mean target probabilities. `None` where the contrast or the area is too small.
     pub(crate) fn measure(
         crop: &Crop,
         centre: (f32, f32),
@@ -51,10 +52,10 @@ impl Silhouette {
         })
     }
 
-    /// The silhouette of weighted samples of this step (pixels) inside an ellipse of this centre and these half axes.
-    /// `for_each` passes each sample's distance right and down of the centre and its weight, 0 to 1. `own_variance` is
-    /// added to the samples' variance along each axis, square pixels. `None` where the weights sum up to less than
-    /// `min_mass`.
+    /// The silhouette of weighted samples of this step (pixels) inside an ellipse of this centre and these
+    /// half axes. `for_each` passes each sample's distance right and down of the centre and its weight, 0
+    /// to 1. `own_variance` is added to the samples' variance along each axis, square pixels. `None` where
+    /// the weights sum up to less than `min_mass`.
     pub(crate) fn from_weights(
         step: f64,
         own_variance: f64,
@@ -119,7 +120,8 @@ impl Silhouette {
         if self.major > 0.0 { self.minor / self.major } else { 1.0 }
     }
 
-    /// Share of the ellipse of its axes that it fills: about 1 for a single object, less for several beside each other.
+    /// Share of the ellipse of its axes that it fills: about 1 for a single object, less for several beside
+    /// each other.
     pub(crate) fn fill(&self) -> f32 {
         let ellipse = 0.25 * core::f32::consts::PI * self.major * self.minor;
         if ellipse > 0.0 { self.area / ellipse } else { 0.0 }

@@ -1,7 +1,7 @@
 //! Vector kernels: the crate's binding of `barrelman-simd`.
 //!
-//! A function inside [`simd_kernel!`] is compiled for each vector level from the same scalar source, with bit-identical
-//! results, and runs at the widest level of the machine. The tests compare all levels.
+//! A function inside [`simd_kernel!`] is compiled for each vector level from the same scalar source, with
+//! bit-identical results, and runs at the widest level of the machine. The tests compare all levels.
 
 /// Compiles free functions for each vector level and runs them at [`level`].
 macro_rules! simd_kernel {

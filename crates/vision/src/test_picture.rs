@@ -15,8 +15,8 @@ pub(crate) fn picture(size: (u32, u32), luma: impl Fn(usize, usize) -> f32) -> P
     picture
 }
 
-/// A picture whose colour (Y, U, V) is given by column and row. A chroma sample has the colour of the first of its four
-/// pixels.
+/// A picture whose colour (Y, U, V) is given by column and row. A chroma sample has the colour of the first
+/// of its four pixels.
 pub(crate) fn painted(size: (u32, u32), colour: impl Fn(usize, usize) -> [u8; 3]) -> Picture {
     let size = PictureSize::new(size.0, size.1);
     let mut picture = Picture::black(size, ColourEncoding::assumed_for(size));

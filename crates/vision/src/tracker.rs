@@ -7,27 +7,29 @@ use crate::explanation::Explanation;
 
 /// Follows one selected target from frame to frame.
 ///
-/// `select` tells the tracker what to follow, by a box that the operator dragged. Every video frame is then passed to
-/// `track` in the order of capture; gaps are normal. No frame is an error: a target that is not found is a valid
-/// answer.
+/// `select` tells the tracker what to follow, by a box that the operator dragged. Every video frame is then
+/// passed to `track` in the order of capture; gaps are normal. No frame is an error: a target that is not
+/// found is a valid answer.
 pub trait Tracker: Send {
-    /// Makes the content of `selection` on `frame` the target, and forgets an earlier target. The part outside the
-    /// picture is cut off. The report contains the localisation on this frame: do not `track` the same frame.
+    /// Makes the content of `selection` on `frame` the target, and forgets an earlier target. The part
+    /// outside the picture is cut off. The report contains the localisation on this frame: do not `track` the
+    /// same frame.
     ///
     /// # Errors
     /// If the box contains nothing that can be followed. The earlier target is then kept.
     fn select(&mut self, frame: &VideoFrame, selection: PixelBox) -> Result<SelectionReport, SelectionError>;
 
-    /// Localises the target in the next frame. `prior` is the shift of a stationary object in the picture since the
-    /// last frame, caused by the camera's motion. Returns [`Track::Unseeded`] before the first selection.
+    /// Localises the target in the next frame. `prior` is the shift of a stationary object in the picture
+    /// since the last frame, caused by the camera's motion. Returns [`Track::Unseeded`] before the first
+    /// selection.
     fn track(&mut self, frame: &VideoFrame, prior: Option<&MotionPrior>) -> Track;
 
     /// Forgets the target: the tracker is as before its first selection.
     fn forget(&mut self);
 
-    /// The operator says that the object followed now is not the target. The tracker searches for the target as it was
-    /// selected, and does not take that object again while the object can be told from the target. Returns whether an
-    /// object was followed. Allocates memory.
+    /// The operator says that the object followed now is not the target. The tracker searches for the target
+    /// as it was selected, and does not take that object again while the object can be told from the target.
+    /// Returns whether an object was followed. Allocates memory.
     fn reject(&mut self) -> bool;
 
     /// Writes what the last answer is based on, for an overlay. Costs nothing if it is not called.
@@ -59,14 +61,16 @@ pub struct SelectionReport {
     pub is_clipped: bool,
     /// Whether `used` is not the box that was drawn but a tighter one around the target.
     pub is_refined: bool,
-    /// Share of the box's pixels with a usable colour, 0 to 1. CamShift: saturation and value above the floors. Fused
-    /// tracker: a colour that is more likely the target's than the surroundings'.
+    /// Share of the box's pixels with a usable colour, 0 to 1. CamShift: saturation and value above the
+    /// floors. Fused tracker: a colour that is more likely the target's than the surroundings'.
     pub coloured_share: f64,
-    /// Mean target probability in a ring around the box, 0 to 1; 0 where the box fills the picture. Near 0 the colour
-    /// is distinct. CamShift: compare it with the confidence of `localisation`, the same mean inside the box; where
-    /// both are similar, the track will drift off. Fused tracker: from about 0.5 on the colour is not used.
+    /// Mean target probability in a ring around the box, 0 to 1; 0 where the box fills the picture. Near 0
+    /// the colour is distinct. CamShift: compare it with the confidence of `localisation`, the same mean
+    /// inside the box; where both are similar, the track will drift off. Fused tracker: from about 0.5 on the
+    /// colour is not used.
     pub surroundings_probability: f64,
-    /// The localisation on the frame of the selection: the box itself, with the target's axes as measured in it.
+    /// The localisation on the frame of the selection: the box itself, with the target's axes as measured in
+    /// it.
     pub localisation: Localisation,
 }
 

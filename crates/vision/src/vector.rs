@@ -47,8 +47,8 @@ impl Rotation {
         (along * self.cos - across * self.sin, along * self.sin + across * self.cos)
     }
 
-    /// The place at this vector, along and across the rotated axes, from an origin. Rounded differently than the sum
-    /// of the origin and [`Self::apply`].
+    /// The place at this vector, along and across the rotated axes, from an origin. Rounded differently than
+    /// the sum of the origin and [`Self::apply`].
     pub(crate) fn place_from(self, origin: Vector, (along, across): Vector) -> Vector {
         (origin.0 + along * self.cos - across * self.sin, origin.1 + along * self.sin + across * self.cos)
     }

@@ -23,8 +23,8 @@ impl Window {
         Self { x: 0, y: 0, w: width, h: height }
     }
 
-    /// The pixels of `area` in the picture: edges are rounded to whole pixels, but at least one pixel is kept. `None`
-    /// if the box is empty or outside the picture.
+    /// The pixels of `area` in the picture: edges are rounded to whole pixels, but at least one pixel is
+    /// kept. `None` if the box is empty or outside the picture.
     pub fn rounded_from(area: PixelBox, picture: PictureSize) -> Option<Self> {
         let inside = area.clipped(picture);
         if area.is_empty() || inside.is_empty() {
@@ -105,7 +105,8 @@ impl Window {
         Self { x, y, w: right - x, h: bottom - y }
     }
 
-    /// The part of this window outside `other`, as the pieces above, below, left and right of it; each may be empty.
+    /// The part of this window outside `other`, as the pieces above, below, left and right of it; each may be
+    /// empty.
     pub fn difference(self, other: Self) -> [Self; 4] {
         let (left, right) = (other.x.clamp(self.x, self.right()), other.right().clamp(self.x, self.right()));
         let (top, bottom) =

@@ -1,8 +1,8 @@
 //! Convolutions of the refinement network, in integers: most of its work.
 //!
-//! The inputs of a convolution are rounded to [`INPUT_STEPS`] steps of the largest one, and the weights of an output to up to
-//! 32,767 steps of the largest one. The sums are exact, so that they are the same on every machine, and two products take one
-//! instruction (`barrelman-simd`).
+//! The inputs of a convolution are rounded to [`INPUT_STEPS`] steps of the largest one, and the weights of an
+//! output to up to 32,767 steps of the largest one. The sums are exact, so that they are the same on every
+//! machine, and two products take one instruction (`barrelman-simd`).
 
 use barrelman_simd::{COLUMNS, OUTPUTS, Pair, RowSums, sum_pair_products};
 
@@ -15,8 +15,8 @@ pub(super) const MAX_ROWS: usize = 16;
 const INPUT_STEPS: f32 = 4095.0;
 /// Largest number of steps of a weight.
 const WEIGHT_STEPS: f32 = 32_767.0;
-/// Limit of the sum of an output, whatever the inputs are. The rounding of a thousand weights adds at most 2 million to it,
-/// and 32 bits hold 2,147 million.
+/// Limit of the sum of an output, whatever the inputs are. The rounding of a thousand weights adds at most 2
+/// million to it, and 32 bits hold 2,147 million.
 const SUM_LIMIT: f32 = 2.1e9;
 
 /// A row of a map.
@@ -25,7 +25,8 @@ type Row = [f32; COLUMNS];
 /// Weights of a convolution.
 #[derive(Debug)]
 pub(super) struct Convolution {
-    /// Block by block of outputs; in each, for each pair of channels and each tap of the window, the weights of the outputs.
+    /// Block by block of outputs; in each, for each pair of channels and each tap of the window, the weights
+    /// of the outputs.
     weights: Vec<[Pair; OUTPUTS]>,
     /// Size of a step of each output's weights.
     units: Vec<f32>,
@@ -33,8 +34,8 @@ pub(super) struct Convolution {
 }
 
 impl Convolution {
-    /// From the weights of all inputs, output by output, and the biases. An input is a tap, of `taps`, of a channel. The number
-    /// of outputs is a multiple of [`OUTPUTS`].
+    /// From the weights of all inputs, output by output, and the biases. An input is a tap, of `taps`, of a
+    /// channel. The number of outputs is a multiple of [`OUTPUTS`].
     pub(super) fn new(weights: &[f32], bias: Vec<f32>, taps: usize) -> Self {
         let outputs = bias.len();
         let inputs = weights.len() / outputs;
@@ -65,8 +66,9 @@ impl Convolution {
         Self { weights: blocks, units, bias }
     }
 
-    /// Applies the convolution, to whose sums the maps of `added` are added, and in whose results negative values become 0. For
-    /// each pair of channels and each tap, `starts` gives the place in `maps` that the first row of the results reads from.
+    /// Applies the convolution, to whose sums the maps of `added` are added, and in whose results negative
+    /// values become 0. For each pair of channels and each tap, `starts` gives the place in `maps` that the
+    /// first row of the results reads from.
     pub(super) fn apply(&self, maps: &IntegerMaps, starts: &[usize], added: Option<&[f32]>, to: &mut [f32]) {
         let mut sums = [[[0; COLUMNS]; OUTPUTS]; MAX_ROWS];
         let sums = &mut sums[..maps.layout.rows];
@@ -166,8 +168,8 @@ fn round_rows(rows: &[Row], steps_per_unit: f32, layout: Layout, pairs: &mut [Pa
 }
 }
 
-/// The nearest integer of a value of at most [`INPUT_STEPS`]; of two, the even one. In a sum with 3 * 2^22 the last bits are the
-/// integer's; a conversion, which limits the value, takes several times as long.
+/// The nearest integer of a value of at most [`INPUT_STEPS`]; of two, the even one. In a sum with 3 * 2^22
+/// the last bits are the integer's; a conversion, which limits the value, takes several times as long.
 #[inline(always)]
 fn rounded(value: f32) -> i16 {
     (value + 12_582_912.0).to_bits() as i16

@@ -1,15 +1,15 @@
 //! What moved with the target and what with the background, by comparison with an earlier frame.
 //!
-//! An earlier frame's brightness is compared with the present one in two alignments: moved as the target moved since,
-//! and moved as the background moved since. Where the first fits better, the picture shows the target. The two
-//! alignments differ only if the target moved against the background; with a target at rest, the comparison says
-//! nothing.
+//! An earlier frame's brightness is compared with the present one in two alignments: moved as the target
+//! moved since, and moved as the background moved since. Where the first fits better, the picture shows the
+//! target. The two alignments differ only if the target moved against the background; with a target at rest,
+//! the comparison says nothing.
 
 use crate::crop::{Crop, CropLuma};
 use crate::sampling::{SampleRow, SamplingGrid, sample_bilinear};
 
-/// Minimum age of a reference when the next one is taken, seconds: the frames that are compared are one to two such
-/// intervals apart.
+/// Minimum age of a reference when the next one is taken, seconds: the frames that are compared are one to
+/// two such intervals apart.
 const REFERENCE_INTERVAL_S: f64 = 0.2;
 /// Noise of the brightness, levels: a constant, and a share of the standard deviation within the window.
 const NOISE: f32 = 2.0;
@@ -54,7 +54,8 @@ impl MotionReferences {
         }
     }
 
-    /// Takes this frame as a reference if the last one is old enough. `centre` is that of the target's box, pixels.
+    /// Takes this frame as a reference if the last one is old enough. `centre` is that of the target's box,
+    /// pixels.
     pub(crate) fn update(&mut self, crop: &Crop, centre: (f32, f32), at_s: f64) {
         let age = at_s - self.young.at_s;
         if self.young.is_valid && self.old.is_valid && (0.0..REFERENCE_INTERVAL_S).contains(&age) {
@@ -79,17 +80,18 @@ impl MotionReferences {
         self.young.is_valid = false;
     }
 
-    /// How far a target whose box is now at `centre` moved against the background since the reference, pixels; `None`
-    /// without a reference.
+    /// How far a target whose box is now at `centre` moved against the background since the reference,
+    /// pixels; `None` without a reference.
     pub(crate) fn relative_motion(&self, centre: (f32, f32)) -> Option<(f32, f32)> {
         let old = &self.old;
         let moved = (centre.0 - old.centre.0 - old.shift.0, centre.1 - old.centre.1 - old.shift.1);
         old.is_valid.then_some(moved)
     }
 
-    /// Compares the samples `luma` of `grid` with the reference: for each block of 2 x 2 samples 1 where the picture
-    /// moved with the target, -1 where it moved with the background, 0 where nothing is known. `tracked` is the centre
-    /// of the target's box, pixels, `deviation` the standard deviation of the samples.
+    /// Compares the samples `luma` of `grid` with the reference: for each block of 2 x 2 samples 1 where the
+    /// picture moved with the target, -1 where it moved with the background, 0 where nothing is known.
+    /// `tracked` is the centre of the target's box, pixels, `deviation` the standard deviation of the
+    /// samples.
     pub(super) fn compare(
         &self,
         grid: &SamplingGrid,

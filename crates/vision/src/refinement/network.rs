@@ -10,13 +10,13 @@
 //! | for each axis: convolution 3 | 96 x 16 | 24 x 16 |
 //! | for each axis: dense | 384 | 48 |
 //! | for each axis: dense: shifts of both edges, logarithms of their errors | 48 | 4 |
-//! | dense, from the mean, the maximum and the mean of the middle of each map, both axes and the measurements | 252 | 32 |
+//! | dense, from mean, maximum and mean of the middle of each map, both axes and measurements | 252 | 32 |
 //! | dense: log-odds of the box | 32 | 1 |
 //!
-//! Both axes share their weights. After each layer but the answers, negative values become 0. About 15 million
-//! multiplications, those of the convolutions in integers ([`super::convolution`]). Where the probability of the box is below
-//! 0.85, the network is evaluated on the window turned by 180 degrees, too, and the answers are averaged: what differs between
-//! the two is an error of the weights.
+//! Both axes share their weights. After each layer but the answers, negative values become 0. About 15
+//! million multiplications, those of the convolutions in integers ([`super::convolution`]). Where the
+//! probability of the box is below 0.85, the network is evaluated on the window turned by 180 degrees, too,
+//! and the answers are averaged: what differs between the two is an error of the weights.
 
 use std::sync::{Arc, LazyLock};
 
@@ -148,7 +148,8 @@ impl RefinementWeights {
         Arc::clone(&BUILT_IN)
     }
 
-    /// Reads weights: little-endian numbers of 32 bits, layer by layer the weights, output by output, and the biases.
+    /// Reads weights: little-endian numbers of 32 bits, layer by layer the weights, output by output, and the
+    /// biases.
     ///
     /// # Errors
     /// If the number of bytes is wrong, or a weight is not finite.
@@ -324,8 +325,9 @@ enum Orientation {
     Turned,
 }
 
-/// Splits the input into phases, so that the first convolution reads neighbouring cells: a window with a stride of 2 reads
-/// the odd columns before a cell, the even ones at the cell, and the odd ones after the cell.
+/// Splits the input into phases, so that the first convolution reads neighbouring cells: a window with a
+/// stride of 2 reads the odd columns before a cell, the even ones at the cell, and the odd ones after the
+/// cell.
 fn split_phases(network: &mut RefinementNetwork, window: &RefinementWindow, orientation: Orientation) {
     let channels = window.cells.as_chunks::<{ WINDOW_SIDE_CELLS * WINDOW_SIDE_CELLS }>().0;
     for (channel, &(mut cells)) in channels.iter().enumerate() {
@@ -387,7 +389,8 @@ fn evaluate_layers(network: &mut RefinementNetwork, measurements: &[f32; MEASURE
 }
 
 simd_kernel! {
-/// Sums up the maps: for each axis maximum and mean over the other one, and mean, maximum and mean of the middle of each map.
+/// Sums up the maps: for each axis maximum and mean over the other one, and mean, maximum and mean of the
+/// middle of each map.
 fn pool_maps(maps: &[f32], profiles: &mut [[[f32; SIDE]; 2 * SECOND]; 2], judged: &mut [f32; JUDGED]) {
     for (channel, map) in maps.as_chunks::<AREA>().0.iter().enumerate() {
         let (mut sum, mut most, mut middle) = (0.0_f32, 0.0_f32, 0.0_f32);
@@ -502,7 +505,8 @@ mod tests {
         (window.centre, window.sides, window.box_size) = ((200.0, 100.0), (100.0, 50.0), (40.0, 20.0));
         let refined = network.evaluate(&window);
         assert_eq!(refined.probability, 0.5);
-        // Shifts of 0.1 and -0.05 times 0.4 sides of the window; in the turned window the same of the other edge.
+        // Shifts of 0.1 and -0.05 times 0.4 sides of the window; in the turned window the same of the other
+        // edge.
         for (edge, expected) in refined.edges.into_iter().zip([183.0, 91.5, 217.0, 108.5]) {
             assert!((edge - expected).abs() < 1e-3, "{:?}", refined.edges);
         }
@@ -539,8 +543,9 @@ mod tests {
         assert!(upright.edges[0] != -upright.edges[2], "{:?}", upright.edges);
     }
 
-    /// The places of `fourth`, channel 0, (row, column), that the 7.0 at this cell of channel 2 of the window reaches. The first
-    /// convolution reads (row - 1, column + 1) of channel 2, the second the cell itself, the others these taps of channel 0.
+    /// The places of `fourth`, channel 0, (row, column), that the 7.0 at this cell of channel 2 of the window
+    /// reaches. The first convolution reads (row - 1, column + 1) of channel 2, the second the cell itself,
+    /// the others these taps of channel 0.
     fn reached(
         cell: (usize, usize),
         third_tap: Option<usize>,

@@ -1,5 +1,5 @@
-//! The window that the refinement network reads: channels of cells in an upright window around the target's box, and
-//! measurements of the observation.
+//! The window that the refinement network reads: channels of cells in an upright window around the target's
+//! box, and measurements of the observation.
 
 use super::memory::WindowMemory;
 use super::motion::{MotionBuffers, MotionReferences};
@@ -256,8 +256,8 @@ impl RefinementWindow {
         f32::max(covered, 1.0)
     }
 
-    /// Fills the channels of brightness, gradient, target probability and chroma; the standard deviation of the
-    /// brightness, levels. `covered` is the number of cells in the picture.
+    /// Fills the channels of brightness, gradient, target probability and chroma; the standard deviation of
+    /// the brightness, levels. `covered` is the number of cells in the picture.
     fn fill_appearance(&mut self, covered: f32) -> f32 {
         let cells = &mut self.cells;
         let (mut sum, mut squares, mut gradients) = (0.0_f32, 0.0_f32, 0.0_f32);

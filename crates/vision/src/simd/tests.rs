@@ -18,8 +18,8 @@ use crate::refinement::{RefinementNetwork, RefinementWeights, RefinementWindow};
 use crate::sampling::SamplingGrid;
 use crate::{FusedConfig, FusedTracker, Tracker};
 
-/// Checks that `work` gives the same bits at every vector level of the machine as at the baseline. Fails on a machine
-/// that supports the baseline only, since nothing would be compared.
+/// Checks that `work` gives the same bits at every vector level of the machine as at the baseline. Fails on a
+/// machine that supports the baseline only, since nothing would be compared.
 fn check(work: impl Fn() -> Vec<f32>) {
     let bits = |level| {
         LEVEL_CAP.set(level);

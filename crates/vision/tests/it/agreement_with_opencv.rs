@@ -1,4 +1,5 @@
-//! Agreement with OpenCV, whose results are the fixtures; `fixtures/camshift/make.py` made and documents them.
+//! Agreement with OpenCV, whose results are the fixtures; `fixtures/camshift/make.py` made and documents
+//! them.
 #![allow(clippy::disallowed_methods, reason = "a test reads its fixtures from files")]
 
 use std::path::PathBuf;
@@ -14,7 +15,8 @@ fn fixture(name: &str) -> Vec<u8> {
     std::fs::read(folder.join(name)).unwrap_or_else(|error| panic!("{name}: {error}"))
 }
 
-/// The rows of a CSV file without its header: the first field, and the numbers after the first `names` columns.
+/// The rows of a CSV file without its header: the first field, and the numbers after the first `names`
+/// columns.
 fn rows(name: &str, names: usize) -> Vec<(String, Vec<f64>)> {
     let text = String::from_utf8(fixture(name)).unwrap();
     let row = |line: &str| {
@@ -69,9 +71,9 @@ fn the_same_back_projection_gives_the_same_window_centre_size_and_angle() {
             panic!("{name}: no target found");
         };
         assert_eq!(target.window, window, "{name}");
-        // OpenCV's centre is that of the window. It lies on half pixels, and off the centroid where the window is
-        // clipped at the left or the top. The centroid itself is rounded, and counted from the centre of pixel 0, which
-        // is 0.5 here. Both may therefore differ by one pixel along each axis.
+        // OpenCV's centre is that of the window. It lies on half pixels, and off the centroid where the
+        // window is clipped at the left or the top. The centroid itself is rounded, and counted from the
+        // centre of pixel 0, which is 0.5 here. Both may therefore differ by one pixel along each axis.
         let middle = target.window.to_pixel_box().centre();
         assert_eq!((middle.u, middle.v), (centre_x, centre_y), "{name}");
         if window.x > 0 && window.y > 0 {
@@ -79,7 +81,8 @@ fn the_same_back_projection_gives_the_same_window_centre_size_and_angle() {
             assert!((u - centre_x).abs() <= 1.0, "{name}: {u} against {centre_x}");
             assert!((v - centre_y).abs() <= 1.0, "{name}: {v} against {centre_y}");
         }
-        // The integer sums and the formulas are equal. OpenCV uses single precision, and the fixture four decimals.
+        // The integer sums and the formulas are equal. OpenCV uses single precision, and the fixture four
+        // decimals.
         assert!((target.major_px - major).abs() <= 1e-3, "{name}: {} against {major}", target.major_px);
         assert!((target.minor_px - minor).abs() <= 1e-3, "{name}: {} against {minor}", target.minor_px);
         // A round target has no axis: OpenCV's is arbitrary, too.
@@ -110,8 +113,9 @@ fn check_colours(name: &str, matrix: ColourMatrix, range: SampleRange) {
         }
     }
     assert!(above > colours.len() / 2, "{name}: too few colours above the floors");
-    // OpenCV multiplies by rounded reciprocals instead of dividing, so that a hue halfway between two codes may be
-    // rounded differently. Measured over the four files: 99.55 to 100 % of the bins are equal, and all decisions.
+    // OpenCV multiplies by rounded reciprocals instead of dividing, so that a hue halfway between two codes
+    // may be rounded differently. Measured over the four files: 99.55 to 100 % of the bins are equal, and all
+    // decisions.
     assert!(same_bin * 1000 >= above * 995, "{name}: {same_bin} of {above} bins equal");
     assert_eq!(same_floors, colours.len(), "{name}: decisions about the floors");
 }

@@ -88,12 +88,12 @@ fn following_losing_and_finding_again_allocate_nothing_after_the_first_frames() 
     }
 }
 
-/// The documented bound on the memory of a tracker, without the frames that it shares with their source, and without
-/// the weights of the network, which all trackers share.
+/// The documented bound on the memory of a tracker, without the frames that it shares with their source, and
+/// without the weights of the network, which all trackers share.
 const MEMORY: u64 = 6 << 20;
 
-/// Of the measured sizes, pictures of 1920 x 1080 with a target of about 40 pixels take the most memory: the target
-/// is small enough for a map of target probabilities at full resolution.
+/// Of the measured sizes, pictures of 1920 x 1080 with a target of about 40 pixels take the most memory: the
+/// target is small enough for a map of target probabilities at full resolution.
 #[test]
 fn a_tracker_needs_no_more_memory_than_documented() {
     let hull = Hull {

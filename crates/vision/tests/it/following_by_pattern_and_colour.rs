@@ -53,7 +53,8 @@ impl Trial {
         self.tracker.track(&self.scene.at_ms(self.now_ms), prior)
     }
 
-    /// Changes the scene and tracks the next frame, in which the first hull must be tracked with at least this IoU.
+    /// Changes the scene and tracks the next frame, in which the first hull must be tracked with at least
+    /// this IoU.
     fn next_tracked(&mut self, min_iou: f64, change: impl FnOnce(&mut Scene)) -> Localisation {
         let track = self.next(None, change);
         self.check_hull(track, min_iou)
@@ -381,7 +382,8 @@ fn the_place_of_a_rejected_object_that_is_hidden_turns_with_the_camera() {
         }
         trial
     };
-    // Another boat lies where the rejected one was in the picture; the rejected one comes back where it was on the water.
+    // Another boat lies where the rejected one was in the picture; the rejected one comes back where it was
+    // on the water.
     for (u, is_taken) in [(160.0, true), (40.0, false)] {
         let mut trial = rejected_then_turned();
         let takes = (0..30).any(|_| {

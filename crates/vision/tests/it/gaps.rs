@@ -39,8 +39,9 @@ fn scene_with_like_boat() -> Scene {
     scene_with(hull(RED, 2, (160.0 + JUMP_PX, 140.0), BOAT_PX))
 }
 
-/// Tracks the boat for 20 frames, and 40 frames after a gap in which `change` is made to the scene. Checks that no box off the
-/// boat is reported with 0.5 or more; the number of the first frame after the gap in which the boat is.
+/// Tracks the boat for 20 frames, and 40 frames after a gap in which `change` is made to the scene. Checks
+/// that no box off the boat is reported with 0.5 or more; the number of the first frame after the gap in
+/// which the boat is.
 fn found_after(mut scene: Scene, gap_ms: u64, change: impl FnOnce(&mut Scene)) -> Option<u64> {
     let mut tracker = FusedTracker::new(FusedConfig::default()).unwrap();
     tracker.select(&scene.at_ms(0), scene.hulls[0].bounds()).unwrap();

@@ -36,8 +36,8 @@ fn report(scene: &Scene) -> SelectionReport {
 fn a_target_with_a_distinct_colour_is_reported_as_such() {
     let report = report(&scene(BLUE, &[hull(RED, 2, (120.0, 90.0), (70.0, 40.0))]));
     assert!(!report.is_clipped);
-    // An ellipse fills 0.785 of its box; the box around its paint, 0.92 of the ellipse's axes long and wide, leaves out
-    // more of the water in the corners.
+    // An ellipse fills 0.785 of its box; the box around its paint, 0.92 of the ellipse's axes long and wide,
+    // leaves out more of the water in the corners.
     assert!((0.72..0.93).contains(&report.coloured_share), "{report:?}");
     assert!(report.surroundings_probability < 0.02, "{report:?}");
     assert_eq!(report.localisation.confidence, 1.0);
