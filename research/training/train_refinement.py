@@ -47,7 +47,7 @@ WEIGHTS = {COMPOSED: 0.3, SIMULATED: 0.5}
 
 
 class Network(nn.Module):
-    """The layers of crates/vision/src/refinement/network.rs, in the order of its file."""
+    """The layers of crates/vision/src/refinement/weights.rs, in the order of its file."""
 
     def __init__(self, first=32, second=48, profile=24, edge=48, judge=32):
         super().__init__()

@@ -10,9 +10,9 @@
 use barrelman_vocab::PixelPoint;
 use barrelman_vocab::video::Plane;
 
-use crate::correlation::Peak;
 use crate::decimation::decimate;
 use crate::fourier::{AREA, Fourier, Map, SIDE, Spectrum, hann_window};
+use crate::peak::Peak;
 use crate::tracker::BackgroundShift;
 
 /// Registers patches of the target's surroundings.

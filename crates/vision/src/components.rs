@@ -3,7 +3,8 @@
 
 use barrelman_vocab::PixelBox;
 
-use crate::crop::{Crop, ProbabilityView};
+use crate::crop::Crop;
+use crate::probability_view::ProbabilityView;
 
 /// Target probability, 0 to 255, from which on a sample belongs to a component.
 const MIN_PROBABILITY: u8 = 128;

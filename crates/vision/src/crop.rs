@@ -7,19 +7,16 @@
 //! sample patches of any position, size and rotation from these two maps and never from the picture. Outside
 //! the picture the border samples are replicated; the feature extractor blanks the cells there.
 
-use barrelman_vocab::{Picture, PixelBox};
+use barrelman_vocab::Picture;
 
 use crate::colour_model::ColourModel;
 use crate::decimation::decimate;
 use crate::explanation::GreyMap;
+use crate::probability_view::{ColourContrast, ProbabilityView};
 use crate::sampling::{SampleMap, SampleRow, SamplingGrid, sample_bilinear};
-use crate::vector::Rotation;
 
 /// Maximum decimation, pixels per luma sample.
 const MAX_DECIMATION: i32 = 64;
-/// Inner radius of the ring around an ellipse, squared, in squared radii of the ellipse: 1.3^2. The outer
-/// radius is 2.
-const RING_INNER_SQUARED: f32 = 1.69;
 
 /// The decimated maps of one search window.
 #[derive(Debug, Default)]
@@ -37,45 +34,6 @@ pub(crate) struct Crop {
     row: SampleRow,
     /// Size of the picture, pixels.
     picture: (i32, i32),
-}
-
-/// Mean target probability inside the target's ellipse and in the ring around it, 0 to 1 each.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct ColourContrast {
-    pub(crate) inside: f32,
-    pub(crate) ring: f32,
-}
-
-/// The target probabilities of a crop.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct ProbabilityView<'a> {
-    /// Row by row, 0 to 255.
-    pub(crate) values: &'a [u8],
-    pub(crate) width: usize,
-    pub(crate) height: usize,
-    /// Left and top edge, pixels of the picture.
-    pub(crate) left: f32,
-    pub(crate) top: f32,
-    /// Pixels of the picture per sample.
-    pub(crate) unit: f32,
-}
-
-impl ProbabilityView<'_> {
-    /// Bounds of all samples, pixels of the picture.
-    pub(crate) fn bounds(&self) -> PixelBox {
-        self.bounds_of((0, 0), (self.width, self.height))
-    }
-
-    /// Bounds of the samples from a first column and row to before an end, pixels of the picture.
-    pub(crate) fn bounds_of(&self, first: (usize, usize), end: (usize, usize)) -> PixelBox {
-        let unit = f64::from(self.unit);
-        PixelBox {
-            u: f64::from(self.left) + unit * first.0 as f64,
-            v: f64::from(self.top) + unit * first.1 as f64,
-            w: unit * (end.0 - first.0) as f64,
-            h: unit * (end.1 - first.1) as f64,
-        }
-    }
 }
 
 /// A copy of a crop's brightness.
@@ -103,13 +61,6 @@ impl CropLuma {
     /// Whether a point, in samples, lies in the map.
     pub(crate) fn contains(&self, (x, y): (f32, f32)) -> bool {
         x >= 0.0 && y >= 0.0 && x <= self.map.width as f32 && y <= self.map.height as f32
-    }
-}
-
-impl ColourContrast {
-    /// Inside less ring, -1 to 1.
-    pub(crate) fn difference(self) -> f32 {
-        self.inside - self.ring
     }
 }
 
@@ -213,10 +164,18 @@ impl Crop {
 
     /// The target probabilities, with their place in the picture.
     pub(crate) fn probabilities(&self) -> ProbabilityView<'_> {
+        // 1 before the first extraction, when there are no samples.
+        let unit = (2 * self.decimation).max(1);
+        let samples_in_picture =
+            |from: i32, length: usize, whole: i32| length.min(((whole - from).max(0) / unit) as usize);
         ProbabilityView {
             values: &self.probability.values,
             width: self.probability.width,
             height: self.probability.height,
+            size_in_picture: (
+                samples_in_picture(self.left, self.probability.width, self.picture.0),
+                samples_in_picture(self.top, self.probability.height, self.picture.1),
+            ),
             left: self.left as f32,
             top: self.top as f32,
             unit: self.probability_step(),
@@ -243,8 +202,8 @@ impl Crop {
         angle: f32,
         mut visit: impl FnMut(f32, f32, u8),
     ) {
-        let values = &self.probability.values;
-        self.for_each_index(centre, half, angle, |du, dv, index| visit(du, dv, values[index]));
+        let map = self.probabilities();
+        map.for_each_in_ellipse(centre, half, angle, |du, dv, index| visit(du, dv, map.values[index]));
     }
 
     /// The same with the chroma of each sample: U and V, 0 to 255.
@@ -256,67 +215,13 @@ impl Crop {
         mut visit: impl FnMut(f32, f32, u8, u8),
     ) {
         let [u, v] = &self.chroma;
-        self.for_each_index(centre, half, angle, |du, dv, index| visit(du, dv, u[index], v[index]));
+        let map = self.probabilities();
+        map.for_each_in_ellipse(centre, half, angle, |du, dv, index| visit(du, dv, u[index], v[index]));
     }
 
-    /// The same with the index of each sample.
-    fn for_each_index(
-        &self,
-        centre: (f32, f32),
-        half: (f32, f32),
-        angle: f32,
-        mut visit: impl FnMut(f32, f32, usize),
-    ) {
-        let unit = self.probability_step();
-        let turn = Rotation::by(angle);
-        let Rotation { cos, sin } = turn;
-        let reach =
-            ((half.0 * cos).abs() + (half.1 * sin).abs(), (half.0 * sin).abs() + (half.1 * cos).abs());
-        // A cast turns negative numbers and NaN into 0.
-        let index = |at: f32, length: usize| ((at / unit) as usize).min(length);
-        let (left, top) = (centre.0 - self.left as f32, centre.1 - self.top as f32);
-        let samples_in_picture = |from: i32, length: usize, whole: i32| {
-            length.min(((whole - from).max(0) / (unit as i32)) as usize)
-        };
-        let (width, height) = (
-            samples_in_picture(self.left, self.probability.width, self.picture.0),
-            samples_in_picture(self.top, self.probability.height, self.picture.1),
-        );
-        let columns = index(left - reach.0, width)..index(left + reach.0 + unit, width);
-        let inverse = (1.0 / half.0.max(1.0), 1.0 / half.1.max(1.0));
-        for row in index(top - reach.1, height)..index(top + reach.1 + unit, height) {
-            let dv = (row as f32 + 0.5) * unit - top;
-            let first = row * self.probability.width;
-            for column in columns.clone() {
-                let du = (column as f32 + 0.5) * unit - left;
-                let (along, across) = turn.undo((du, dv));
-                let (a, b) = (along * inverse.0, across * inverse.1);
-                if a * a + b * b <= 1.0 {
-                    visit(du, dv, first + column);
-                }
-            }
-        }
-    }
-
-    /// Mean target probability inside an ellipse (see [`Self::for_each_probability`]) and in the ring from
-    /// 1.3 to 2 times its size; 0 where no sample of either lies in the picture.
+    /// Mean target probability inside an ellipse (see [`Self::for_each_probability`]) and in the ring around it.
     pub(crate) fn contrast(&self, centre: (f32, f32), half: (f32, f32), angle: f32) -> ColourContrast {
-        let (mut inner, mut outer) = ((0_u32, 0_u32), (0_u32, 0_u32));
-        let turn = Rotation::by(angle);
-        let inverse = (1.0 / half.0.max(1.0), 1.0 / half.1.max(1.0));
-        self.for_each_probability(centre, (2.0 * half.0, 2.0 * half.1), angle, |du, dv, probability| {
-            let (along, across) = turn.undo((du, dv));
-            let (a, b) = (along * inverse.0, across * inverse.1);
-            let radius_squared = a * a + b * b;
-            if radius_squared <= 1.0 {
-                inner = (inner.0 + u32::from(probability), inner.1 + 1);
-            } else if radius_squared >= RING_INNER_SQUARED {
-                outer = (outer.0 + u32::from(probability), outer.1 + 1);
-            }
-        });
-        let mean =
-            |(sum, count): (u32, u32)| if count == 0 { 0.0 } else { sum as f32 / (255 * count) as f32 };
-        ColourContrast { inside: mean(inner), ring: mean(outer) }
+        self.probabilities().contrast(centre, half, angle)
     }
 
     /// Writes the probability map for an overlay.

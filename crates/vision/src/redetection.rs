@@ -9,7 +9,8 @@
 
 use barrelman_vocab::Picture;
 
-use crate::colour_model::{ColourModel, bin};
+use crate::colour_model::ColourModel;
+use crate::integral_image::IntegralImage;
 use crate::simd::simd_kernel;
 
 /// A place that may show the target.
@@ -27,13 +28,7 @@ pub(crate) struct Candidate {
 
 #[derive(Debug, Default)]
 pub(crate) struct Redetector {
-    /// Integral image of the target probabilities: sums over all samples above and to the left, with a first
-    /// row and column of zeros.
-    sums: Vec<u32>,
-    width: usize,
-    height: usize,
-    /// Bins of the colours of one row.
-    bins: Vec<u16>,
+    image: IntegralImage,
     /// Sums between two rows of the integral image, and contrasts, for each column of one row of places.
     inner: Vec<u32>,
     outer: Vec<u32>,
@@ -58,7 +53,7 @@ impl Redetector {
         let step = ((size / 20.0) as usize).clamp(1, 16);
         self.candidates.clear();
         self.candidates.reserve(MAX_CANDIDATES);
-        self.build_integral_image(picture, model, step);
+        self.image.build(picture, model, step);
         let unit = 2.0 * step as f32;
         self.collect(size, unit);
         for index in 0..self.candidates.len() {
@@ -67,44 +62,18 @@ impl Redetector {
         &self.candidates
     }
 
-    /// Computes the integral image of the target probabilities of every `step`-th chroma sample.
-    fn build_integral_image(&mut self, picture: &Picture, model: &ColourModel, step: usize) {
-        let (y, u, v) = (picture.y(), picture.u(), picture.v());
-        (self.width, self.height) = (u.width / step, u.height / step);
-        let stride = self.width + 1;
-        self.sums.clear();
-        self.sums.resize(stride * (self.height + 1), 0);
-        if self.width == 0 {
-            return;
-        }
-        let table = model.table();
-        self.bins.resize(self.width, 0);
-        for row in 0..self.height {
-            let (us, vs) = (u.row(row * step + step / 2), v.row(row * step + step / 2));
-            let ys = y.row((2 * (row * step + step / 2)).min(y.height - 1));
-            bins_of_row([ys, us, vs], step, &mut self.bins);
-            let (above, here) = self.sums.split_at_mut((row + 1) * stride);
-            let above = &above[row * stride + 1..];
-            let mut sum = 0;
-            for ((out, above), &bin) in here[1..stride].iter_mut().zip(above).zip(&self.bins) {
-                sum += u32::from(table.of_bin(bin));
-                *out = sum + above;
-            }
-        }
-    }
-
     /// Collects the places where a square of the target's size (pixels) has a higher mean target probability
     /// than the ring around it. A sample covers `unit` pixels.
     fn collect(&mut self, size: f32, unit: f32) {
         let half = ((0.5 * size / unit + 0.5) as usize).max(1);
         let outer = 2 * half;
         let stride = (half / 2).max(1);
-        for row in (0..self.height).step_by(stride) {
+        for row in (0..self.image.height).step_by(stride) {
             self.fill_contrasts(row, half, outer);
             if !self.contrasts.iter().any(|&contrast| contrast > MIN_CONTRAST) {
                 continue;
             }
-            for column in (0..self.width).step_by(stride) {
+            for column in (0..self.image.width).step_by(stride) {
                 let contrast = self.contrasts[column];
                 if contrast > MIN_CONTRAST {
                     let centre = ((column as f32 + 0.5) * unit, (row as f32 + 0.5) * unit);
@@ -117,22 +86,21 @@ impl Redetector {
     /// Fills `contrasts`: for each column the mean target probability in a square of `half` samples to every
     /// side of the place, less that in the ring around it, up to `outer` samples from the place.
     fn fill_contrasts(&mut self, row: usize, half: usize, outer: usize) {
-        self.contrasts.resize(self.width, 0.0);
+        let image = &self.image;
+        self.contrasts.resize(image.width, 0.0);
         // Between these columns no square is cut off at the left or right edge.
         let (first, behind) =
-            (outer.min(self.width), self.width.saturating_sub(outer).max(outer.min(self.width)));
-        let counted = |half: usize| (row + half + 1).min(self.height) - row.saturating_sub(half);
-        let stride = self.width + 1;
+            (outer.min(image.width), image.width.saturating_sub(outer).max(outer.min(image.width)));
+        let counted = |half: usize| (row + half + 1).min(image.height) - row.saturating_sub(half);
         for (sums, half) in [(&mut self.inner, half), (&mut self.outer, outer)] {
             let top = row.saturating_sub(half);
-            let line = |row: usize| &self.sums[row * stride..][..stride];
-            subtract_rows(line(top + counted(half)), line(top), sums);
+            subtract_rows(image.line(top + counted(half)), image.line(top), sums);
         }
         let places = &mut self.contrasts[first..behind];
         let squares = [(half, counted(half)), (outer, counted(outer))];
         row_contrasts(&self.inner[first - half.min(first)..], &self.outer, squares, places);
-        for column in (0..first).chain(behind..self.width) {
-            let (inner, around) = (self.square_sum(column, row, half), self.square_sum(column, row, outer));
+        for column in (0..first).chain(behind..image.width) {
+            let (inner, around) = (image.square_sum(column, row, half), image.square_sum(column, row, outer));
             self.contrasts[column] = contrast(inner, around);
         }
     }
@@ -149,8 +117,8 @@ impl Redetector {
                 let around = |at: usize, by: usize, length: usize| {
                     [at.saturating_sub(by), at, (at + by).min(length - 1)]
                 };
-                for row in around(from.0.1, down, self.height) {
-                    for column in around(from.0.0, across, self.width) {
+                for row in around(from.0.1, down, self.image.height) {
+                    for column in around(from.0.0, across, self.image.width) {
                         let contrast = self.contrast_at((column, row), sides, scale);
                         if contrast > best.2 {
                             best = ((column, row), scale, contrast);
@@ -172,21 +140,9 @@ impl Redetector {
         let half = |side: f32| (0.5 * scale * side).max(0.5) as usize;
         let half = (half(sides.0), half(sides.1));
         let ring = half.0.max(half.1).max(1);
-        let (inner, outer) = (self.box_sum(at, half), self.box_sum(at, (half.0 + ring, half.1 + ring)));
+        let (inner, outer) =
+            (self.image.box_sum(at, half), self.image.box_sum(at, (half.0 + ring, half.1 + ring)));
         contrast(inner, outer)
-    }
-
-    /// Sum and number of the samples in a square with `half` samples to every side of the centre.
-    fn square_sum(&self, column: usize, row: usize, half: usize) -> (u32, u32) {
-        self.box_sum((column, row), (half, half))
-    }
-
-    fn box_sum(&self, (column, row): (usize, usize), half: (usize, usize)) -> (u32, u32) {
-        let (left, top) = (column.saturating_sub(half.0), row.saturating_sub(half.1));
-        let (right, bottom) = ((column + half.0 + 1).min(self.width), (row + half.1 + 1).min(self.height));
-        let at = |x: usize, y: usize| self.sums[y * (self.width + 1) + x];
-        let sum = at(right, bottom) + at(left, top) - at(left, bottom) - at(right, top);
-        (sum, ((right - left) * (bottom - top)) as u32)
     }
 
     /// Keeps the best candidates; of two nearer to each other than the target's size, the better one.
@@ -219,23 +175,6 @@ impl Redetector {
 fn contrast(inner: (u32, u32), outer: (u32, u32)) -> f32 {
     let mean = |sum: u32, count: u32| sum as f32 / (255 * count) as f32;
     mean(inner.0, inner.1) - mean(outer.0 - inner.0, (outer.1 - inner.1).max(1))
-}
-
-simd_kernel! {
-/// The bins of the colours of every `step`-th chroma sample of a row of Y, U and V.
-fn bins_of_row(planes: [&[u8]; 3], step: usize, out: &mut [u16]) {
-    let [ys, us, vs] = planes;
-    if step == 1 && ys.len() >= 2 * out.len() {
-        for (((out, y), &u), &v) in out.iter_mut().zip(ys.as_chunks::<2>().0).zip(us).zip(vs) {
-            *out = bin(y[0], u, v) as u16;
-        }
-        return;
-    }
-    for (column, out) in out.iter_mut().enumerate() {
-        let x = column * step + step / 2;
-        *out = bin(ys[(2 * x).min(ys.len() - 1)], us[x], vs[x]) as u16;
-    }
-}
 }
 
 simd_kernel! {
@@ -372,12 +311,12 @@ mod tests {
         model.update_table();
         let mut redetector = Redetector::default();
         for (step, half) in [(1, 1), (1, 20), (2, 9), (3, 30), (3, 200)] {
-            redetector.build_integral_image(&boats, &model, step);
-            for row in 0..redetector.height {
+            redetector.image.build(&boats, &model, step);
+            for row in 0..redetector.image.height {
                 redetector.fill_contrasts(row, half, 2 * half);
                 for (column, &seen) in redetector.contrasts.iter().enumerate() {
-                    let inner = redetector.square_sum(column, row, half);
-                    let expected = contrast(inner, redetector.square_sum(column, row, 2 * half));
+                    let inner = redetector.image.square_sum(column, row, half);
+                    let expected = contrast(inner, redetector.image.square_sum(column, row, 2 * half));
                     assert_eq!(seen.to_bits(), expected.to_bits(), "{step} {half}: {column},{row}");
                 }
             }

@@ -6,7 +6,8 @@
 //! the larger eigenvalue of C, and the full axes are 4 times the roots of the eigenvalues, as for a uniform
 //! ellipse.
 
-use crate::crop::{ColourContrast, Crop};
+use crate::crop::Crop;
+use crate::probability_view::ColourContrast;
 use crate::vector::Rotation;
 
 /// Shape of the target by its colour.

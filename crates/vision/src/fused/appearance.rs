@@ -2,9 +2,9 @@
 
 use crate::colour_model::ColourModel;
 use crate::correlation::CorrelationFilter;
-use crate::crop::ColourContrast;
 use crate::fourier::{AREA, Map, Spectrum};
 use crate::layout::ColourLayout;
+use crate::probability_view::ColourContrast;
 
 /// Minimum usual contrast of a target whose colour is used, 0 to 1. Not measured individually.
 pub(super) const MIN_CONTRAST: f32 = 0.15;

@@ -1,8 +1,8 @@
 //! The result of one evaluation of filter, colour and network at a place.
 
-use crate::correlation::Peak;
-use crate::crop::ColourContrast;
 use crate::features::PatchPose;
+use crate::peak::Peak;
+use crate::probability_view::ColourContrast;
 use crate::refinement::RefinedBox;
 
 /// The peak of the filter's response in one search window, and the colour at that peak. *Relative* means

@@ -9,12 +9,13 @@ use super::config::FusedConfig;
 use super::observation::Observation;
 use super::prediction::Prediction;
 use super::target::Target;
-use crate::correlation::{FixedFilter, Peak, parabola_vertex};
+use crate::correlation::FixedFilter;
 use crate::crop::Crop;
 use crate::explanation::{Explanation, GreyMap};
 use crate::features::{FeatureExtractor, PatchPose};
 use crate::fourier::{AREA, Map, SIDE, Spectrum};
 use crate::gradients::CELL;
+use crate::peak::{Peak, parabola_vertex};
 use crate::vector::Rotation;
 
 /// Settings of the evaluation of search windows. Settings without a figure were not measured individually.

@@ -14,9 +14,10 @@ use super::observer::Observer;
 use super::ratio::is_within;
 use super::recognition::Recognition;
 use super::target::Target;
-use crate::crop::{ColourContrast, Crop};
+use crate::crop::Crop;
 use crate::features::PatchPose;
 use crate::layout::ColourLayout;
+use crate::probability_view::ColourContrast;
 use crate::redetection::{Candidate as ColourCandidate, MAX_CANDIDATES, Redetector};
 use crate::silhouette::Silhouette;
 

@@ -8,9 +8,9 @@ use barrelman_vocab::{Picture, PixelBox, Timestamp, VideoFrame};
 use super::config::FusedConfig;
 use super::follower::Follower;
 use super::observation::Observation;
-use crate::correlation::Peak;
-use crate::crop::ColourContrast;
 use crate::features::PatchPose;
+use crate::peak::Peak;
+use crate::probability_view::ColourContrast;
 use crate::refinement::RefinementWeights;
 use crate::test_picture::painted;
 

@@ -16,10 +16,11 @@ use super::observation::{Candidate, Observation};
 use super::observer::Observer;
 use super::prediction::Prediction;
 use super::target::Target;
-use crate::correlation::{CorrelationFilter, FixedFilter, Peak};
+use crate::correlation::{CorrelationFilter, FixedFilter};
 use crate::features::CHANNELS;
 use crate::fourier::Spectrum;
 use crate::gradients::CELL;
+use crate::peak::Peak;
 use crate::vector::distance;
 
 /// Maximum number of views. A kept view is never replaced.

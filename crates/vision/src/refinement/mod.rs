@@ -9,15 +9,21 @@
 //! of object it looks at. Its weights were fitted to labelled recordings and simulated scenes
 //! (`research/training/train_refinement.py`).
 
+mod network;
+mod refined_box;
+mod weights;
+
 mod convolution;
+mod dense_layer;
+
 mod memory;
 mod motion;
-mod network;
 mod window;
 
 pub(crate) use memory::WindowMemory;
 pub(crate) use motion::MotionReferences;
-pub(crate) use network::{RefinedBox, RefinementNetwork};
-pub use network::{RefinementWeights, RefinementWeightsError};
+pub(crate) use network::RefinementNetwork;
+pub(crate) use refined_box::RefinedBox;
+pub use weights::{RefinementWeights, RefinementWeightsError};
 pub use window::{MEASUREMENTS, RefinementWindow, WINDOW_CHANNELS, WINDOW_SIDE_CELLS};
 pub(crate) use window::{Measurements, WindowContext};

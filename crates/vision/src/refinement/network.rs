@@ -18,41 +18,24 @@
 //! probability of the box is below 0.85, the network is evaluated on the window turned by 180 degrees, too,
 //! and the answers are averaged: what differs between the two is an error of the weights.
 
-use std::sync::{Arc, LazyLock};
+use std::sync::Arc;
 
-use barrelman_simd::{COLUMNS, OUTPUTS};
-use barrelman_vocab::PixelBox;
-use thiserror::Error;
-
-use super::convolution::{Convolution, IntegerMaps, Layout, MAX_ROWS};
+use super::convolution::{IntegerMaps, Layout};
+use super::refined_box::{RefinedBox, apart};
+use super::weights::{ANSWERS, EDGE, FIRST, JUDGE, JUDGED, PROFILE, RefinementWeights, SECOND, SIDE};
 use super::window::{MEASUREMENTS, RefinementWindow, WINDOW_CHANNELS, WINDOW_SIDE_CELLS};
 use crate::simd::simd_kernel;
 
-/// Side of the maps.
-const SIDE: usize = WINDOW_SIDE_CELLS / 2;
 /// Border around the maps, cells: the largest dilation.
 const BORDER: usize = 4;
 /// Side of the maps with their border.
 const PADDED: usize = SIDE + 2 * BORDER;
 /// Dilations of the convolutions after the first.
 const DILATIONS: [usize; 3] = [1, 2, 4];
-/// Channels after the first convolution and after the others.
-const FIRST: usize = 32;
-const SECOND: usize = 48;
-/// Channels of the profile of an axis, and values that its edges are computed from.
-const PROFILE: usize = 24;
-const EDGE: usize = 48;
-/// Answers for an axis: the shifts of both edges, and the logarithms of their errors.
-const ANSWERS: usize = 4;
-/// Values that the probability is computed from, and its inputs.
-const JUDGE: usize = 32;
-const JUDGED: usize = 3 * SECOND + 2 * EDGE + MEASUREMENTS;
 /// Cells in the middle of the maps, along each axis.
 const MIDDLE: core::ops::Range<usize> = 5..11;
 /// Scale of the shifts of the edges, in sides of the window.
 const SHIFT_SCALE: f32 = 0.4;
-/// Minimum side of a refined box, pixels.
-const MIN_SIDE_PX: f32 = 1.0;
 /// Log-odds of the box below which the turned window is evaluated, too: a probability of 0.85.
 const SURE_LOG_ODDS: f32 = 1.734_601_1;
 /// Offset and range of the logarithms of the errors.
@@ -72,144 +55,6 @@ const MAPS: Layout =
     Layout { area: PADDED * PADDED, first: BORDER * (PADDED + 1), stride: PADDED, rows: SIDE };
 /// The profiles of an axis.
 const PROFILES: Layout = Layout { area: SIDE + 2, first: 1, stride: SIDE + 2, rows: 1 };
-
-/// Weights of a dense layer: for each output the weights of all inputs.
-#[derive(Debug)]
-struct Layer {
-    weights: Vec<f32>,
-    bias: Vec<f32>,
-}
-
-/// The weights of the network.
-#[derive(Debug)]
-pub struct RefinementWeights {
-    first: Convolution,
-    second: Convolution,
-    third: Convolution,
-    fourth: Convolution,
-    profile: Convolution,
-    edge: Layer,
-    answer: Layer,
-    judge: Layer,
-    odds: Layer,
-}
-
-/// Why weights cannot be used.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
-pub enum RefinementWeightsError {
-    /// The length is wrong.
-    #[error("the weights of the refinement network take {expected} bytes, not {found}")]
-    Length {
-        /// Number of bytes that the network takes.
-        expected: usize,
-        /// Number of bytes given.
-        found: usize,
-    },
-    /// A weight is not finite.
-    #[error("weight {index} of the refinement network is not a finite number")]
-    NotFinite {
-        /// Index of the weight, from 0.
-        index: usize,
-    },
-}
-
-// What a convolution takes.
-const _: () = {
-    assert!(SIDE == COLUMNS);
-    assert!(
-        FIRST.is_multiple_of(OUTPUTS) && SECOND.is_multiple_of(OUTPUTS) && PROFILE.is_multiple_of(OUTPUTS)
-    );
-    assert!(SIDE <= MAX_ROWS);
-};
-
-/// Inputs and outputs of the layers, in the order of the file.
-const LAYERS: [(usize, usize); 9] = [
-    (9 * WINDOW_CHANNELS, FIRST),
-    (9 * FIRST, SECOND),
-    (9 * SECOND, SECOND),
-    (9 * SECOND, SECOND),
-    (3 * 2 * SECOND, PROFILE),
-    (SIDE * PROFILE, EDGE),
-    (EDGE, ANSWERS),
-    (JUDGED, JUDGE),
-    (JUDGE, 1),
-];
-
-static BUILT_IN: LazyLock<Arc<RefinementWeights>> = LazyLock::new(|| {
-    #[allow(clippy::expect_used, reason = "a test reads the same bytes")]
-    let weights = RefinementWeights::from_bytes(include_bytes!("network.weights"))
-        .expect("the built-in weights are valid");
-    Arc::new(weights)
-});
-
-impl RefinementWeights {
-    /// The weights that the program was built with.
-    pub fn built_in() -> Arc<Self> {
-        Arc::clone(&BUILT_IN)
-    }
-
-    /// Reads weights: little-endian numbers of 32 bits, layer by layer the weights, output by output, and the
-    /// biases.
-    ///
-    /// # Errors
-    /// If the number of bytes is wrong, or a weight is not finite.
-    pub fn from_bytes(bytes: &[u8]) -> Result<Self, RefinementWeightsError> {
-        let expected = 4 * LAYERS.iter().map(|(inputs, outputs)| (inputs + 1) * outputs).sum::<usize>();
-        if bytes.len() != expected {
-            return Err(RefinementWeightsError::Length { expected, found: bytes.len() });
-        }
-        let values: Vec<f32> =
-            bytes.as_chunks::<4>().0.iter().map(|number| f32::from_le_bytes(*number)).collect();
-        if let Some(index) = values.iter().position(|value| !value.is_finite()) {
-            return Err(RefinementWeightsError::NotFinite { index });
-        }
-        let mut rest = values.as_slice();
-        let mut take = |count: usize| {
-            let (taken, after) = rest.split_at(count);
-            rest = after;
-            taken.to_vec()
-        };
-        let [first, second, third, fourth, profile, edge, answer, judge, odds] =
-            LAYERS.map(|(inputs, outputs)| Layer { weights: take(inputs * outputs), bias: take(outputs) });
-        Ok(Self {
-            first: first.into_convolution(9),
-            second: second.into_convolution(9),
-            third: third.into_convolution(9),
-            fourth: fourth.into_convolution(9),
-            profile: profile.into_convolution(3),
-            edge,
-            answer,
-            judge,
-            odds,
-        })
-    }
-}
-
-impl Layer {
-    /// The layer as a convolution with this number of taps.
-    fn into_convolution(self, taps: usize) -> Convolution {
-        Convolution::new(&self.weights, self.bias, taps)
-    }
-}
-
-/// The answer of the network.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub(crate) struct RefinedBox {
-    /// Left, top, right and bottom edge, pixels.
-    pub(crate) edges: [f32; 4],
-    /// Expected absolute error of each edge, in sides of the window's box.
-    pub(crate) errors: [f32; 4],
-    /// Probability that the box has an IoU of at least 0.5 with the target, 0 to 1.
-    pub(crate) probability: f32,
-}
-
-impl RefinedBox {
-    /// The box between the edges, pixels.
-    pub(crate) fn bounds(&self) -> PixelBox {
-        let [left, top, right, bottom] = self.edges.map(f64::from);
-        PixelBox { u: left, v: top, w: right - left, h: bottom - top }
-    }
-}
 
 /// The network with its buffers.
 #[derive(Debug)]
@@ -280,15 +125,6 @@ impl RefinementNetwork {
         }
         answer
     }
-}
-
-/// Both edges of an axis, moved apart to [`MIN_SIDE_PX`] where they are nearer or crossed.
-fn apart(first: f32, second: f32) -> (f32, f32) {
-    if second - first >= MIN_SIDE_PX {
-        return (first, second);
-    }
-    let middle = 0.5 * (first + second);
-    (middle - 0.5 * MIN_SIDE_PX, middle + 0.5 * MIN_SIDE_PX)
 }
 
 /// The values of the last layers.
@@ -375,16 +211,14 @@ fn evaluate_layers(network: &mut RefinementNetwork, measurements: &[f32; MEASURE
         network.profiles.round(profiles.as_flattened());
         weights.profile.apply(&network.profiles, &starts, None, values.as_flattened_mut());
         let edge = &mut judged[3 * SECOND + axis * EDGE..][..EDGE];
-        dense(&weights.edge, values.as_flattened(), edge);
-        clear_negative(edge);
-        dense(&weights.answer, edge, &mut answer.axes[axis]);
+        weights.edge.apply_and_clear_negative(values.as_flattened(), edge);
+        weights.answer.apply(edge, &mut answer.axes[axis]);
     }
     judged[3 * SECOND + 2 * EDGE..].copy_from_slice(measurements);
     let mut judge = [0.0_f32; JUDGE];
-    dense(&weights.judge, &judged, &mut judge);
-    clear_negative(&mut judge);
+    weights.judge.apply_and_clear_negative(&judged, &mut judge);
     let mut log_odds = [0.0];
-    dense(&weights.odds, &judge, &mut log_odds);
+    weights.odds.apply(&judge, &mut log_odds);
     answer.log_odds = log_odds[0];
 }
 
@@ -425,34 +259,9 @@ fn taps_of_maps<const TAPS: usize>(dilation: usize) -> [usize; TAPS] {
     })
 }
 
-/// Negative values become 0.
-fn clear_negative(values: &mut [f32]) {
-    values.iter_mut().for_each(|value| *value = value.max(0.0));
-}
-
-simd_kernel! {
-/// A layer in which each output depends on each input.
-fn dense(layer: &Layer, inputs: &[f32], outputs: &mut [f32]) {
-    /// Partial sums, for vector instructions.
-    const PARTS: usize = 8;
-    for ((weights, bias), out) in
-        layer.weights.chunks_exact(inputs.len()).zip(&layer.bias).zip(outputs.iter_mut())
-    {
-        let mut sums = [0.0_f32; PARTS];
-        let ((w, w_rest), (x, x_rest)) = (weights.as_chunks::<PARTS>(), inputs.as_chunks::<PARTS>());
-        for (w, x) in w.iter().zip(x) {
-            for k in 0..PARTS {
-                sums[k] += w[k] * x[k];
-            }
-        }
-        let rest: f32 = w_rest.iter().zip(x_rest).map(|(w, x)| w * x).sum();
-        *out = bias + sums.iter().sum::<f32>() + rest;
-    }
-}
-}
-
 #[cfg(test)]
 mod tests {
+    use super::super::weights::LAYERS;
     use super::*;
 
     /// Bytes of weights that are all zero, but for the biases of the answers.
@@ -467,33 +276,6 @@ mod tests {
             }
         }
         values.iter().flat_map(|value: &f32| value.to_le_bytes()).collect()
-    }
-
-    #[test]
-    fn the_built_in_weights_are_valid() {
-        assert!(RefinementWeights::from_bytes(include_bytes!("network.weights")).is_ok());
-    }
-
-    #[test]
-    fn other_bytes_are_refused() {
-        let bytes = weights_with_answers([0.0; ANSWERS], 0.0);
-        let found = bytes.len() - 4;
-        assert_eq!(
-            RefinementWeights::from_bytes(&bytes[..found]).err(),
-            Some(RefinementWeightsError::Length { expected: bytes.len(), found })
-        );
-        let mut bytes = bytes;
-        bytes[40..44].copy_from_slice(&f32::NAN.to_le_bytes());
-        assert_eq!(
-            RefinementWeights::from_bytes(&bytes).err(),
-            Some(RefinementWeightsError::NotFinite { index: 10 })
-        );
-    }
-
-    #[test]
-    fn crossed_edges_give_a_box_about_their_middle() {
-        assert_eq!(apart(20.0, 10.0), (14.5, 15.5));
-        assert_eq!(apart(10.0, 20.0), (10.0, 20.0));
     }
 
     #[test]
