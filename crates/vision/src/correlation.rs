@@ -67,11 +67,7 @@ impl FilterSolver {
     ) {
         self.unconstrained.resize_with(filter.model.len(), Spectrum::default);
         filter.kernel.resize(filter.model.len() * AREA, 0.0);
-        // A patch without any pattern has no energy, and the following divides by the energy.
-        let mean = (filter.energy.iter().sum::<f32>() / AREA as f32).max(MIN_ENERGY);
-        let (mu, lambda) = (MU_SHARE * mean, LAMBDA_SHARE * mean);
-        solve_unconstrained(self, filter, desired, mu);
-        solve_masked(self, filter, fourier, mask, mu / (mu + lambda));
+        solve_step(self, filter, fourier, desired, mask);
     }
 }
 
@@ -130,12 +126,30 @@ fn update_model(filter: &mut CorrelationFilter, spectra: &[Spectrum], rate: f32)
 }
 
 simd_kernel! {
+fn solve_step(
+    solver: &mut FilterSolver,
+    filter: &mut CorrelationFilter,
+    fourier: &mut Fourier,
+    desired: &Spectrum,
+    mask: &Map,
+) {
+    // A patch without any pattern has no energy, and the following divides by the energy.
+    let mean = (filter.energy.iter().sum::<f32>() / AREA as f32).max(MIN_ENERGY);
+    let (mu, lambda) = (MU_SHARE * mean, LAMBDA_SHARE * mean);
+    solve_unconstrained(solver, filter, desired, mu);
+    solve_masked(solver, filter, fourier, mask, mu / (mu + lambda));
+}
+}
+
 /// q = x conj(y) + mu h - mu u; unconstrained = (q - x (x^H q) / (mu + S)) / mu
+#[inline(always)]
 fn solve_unconstrained(solver: &mut FilterSolver, filter: &CorrelationFilter, desired: &Spectrum, mu: f32) {
     solver.sum.re.fill(0.0);
     solver.sum.im.fill(0.0);
     let (y_re, y_im) = (&desired.re[..], &desired.im[..]);
-    for (((x, g), h), u) in filter.model.iter().zip(&mut solver.unconstrained).zip(&filter.masked).zip(&filter.dual) {
+    for (((x, g), h), u) in
+        filter.model.iter().zip(&mut solver.unconstrained).zip(&filter.masked).zip(&filter.dual)
+    {
         let (x_re, x_im, g_re, g_im) = (&x.re[..], &x.im[..], &mut g.re[..], &mut g.im[..]);
         let (h_re, h_im, u_re, u_im) = (&h.re[..], &h.im[..], &u.re[..], &u.im[..]);
         let (s_re, s_im) = (&mut solver.sum.re[..], &mut solver.sum.im[..]);
@@ -165,10 +179,9 @@ fn solve_unconstrained(solver: &mut FilterSolver, filter: &CorrelationFilter, de
         }
     }
 }
-}
 
-simd_kernel! {
 /// h = mask . (unconstrained + u) mu / (mu + lambda); u += unconstrained - h. `shrink` is mu / (mu + lambda).
+#[inline(always)]
 fn solve_masked(
     solver: &FilterSolver,
     filter: &mut CorrelationFilter,
@@ -181,7 +194,9 @@ fn solve_masked(
             add(&solver.unconstrained[d], &mut filter.dual[d]);
         }
         let (first, second) = filter.kernel[2 * pair * AREA..(2 * pair + 2) * AREA].split_at_mut(AREA);
-        let (Ok(first), Ok(second)) = (<&mut Map>::try_from(first), <&mut Map>::try_from(second)) else { return };
+        let (Ok(first), Ok(second)) = (<&mut Map>::try_from(first), <&mut Map>::try_from(second)) else {
+            return;
+        };
         fourier.inverse_pair((&filter.dual[2 * pair], &filter.dual[2 * pair + 1]), (first, second));
         for i in 0..AREA {
             first[i] *= mask[i] * shrink;
@@ -193,7 +208,6 @@ fn solve_masked(
             subtract(&filter.masked[d], &mut filter.dual[d]);
         }
     }
-}
 }
 
 simd_kernel! {
