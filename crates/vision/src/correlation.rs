@@ -13,8 +13,7 @@
 //! x is a running mean of the training patches. Each frame continues from the last solution. The response to
 //! a patch z is the inverse transform of sum conj(h_d) z_d.
 
-use crate::fourier::{AREA, Fourier, Map, SIDE, Spectrum};
-use crate::peak::signed_shift;
+use crate::fourier::{AREA, Fourier, Map, Spectrum};
 use crate::simd::simd_kernel;
 
 /// The filter, with what the next step of the solver continues from.
@@ -264,22 +263,11 @@ const LAMBDA_SHARE: f32 = 0.01;
 /// Lower bound of the model's mean energy.
 const MIN_ENERGY: f32 = 1.0e-12;
 
-/// Spectrum of the desired response: a Gaussian of this standard deviation at shift zero.
-pub(crate) fn desired_response_spectrum(fourier: &mut Fourier, std_dev_cells: f32) -> Spectrum {
-    let mut map: Box<Map> = Box::new([0.0; AREA]);
-    for (i, value) in map.iter_mut().enumerate() {
-        let (r, c) = (signed_shift(i / SIDE), signed_shift(i % SIDE));
-        *value = libm::expf(-0.5 * (r * r + c * c) / (std_dev_cells * std_dev_cells));
-    }
-    let (mut spectrum, mut other) = (Spectrum::default(), Spectrum::default());
-    fourier.forward_pair((&map, &map), (&mut spectrum, &mut other));
-    spectrum
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::peak::Peak;
+    use crate::fourier::SIDE;
+    use crate::peak::{Peak, desired_response_spectrum};
 
     /// Smoothed noise, circularly shifted by cells right and down.
     fn patch(seed: u32, (right, down): (usize, usize)) -> Box<Map> {

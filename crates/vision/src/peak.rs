@@ -1,6 +1,6 @@
-//! The peaks of a response, and how far they stand out from the sidelobes.
+//! The peaks of a response, how far they stand out from the sidelobes, and the peak that is desired.
 
-use crate::fourier::{Map, SIDE};
+use crate::fourier::{AREA, Fourier, Map, SIDE, Spectrum};
 
 /// The maximum of a response.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -115,8 +115,20 @@ pub(crate) fn parabola_vertex(before: f32, here: f32, after: f32) -> f32 {
     if curvature < 0.0 { (0.5 * (before - after) / curvature).clamp(-0.5, 0.5) } else { 0.0 }
 }
 
+/// Spectrum of the desired response: a Gaussian of this standard deviation at shift zero.
+pub(crate) fn desired_response_spectrum(fourier: &mut Fourier, std_dev_cells: f32) -> Spectrum {
+    let mut map: Box<Map> = Box::new([0.0; AREA]);
+    for (i, value) in map.iter_mut().enumerate() {
+        let (r, c) = (signed_shift(i / SIDE), signed_shift(i % SIDE));
+        *value = libm::expf(-0.5 * (r * r + c * c) / (std_dev_cells * std_dev_cells));
+    }
+    let (mut spectrum, mut other) = (Spectrum::default(), Spectrum::default());
+    fourier.forward_pair((&map, &map), (&mut spectrum, &mut other));
+    spectrum
+}
+
 /// The shift of a row or column of a response: the second half is negative.
-pub(crate) fn signed_shift(index: usize) -> f32 {
+fn signed_shift(index: usize) -> f32 {
     if index < SIDE / 2 { index as f32 } else { index as f32 - SIDE as f32 }
 }
 
@@ -128,7 +140,6 @@ fn circular_distance(a: usize, b: usize) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fourier::AREA;
 
     #[test]
     fn the_second_peak_is_another_maximum() {

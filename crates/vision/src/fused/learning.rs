@@ -15,9 +15,10 @@ use super::observation::Observation;
 use super::observer::Observer;
 use super::target::Target;
 use crate::colour_model::{ColourModel, TargetEllipse, count_colours};
-use crate::correlation::{FilterSolver, desired_response_spectrum};
+use crate::correlation::FilterSolver;
 use crate::fourier::{AREA, Map, SIDE};
 use crate::gradients::CELL;
+use crate::peak::desired_response_spectrum;
 use crate::vector::length;
 
 /// Settings of the learning. The learning rates of filter and colours are set by the user. Settings without a

@@ -8,11 +8,12 @@ use barrelman_vocab::{Picture, PictureSize, PixelBox, Timestamp, VideoFrame};
 
 use super::LEVEL_CAP;
 use crate::colour_model::{ColourModel, TargetEllipse, count_colours};
-use crate::correlation::{CorrelationFilter, FilterSolver, desired_response_spectrum};
+use crate::correlation::{CorrelationFilter, FilterSolver};
 use crate::crop::Crop;
 use crate::decimation::decimate;
 use crate::fourier::{AREA, Fourier, Map, Spectrum};
 use crate::gradients::{CELL, GradientHistograms, MARGIN, unit_directions};
+use crate::peak::desired_response_spectrum;
 use crate::redetection::Redetector;
 use crate::refinement::{RefinementNetwork, RefinementWeights, RefinementWindow};
 use crate::sampling::SamplingGrid;
