@@ -78,10 +78,10 @@ fn restrict_files(kept: &Kept) -> Result<RulesetStatus, RulesetError> {
     let readable = kept.readable.iter().map(|path| (path, read));
     let devices = kept.devices.iter().map(|path| (path, control | AccessFs::ReadDir));
     for (path, access) in readable.chain(devices) {
-        // What does not exist needs no right: opening it fails either way, with the better reason. An open pipe of another
-        // process (`/proc/PID/fd/N`) can have none.
+        // What does not exist needs no right: opening it fails either way, with the better reason. A pipe is open
+        // already, and that of another process can have none.
         let Ok(opened) = PathFd::new(path) else { continue };
-        if path.starts_with("/proc") && path.metadata().is_ok_and(|metadata| metadata.file_type().is_fifo()) {
+        if path.metadata().is_ok_and(|metadata| metadata.file_type().is_fifo()) {
             continue;
         }
         let access = if path.is_dir() { access } else { access & file_only };

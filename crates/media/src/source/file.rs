@@ -2,7 +2,7 @@
 
 use std::fs::File;
 use std::os::fd::IntoRawFd as _;
-use std::os::unix::fs::FileTypeExt;
+use std::os::unix::fs::FileTypeExt as _;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -22,28 +22,23 @@ const LATENCY_MS: u32 = 60;
 /// Longest SDP file.
 const MAX_SDP: u64 = 64 << 10;
 
-/// The open pipe of another process, where an address names one (`/proc/PID/fd/N`). Such a name leads nowhere once rights
-/// have been given up.
+/// The open pipe, where an address names one. The name of an open pipe of another process (`/proc/PID/fd/N`) leads
+/// nowhere once rights have been given up.
 pub(super) fn open_pipe(address: &SourceAddress) -> Option<File> {
     let SourceAddress::File(path) = address else { return None };
-    if !path.starts_with("/proc") || !is_fifo(path) {
+    if !std::fs::metadata(path).is_ok_and(|metadata| metadata.file_type().is_fifo()) {
         return None;
     }
-    // The writer may have ended already: what it wrote is read all the same.
+    // Opening waits for no writer: there may be none yet, or none any more. `fdsrc` waits for bytes.
     let flags = OFlags::NONBLOCK | OFlags::CLOEXEC;
     let pipe = rustix::fs::open(path, flags, Mode::empty()).ok()?;
     rustix::fs::fcntl_setfl(&pipe, OFlags::empty()).ok()?;
     Some(pipe.into())
 }
 
-fn is_fifo(path: &Path) -> bool {
-    std::fs::metadata(path).is_ok_and(|metadata| metadata.file_type().is_fifo())
-}
-
 /// Plays a file, or a pipe. `pipe`: see [`open_pipe`].
 pub(super) fn open(play: &Arc<Play>, path: &Path, pipe: Option<File>) -> Result<(), SourceFailure> {
-    let kind = std::fs::metadata(path).map(|metadata| metadata.file_type());
-    let is_pipe = pipe.is_some() || kind.as_ref().is_ok_and(FileTypeExt::is_fifo);
+    let is_pipe = pipe.is_some();
     let source = match pipe {
         Some(pipe) => {
             let source = play.add("fdsrc")?;
@@ -52,7 +47,7 @@ pub(super) fn open(play: &Arc<Play>, path: &Path, pipe: Option<File>) -> Result<
             source
         }
         None => {
-            let kind = kind.map_err(|error| unreadable(&error))?;
+            let kind = std::fs::metadata(path).map_err(|error| unreadable(&error))?.file_type();
             if kind.is_dir() {
                 return Err(permanent("is a folder", "Give the path of a file"));
             }
