@@ -33,7 +33,10 @@ pub enum VideoError {
         remedy: String,
     },
     /// The file holds no video.
-    #[error("`{}` is {what}. Give a video file, Y4M, or a folder of PNG or JPEG pictures", .path.display())]
+    #[error(
+        "`{}` is {what}. Give a video file (MP4, Matroska, MPEG-TS, AVI, Y4M) or a folder of PNG or JPEG pictures",
+        .path.display()
+    )]
     NotVideo {
         /// The file.
         path: PathBuf,
