@@ -25,6 +25,8 @@ pub mod role;
 
 pub mod source;
 
+pub mod failure;
+
 pub mod decoder;
 
 pub mod format;

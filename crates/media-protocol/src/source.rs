@@ -9,6 +9,7 @@ use barrelman_vocab::image::PictureSize;
 use barrelman_vocab::unit::{Rotation, UnitCodec};
 use serde::{Deserialize, Serialize};
 
+use crate::failure::SourceFailure;
 use crate::format::CodedFormat;
 
 /// Longest silence of a source that runs: [`FromSource::Alive`] comes at least this often.
@@ -21,6 +22,13 @@ pub struct SourceSettings {
     pub address: SourceAddress,
     /// Whether units are sent as they arrive. Otherwise the source is read at the pace at which the socket is read.
     pub is_live: bool,
+}
+
+impl SourceSettings {
+    /// A file or a pipe.
+    pub const fn file(path: PathBuf, is_live: bool) -> Self {
+        Self { address: SourceAddress::File(path), is_live }
+    }
 }
 
 /// What a source plays. Holds passwords: never print this.
@@ -167,17 +175,6 @@ pub struct SourceReport {
     pub ntp: u64,
     /// Arrival: nanoseconds of `CLOCK_MONOTONIC`.
     pub arrival_ns: u64,
-}
-
-/// Why a source cannot go on.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-pub struct SourceFailure {
-    /// What is wrong, with a verb: "does not let us in".
-    pub what: String,
-    /// What to do; empty: nothing but to try again.
-    pub remedy: String,
-    /// Whether another attempt cannot succeed.
-    pub is_final: bool,
 }
 
 impl std::fmt::Debug for SourceAddress {

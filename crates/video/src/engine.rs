@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::media::MediaProgram;
+
 /// Which engine reads and decodes a video.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "kebab-case")]
@@ -13,4 +15,14 @@ pub enum VideoEngine {
     BuiltIn,
     /// GStreamer, in the program `barrelman-media`.
     Gstreamer,
+}
+
+impl VideoEngine {
+    /// The program of the second engine, where the engine may be used and is installed.
+    pub(crate) fn media_program(self) -> Option<MediaProgram> {
+        match self {
+            Self::BuiltIn => None,
+            Self::Auto | Self::Gstreamer => MediaProgram::installed(),
+        }
+    }
 }

@@ -124,6 +124,22 @@ impl<'a> Plane<'a> {
     pub fn row(&self, row: usize) -> &'a [u8] {
         &self.data[row * self.stride..][..self.width]
     }
+
+    /// The planes Y, U, V of a YUV 4:2:0 picture that lie one behind the other without padding. `None`: the number of
+    /// samples is another than `size` asks for.
+    pub fn split_yuv420(samples: &'a [u8], size: PictureSize) -> Option<[Self; 3]> {
+        let chroma = PictureSize::new(size.width.div_ceil(2), size.height.div_ceil(2));
+        if samples.len() != size.area() + 2 * chroma.area() {
+            return None;
+        }
+        let (y, uv) = samples.split_at(size.area());
+        let (u, v) = uv.split_at(chroma.area());
+        let plane = |data, size: PictureSize| {
+            let (width, height) = (size.width as usize, size.height as usize);
+            Self { data, width, height, stride: width }
+        };
+        Some([plane(y, size), plane(u, chroma), plane(v, chroma)])
+    }
 }
 
 /// A planar YUV 4:2:0 picture that owns its samples, without padding between rows. The chroma planes have half the

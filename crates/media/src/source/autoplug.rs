@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use barrelman_media_protocol::source::SourceFailure;
+use barrelman_media_protocol::failure::SourceFailure;
 use gst::prelude::*;
 use gstreamer as gst;
 

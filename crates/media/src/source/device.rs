@@ -3,7 +3,8 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use barrelman_media_protocol::source::{DeviceFormat, DeviceSettings, SourceFailure};
+use barrelman_media_protocol::failure::SourceFailure;
+use barrelman_media_protocol::source::{DeviceFormat, DeviceSettings};
 use gst::prelude::*;
 use gstreamer as gst;
 

@@ -1,17 +1,8 @@
 //! Why a source cannot go on, in plain words, with what to do.
 
-use barrelman_media_protocol::source::SourceFailure;
+use barrelman_media_protocol::failure::{self, SourceFailure};
+pub(super) use barrelman_media_protocol::failure::{permanent, temporary};
 use gstreamer as gst;
-
-/// A failure that another attempt may overcome.
-pub(super) fn temporary(what: impl Into<String>, remedy: impl Into<String>) -> SourceFailure {
-    SourceFailure { what: what.into(), remedy: remedy.into(), is_final: false }
-}
-
-/// A failure that another attempt cannot overcome.
-pub(super) fn permanent(what: impl Into<String>, remedy: impl Into<String>) -> SourceFailure {
-    SourceFailure { what: what.into(), remedy: remedy.into(), is_final: true }
-}
 
 /// An element of GStreamer is not installed.
 pub(super) fn missing_element(name: &str) -> SourceFailure {
@@ -23,7 +14,7 @@ pub(super) fn missing_element(name: &str) -> SourceFailure {
 fn package(element: &str) -> &'static str {
     match element {
         "rtspsrc" | "rtpjitterbuffer" | "rtph264depay" | "rtph265depay" | "rtpjpegdepay" | "rtpmp2tdepay"
-        | "v4l2src" | "souphttpsrc" | "jpegenc" | "deinterlace" => "gstreamer1.0-plugins-good",
+        | "v4l2src" | "souphttpsrc" | "jpegenc" => "gstreamer1.0-plugins-good",
         "h264parse" | "h265parse" | "av1parse" | "vp9parse" | "tsdemux" | "srtsrc" | "rtmp2src"
         | "sdpdemux" => "gstreamer1.0-plugins-bad",
         _ => "gstreamer1.0-plugins-base",
@@ -38,43 +29,9 @@ pub(super) fn unlinked(error: impl std::fmt::Display) -> SourceFailure {
     )
 }
 
-/// What a server's status says (RFC 2326, 7.1.1; RFC 9110, 15).
-pub(super) fn from_status(status: u16) -> Option<SourceFailure> {
-    Some(match status {
-        300..=399 => permanent(
-            "leads to another address (a redirect), and no redirect is followed",
-            "Give the address of the stream itself",
-        ),
-        401 | 403 | 407 => permanent(
-            "does not let us in",
-            "Check user and password: they stand on the first line of the login file",
-        ),
-        // A server that is still starting knows its streams later.
-        404 | 410 => temporary(
-            "has no stream of this name",
-            "Check the path in the address: the camera's manual or its page names it",
-        ),
-        406 | 415 => permanent("does not offer this stream in a form that is read here", OTHER_PROFILE),
-        453 => temporary("has not enough bandwidth for one more viewer", FEWER_VIEWERS),
-        454 => temporary("has ended the session", ""),
-        461 => {
-            permanent("does not send its packets this way", "Choose another transport: TCP, UDP or multicast")
-        }
-        503 => temporary("is busy, or has too many viewers", FEWER_VIEWERS),
-        400..=499 => permanent(format!("refuses the request (status {status})"), OTHER_PROFILE),
-        500..=599 => temporary(format!("has a fault of its own (status {status})"), RESTART),
-        _ => return None,
-    })
-}
-
-const OTHER_PROFILE: &str =
-    "Set this profile of the camera to H.264 or H.265, or give the address of another one";
-const FEWER_VIEWERS: &str = "Close other programs that show this stream";
-const RESTART: &str = "If this stays, restart the camera";
-
 /// What GStreamer reports.
 pub(super) fn from_gst(error: &gst::glib::Error, debug: &str) -> SourceFailure {
-    if let Some(failure) = status_in(debug).and_then(from_status) {
+    if let Some(failure) = status_in(debug).and_then(failure::from_status) {
         return failure;
     }
     let said = error.message().trim_end_matches('.').to_owned();
@@ -103,8 +60,8 @@ pub(super) fn missing_codec(name: &str) -> SourceFailure {
 
 fn from_resource(kind: gst::ResourceError, said: &str, debug: &str) -> SourceFailure {
     match kind {
-        gst::ResourceError::NotAuthorized => from_status(401),
-        gst::ResourceError::NotFound => from_status(404),
+        gst::ResourceError::NotAuthorized => failure::from_status(401),
+        gst::ResourceError::NotFound => failure::from_status(404),
         gst::ResourceError::Busy => Some(temporary("is in use", "Close the other program that uses it")),
         _ => from_words(debug),
     }

@@ -6,7 +6,8 @@ use std::os::unix::fs::FileTypeExt as _;
 use std::path::Path;
 use std::sync::Arc;
 
-use barrelman_media_protocol::source::{SourceAddress, SourceFailure};
+use barrelman_media_protocol::failure::SourceFailure;
+use barrelman_media_protocol::source::SourceAddress;
 use gst::prelude::*;
 use gstreamer as gst;
 use rustix::fs::{Mode, OFlags};

@@ -46,7 +46,8 @@ use std::fs::File;
 use std::path::PathBuf;
 
 use barrelman_media_protocol::channel::{Channel, ChannelError};
-use barrelman_media_protocol::source::{FromSource, SourceAddress, SourceFailure, SourceSettings};
+use barrelman_media_protocol::failure::SourceFailure;
+use barrelman_media_protocol::source::{FromSource, SourceAddress, SourceSettings};
 use gst::prelude::*;
 use gstreamer as gst;
 

@@ -2,7 +2,8 @@
 
 use std::sync::Arc;
 
-use barrelman_media_protocol::source::{SourceFailure, SourceLogin};
+use barrelman_media_protocol::failure::SourceFailure;
+use barrelman_media_protocol::source::SourceLogin;
 use gst::prelude::*;
 use gstreamer as gst;
 use url::Url;

@@ -9,7 +9,8 @@ use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 use barrelman_media_protocol::channel::{Channel, ChannelError};
-use barrelman_media_protocol::source::{ALIVE_INTERVAL_MS, FromSource, SourceFailure};
+use barrelman_media_protocol::failure::SourceFailure;
+use barrelman_media_protocol::source::{ALIVE_INTERVAL_MS, FromSource};
 use gst::prelude::*;
 use gstreamer as gst;
 

@@ -4,7 +4,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-use barrelman_media_protocol::source::{FromSource, SourceFailure};
+use barrelman_media_protocol::failure::SourceFailure;
+use barrelman_media_protocol::source::FromSource;
 use gst::prelude::*;
 use gstreamer as gst;
 

@@ -4,7 +4,7 @@ use std::io;
 use std::net::{TcpStream, ToSocketAddrs as _};
 use std::time::Duration;
 
-use barrelman_media_protocol::source::SourceFailure;
+use barrelman_media_protocol::failure::SourceFailure;
 use url::Url;
 
 use super::failure::{from_words, temporary};

@@ -3,7 +3,8 @@
 
 use std::sync::{Arc, Mutex, PoisonError};
 
-use barrelman_media_protocol::source::{FromSource, SourceFailure, SourceReport};
+use barrelman_media_protocol::failure::SourceFailure;
+use barrelman_media_protocol::source::{FromSource, SourceReport};
 use gst::prelude::*;
 use gstreamer as gst;
 

@@ -2,7 +2,8 @@
 
 use std::sync::{Arc, Mutex, PoisonError};
 
-use barrelman_media_protocol::source::{FromSource, SourceFailure, SourceUnit, UnitTime};
+use barrelman_media_protocol::failure::SourceFailure;
+use barrelman_media_protocol::source::{FromSource, SourceUnit, UnitTime};
 use barrelman_vocab::image::PictureSize;
 use barrelman_vocab::unit::{Rotation, UnitCodec};
 use gst::prelude::*;

@@ -17,7 +17,6 @@ use std::time::Duration;
 
 use barrelman_media_protocol::format::CodedFormat;
 use barrelman_media_protocol::role::DecoderSettings;
-use barrelman_vocab::image::PictureSize;
 use barrelman_vocab::time::Timestamp;
 use barrelman_vocab::unit::{EncodedUnit, Rotation, UnitCodec};
 use barrelman_vocab::video::{Capture, Picture, Plane, VideoFrame};
@@ -108,7 +107,7 @@ impl UnitDecoder {
             UnitCodec::Jpeg => self.still.jpeg(&unit.payload, &mut self.pool).map_err(damaged)?,
             UnitCodec::Png => self.still.png(&unit.payload, &mut self.pool).map_err(damaged)?,
             UnitCodec::RawYuv420 { size, colour } => {
-                let planes = raw_planes(&unit.payload, size).ok_or_else(|| {
+                let planes = Plane::split_yuv420(&unit.payload, size).ok_or_else(|| {
                     damaged(format!("{} bytes are not a {size} picture", unit.payload.len()))
                 })?;
                 self.pool.copy(planes, colour, unit.rotation)
@@ -171,7 +170,7 @@ impl UnitDecoder {
     }
 
     fn can_change_over(&self) -> bool {
-        self.engine != VideoEngine::BuiltIn && MediaProgram::installed().is_some()
+        self.engine.media_program().is_some()
     }
 
     fn decode_by_media(
@@ -208,7 +207,7 @@ impl UnitDecoder {
             let remedy = "Set video.engine = \"auto\", or set the camera to H.264".to_owned();
             return Err(DecodeError::Unsupported { what: what(), remedy });
         }
-        let program = MediaProgram::installed().ok_or_else(|| DecodeError::Unsupported {
+        let program = self.engine.media_program().ok_or_else(|| DecodeError::Unsupported {
             what: what(),
             remedy: format!("barrelman-media decodes it: {}", MediaProgram::BUILD_COMMANDS),
         })?;
@@ -230,18 +229,4 @@ impl UnitDecoder {
 fn deliver(delivered: &mut u64, capture: Capture, picture: Arc<Picture>, out: &mut impl FnMut(VideoFrame)) {
     out(VideoFrame { sequence: *delivered, capture, picture });
     *delivered += 1;
-}
-
-fn raw_planes(payload: &[u8], size: PictureSize) -> Option<[Plane<'_>; 3]> {
-    let chroma = PictureSize::new(size.width.div_ceil(2), size.height.div_ceil(2));
-    if payload.len() != size.area() + 2 * chroma.area() {
-        return None;
-    }
-    let (y, uv) = payload.split_at(size.area());
-    let (u, v) = uv.split_at(chroma.area());
-    let plane = |data, size: PictureSize| {
-        let (width, height) = (size.width as usize, size.height as usize);
-        Plane { data, width, height, stride: width }
-    };
-    Some([plane(y, size), plane(u, chroma), plane(v, chroma)])
 }

@@ -34,6 +34,7 @@ pub(crate) struct MediaDecoder {
     process: Option<MediaProcess>,
     pending: Vec<Pending>,
     samples: Vec<u8>,
+    has_told_scaling: bool,
 }
 
 /// Why a message was not answered.
@@ -52,7 +53,14 @@ impl From<ChannelError> for Failure {
 
 impl MediaDecoder {
     pub(crate) const fn new(program: MediaProgram, settings: DecoderSettings) -> Self {
-        Self { program, settings, process: None, pending: Vec::new(), samples: Vec::new() }
+        Self {
+            program,
+            settings,
+            process: None,
+            pending: Vec::new(),
+            samples: Vec::new(),
+            has_told_scaling: false,
+        }
     }
 
     pub(crate) const fn settings(&self) -> DecoderSettings {
@@ -190,6 +198,12 @@ impl MediaDecoder {
         {
             return Err(ChannelError::Malformed);
         }
+        if let (Some(from), false) = (decoded.scaled_from, self.has_told_scaling) {
+            self.has_told_scaling = true;
+            tracing::info!(
+                "the pictures of {from} are scaled down to {size}: {max_side} pixels a side are read"
+            );
+        }
         let with_its_time = self.pending.iter().position(|unit| unit.at.as_nanos() == decoded.pts_ns);
         let earliest = || self.pending.iter().enumerate().min_by_key(|(_, unit)| **unit).map(|(at, _)| at);
         let at = with_its_time.or_else(earliest).ok_or(ChannelError::Malformed)?;
@@ -202,13 +216,7 @@ impl MediaDecoder {
             rotation => {
                 self.samples.resize(length, 0);
                 process.channel().read_payload(&mut self.samples)?;
-                let (y, uv) = self.samples.split_at(size.area());
-                let (u, v) = uv.split_at(chroma.area());
-                let plane = |data, size: barrelman_vocab::PictureSize| {
-                    let (width, height) = (size.width as usize, size.height as usize);
-                    Plane { data, width, height, stride: width }
-                };
-                let planes = [plane(y, size), plane(u, chroma), plane(v, chroma)];
+                let planes = Plane::split_yuv420(&self.samples, size).ok_or(ChannelError::Malformed)?;
                 pool.copy(planes, decoded.colour, rotation)
             }
         };

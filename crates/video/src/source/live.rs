@@ -12,16 +12,15 @@ use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
 use barrelman_host::clock::Clock;
-use barrelman_media_protocol::source::{RtspTransport, SourceAddress, SourceSettings};
+use barrelman_media_protocol::source::{RtspTransport, SourceSettings};
 use barrelman_vocab::time::Timestamp;
 use barrelman_vocab::unit::EncodedUnit;
 use barrelman_vocab::video::{Capture, CaptureQuality};
 
 use super::demux::FileReader;
-use super::demux::kind::FileKind;
 use super::feed::{Feed, StopSignal};
 use super::media_engine::MediaEngine;
-use super::pipe::{OtherPipe, Pipe};
+use super::pipe::Pipe;
 use super::receiver::{Receiver, ReceiverEnd};
 use super::rtsp::RtspEngine;
 use super::sink::{VideoSink, VideoState};
@@ -82,7 +81,7 @@ const PATIENCE: Duration = Duration::from_secs(5);
 
 /// Receives a stream by the built-in engine where that reads it. Where it does not, by GStreamer.
 fn run_stream<S: VideoSink>(url: &VideoUrl, mut feed: Feed<S>, stop: &StopSignal) {
-    let program = MediaProgram::installed().filter(|_| url.engine != VideoEngine::BuiltIn);
+    let program = url.engine.media_program();
     if let Some(mut engine) = built_in_engine(url, feed.clock) {
         let patience = program.is_some().then_some(PATIENCE);
         match Receiver::new(&mut feed, patience, stop).run(&mut engine) {
@@ -144,17 +143,14 @@ fn run_pipe<S: VideoSink>(url: &VideoUrl, path: &Path, mut feed: Feed<S>, stop: 
     feed.sink.on_state(VideoState::Connecting);
     let mut reader = match Pipe::open(path) {
         Ok(Pipe::Y4m(reader)) => reader,
-        Ok(Pipe::Other(OtherPipe { kind: FileKind::NotVideo { what }, .. })) => {
-            return feed.fail(VideoError::not_video(path, what));
-        }
         Ok(Pipe::Other(pipe)) => {
-            let program = MediaProgram::installed().filter(|_| url.engine != VideoEngine::BuiltIn);
-            let Some(program) = program else {
-                return feed.fail(VideoError::NoMedia { address: url.to_string() });
+            return match pipe.reading_program(url, path) {
+                Ok(program) => {
+                    let settings = SourceSettings::file(pipe.path.clone(), true);
+                    run_media(url, program, settings, &mut feed, stop);
+                }
+                Err(error) => feed.fail(error),
             };
-            let address = SourceAddress::File(pipe.path.clone());
-            let settings = SourceSettings { address, is_live: true };
-            return run_media(url, program, settings, &mut feed, stop);
         }
         Err(error) => return feed.fail(error),
     };

@@ -10,6 +10,8 @@ use rustix::pipe::{SpliceFlags, pipe, tee};
 use super::demux::kind::{FileKind, HEAD_BYTES};
 use super::demux::y4m::Y4mReader;
 use crate::error::{VideoError, cannot_read};
+use crate::media::MediaProgram;
+use crate::url::VideoUrl;
 
 /// An open pipe, of which nothing has been read.
 pub(super) enum Pipe {
@@ -26,7 +28,7 @@ pub(super) struct OtherPipe {
     /// A name of the open pipe for another process.
     pub(super) path: PathBuf,
     /// The kind of the content.
-    pub(super) kind: FileKind,
+    kind: FileKind,
 }
 
 impl Pipe {
@@ -44,6 +46,19 @@ impl Pipe {
                 Self::Other(OtherPipe { _file: file, path: name.into(), kind })
             }
         })
+    }
+}
+
+impl OtherPipe {
+    /// The program that reads the pipe.
+    ///
+    /// # Errors
+    /// A content that is no video, or a program that is missing or must not be used.
+    pub(super) fn reading_program(&self, url: &VideoUrl, path: &Path) -> Result<MediaProgram, VideoError> {
+        if let FileKind::NotVideo { what } = self.kind {
+            return Err(VideoError::not_video(path, what));
+        }
+        url.engine.media_program().ok_or_else(|| VideoError::NoMedia { address: url.to_string() })
     }
 }
 

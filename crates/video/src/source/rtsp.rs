@@ -8,6 +8,7 @@ use std::pin::Pin;
 use std::time::{Duration, Instant};
 
 use barrelman_host::clock::Clock;
+use barrelman_media_protocol::failure::{SourceFailure, from_status};
 use barrelman_vocab::unit::{Rotation, UnitCodec};
 use bytes::Bytes;
 use futures_util::StreamExt;
@@ -210,38 +211,7 @@ async fn describe_and_play(
 ) -> Result<Demuxed, Broken> {
     let credentials = login.map(|login| Credentials { username: login.user, password: login.password });
     let options = SessionOptions::default().creds(credentials).user_agent("barrelman".to_owned());
-    let connect_error = |error: retina::Error| match error.status_code() {
-        Some(401 | 403) => refused(
-            shown_address,
-            "does not let us in",
-            "Write USER:PASSWORD on the first line of a file and give --video-login-file FILE, or name the file as \
-             video.login_file in the configuration",
-        ),
-        Some(300..=399) => refused(
-            shown_address,
-            "leads to another address (an RTSP redirect), and no redirect is followed",
-            "Give the address of the stream itself with --video",
-        ),
-        // A server that knows the stream later, or has room later: another engine gets the same answer.
-        Some(404 | 410) => waiting(
-            "it has no stream of this name (404): check the path in the address; the camera's manual or its page names it",
-        ),
-        Some(453) => waiting(
-            "it has not enough bandwidth for one more viewer (453): close other programs that show it",
-        ),
-        Some(503) => waiting("it is busy, or has too many viewers (503): close other programs that show it"),
-        Some(406 | 415) => Broken::Unsupported(unusable(
-            shown_address,
-            "does not offer this stream in a form that the built-in engine reads (406)",
-            "Set this profile of the camera to H.264, or give the address of another one",
-        )),
-        Some(461) => Broken::Unsupported(unusable(
-            shown_address,
-            "sends its packets over UDP alone (461)",
-            "Set the camera to RTP over TCP",
-        )),
-        _ => Broken::Temporary { reason: first_line(&error), is_reached: true },
-    };
+    let connect_error = |error: retina::Error| broken_by(&error, shown_address);
     let mut session = Session::describe(address, options).await.map_err(connect_error)?;
     let is_video = |stream: &&retina::client::Stream| stream.media() == "video";
     let is_h264 =
@@ -261,6 +231,25 @@ async fn describe_and_play(
     playing.demuxed().map_err(connect_error)
 }
 
+/// What the library's error means.
+fn broken_by(error: &retina::Error, shown_address: &str) -> Broken {
+    let known = error.status_code().and_then(|status| Some((status, from_status(status)?)));
+    let Some((status, failure)) = known else {
+        return Broken::Temporary { reason: first_line(error), is_reached: true };
+    };
+    let SourceFailure { what, remedy, .. } = failure;
+    match status {
+        300..=399 | 401 | 403 | 407 => refused(shown_address, &what, &remedy),
+        // Another engine may take what this one does not.
+        406 | 415 | 461 => Broken::Unsupported(unusable(shown_address, &what, &remedy)),
+        _ => {
+            // A server that knows the stream later, or has room later, answers another engine alike.
+            let is_reached = !matches!(status, 404 | 410 | 453 | 503);
+            Broken::Temporary { reason: format!("it {what} ({status}): {remedy}"), is_reached }
+        }
+    }
+}
+
 /// The library's error without the lines that describe the connection.
 fn first_line(error: &retina::Error) -> String {
     let text = error.to_string();
@@ -272,10 +261,6 @@ fn first_line(error: &retina::Error) -> String {
 fn is_io(error: &retina::Error) -> bool {
     let text = error.to_string();
     ["Error reading from RTSP peer", "Error writing to RTSP peer"].iter().any(|io| text.starts_with(io))
-}
-
-fn waiting(reason: &str) -> Broken {
-    Broken::Temporary { reason: reason.to_owned(), is_reached: false }
 }
 
 fn refused(shown_address: &str, what: &str, remedy: &str) -> Broken {

@@ -4,7 +4,7 @@
 use std::net::SocketAddr;
 
 use super::super::failure::{from_status, permanent, temporary};
-use barrelman_media_protocol::source::SourceFailure;
+use barrelman_media_protocol::failure::SourceFailure;
 
 /// Longest head and longest body of a message, bytes.
 const MAX_HEAD: usize = 64 << 10;

@@ -10,7 +10,8 @@ mod relay;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use barrelman_media_protocol::source::{RtspTransport, SourceFailure, SourceLogin};
+use barrelman_media_protocol::failure::SourceFailure;
+use barrelman_media_protocol::source::{RtspTransport, SourceLogin};
 use gst::prelude::*;
 use gstreamer as gst;
 use url::Url;

@@ -10,8 +10,9 @@ use std::net::{IpAddr, Ipv4Addr, SocketAddr, UdpSocket};
 use std::sync::Arc;
 use std::time::Instant;
 
+use barrelman_media_protocol::failure::SourceFailure;
 use barrelman_media_protocol::format::CodedFormat;
-use barrelman_media_protocol::source::{FromSource, SourceFailure};
+use barrelman_media_protocol::source::FromSource;
 use gst::prelude::*;
 use gstreamer as gst;
 use gstreamer_app::{AppSrc, AppStreamType};

@@ -4,7 +4,7 @@ use std::fs::{self, File};
 use std::io::{Read as _, Seek as _};
 use std::path::Path;
 
-use barrelman_media_protocol::source::{SourceAddress, SourceSettings};
+use barrelman_media_protocol::source::SourceSettings;
 use barrelman_vocab::unit::EncodedUnit;
 
 use super::kind::{self, FileKind};
@@ -61,10 +61,9 @@ impl FileReader {
             Err(error @ VideoError::Unsupported { .. }) if url.engine != VideoEngine::BuiltIn => Some(error),
             Err(error) => return Err(error),
         };
-        match (MediaProgram::installed(), error) {
+        match (url.engine.media_program(), error) {
             (Some(program), _) => {
-                let settings =
-                    SourceSettings { address: SourceAddress::File(path.to_owned()), is_live: false };
+                let settings = SourceSettings::file(path.to_owned(), false);
                 let reader = MediaReader::open(&program, settings, url.to_string())?;
                 Ok(Reader::Media(Box::new(reader)).into())
             }
@@ -78,12 +77,8 @@ impl FileReader {
     }
 
     fn open_pipe(url: &VideoUrl, path: &Path, pipe: OtherPipe) -> Result<Self, VideoError> {
-        if let FileKind::NotVideo { what } = pipe.kind {
-            return Err(VideoError::not_video(path, what));
-        }
-        let program = MediaProgram::installed().filter(|_| url.engine != VideoEngine::BuiltIn);
-        let program = program.ok_or_else(|| VideoError::NoMedia { address: url.to_string() })?;
-        let settings = SourceSettings { address: SourceAddress::File(pipe.path.clone()), is_live: false };
+        let program = pipe.reading_program(url, path)?;
+        let settings = SourceSettings::file(pipe.path.clone(), false);
         let reader = MediaReader::open(&program, settings, url.to_string())?;
         Ok(Self { reader: Reader::Media(Box::new(reader)), _pipe: Some(pipe) })
     }
