@@ -24,7 +24,8 @@ pub const MAX_PAYLOAD: usize = 26 * 1024 * 1024;
 /// Longest time from the first byte of a message to its last, and longest time to send a message.
 const MESSAGE_TIMEOUT: Duration = Duration::from_secs(1);
 
-/// Size of the socket's buffers: less would divide the transfer of a picture into many turns of both processes.
+/// Size of the socket's buffers: less would divide the transfer of a picture into many turns of both
+/// processes.
 const BUFFER_SIZE: usize = 4 * 1024 * 1024;
 
 /// A message cannot be sent or received. The channel cannot be used any more.
@@ -123,8 +124,8 @@ impl Channel {
         Ok(())
     }
 
-    /// Waits for a message until `deadline`. Returns the message and the length of its payload, which must be read next
-    /// ([`Self::read_payload`]); `None`: none has come.
+    /// Waits for a message until `deadline`. Returns the message and the length of its payload, which must be
+    /// read next ([`Self::read_payload`]); `None`: none has come.
     ///
     /// # Errors
     /// The channel is closed, or what comes is no message.

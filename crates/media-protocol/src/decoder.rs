@@ -1,8 +1,8 @@
 //! The messages of a decoder.
 //!
-//! A decoder answers each [`ToDecoder`] with the pictures that are ready, in the order of display, and then with
-//! [`FromDecoder::Done`]. A decoder that works on a thread of its own may send pictures later; they come before the `Done` of
-//! a later message.
+//! A decoder answers each [`ToDecoder`] with the pictures that are ready, in the order of display, and then
+//! with [`FromDecoder::Done`]. A decoder that works on a thread of its own may send pictures later; they come
+//! before the `Done` of a later message.
 
 use barrelman_vocab::image::PictureSize;
 use barrelman_vocab::video::ColourEncoding;

@@ -8,8 +8,8 @@ use crate::source::SourceSettings;
 /// The file name of the program.
 pub const MEDIA_NAME: &str = "barrelman-media";
 
-/// The build that both programs must have. A message of another build may not be readable: this one is, since its form does
-/// not change.
+/// The build that both programs must have. A message of another build may not be readable: this one is, since
+/// its form does not change.
 pub const BUILD: &str = env!("CARGO_PKG_VERSION");
 
 /// The first message.
@@ -37,7 +37,8 @@ pub enum Role {
 pub struct DecoderSettings {
     /// The format of the units.
     pub format: CodedFormat,
-    /// Whether a picture is delivered as soon as its unit has arrived. Where the order of display differs from that of
-    /// decoding, the first pictures may then be lost. Otherwise every picture is delivered, in the order of display.
+    /// Whether a picture is delivered as soon as its unit has arrived. Where the order of display differs
+    /// from that of decoding, the first pictures may then be lost. Otherwise every picture is delivered, in
+    /// the order of display.
     pub is_live: bool,
 }

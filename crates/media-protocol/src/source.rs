@@ -20,7 +20,8 @@ pub const ALIVE_INTERVAL_MS: u64 = 100;
 pub struct SourceSettings {
     /// What is played.
     pub address: SourceAddress,
-    /// Whether units are sent as they arrive. Otherwise the source is read at the pace at which the socket is read.
+    /// Whether units are sent as they arrive. Otherwise the source is read at the pace at which the socket is
+    /// read.
     pub is_live: bool,
 }
 

@@ -78,8 +78,8 @@ fn restrict_files(kept: &Kept) -> Result<RulesetStatus, RulesetError> {
     let readable = kept.readable.iter().map(|path| (path, read));
     let devices = kept.devices.iter().map(|path| (path, control | AccessFs::ReadDir));
     for (path, access) in readable.chain(devices) {
-        // What does not exist needs no right: opening it fails either way, with the better reason. A pipe is open
-        // already, and that of another process can have none.
+        // What does not exist needs no right: opening it fails either way, with the better reason. A pipe is
+        // open already, and that of another process can have none.
         let Ok(opened) = PathFd::new(path) else { continue };
         if path.metadata().is_ok_and(|metadata| metadata.file_type().is_fifo()) {
             continue;

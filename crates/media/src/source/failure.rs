@@ -1,7 +1,7 @@
 //! Why a source cannot go on, in plain words, with what to do.
 
-use barrelman_media_protocol::failure::{self, SourceFailure};
-pub(super) use barrelman_media_protocol::failure::{permanent, temporary};
+use barrelman_media_protocol::failure::SourceFailure;
+pub(super) use barrelman_media_protocol::failure::{from_status, permanent, temporary};
 use gstreamer as gst;
 
 /// An element of GStreamer is not installed.
@@ -31,7 +31,7 @@ pub(super) fn unlinked(error: impl std::fmt::Display) -> SourceFailure {
 
 /// What GStreamer reports.
 pub(super) fn from_gst(error: &gst::glib::Error, debug: &str) -> SourceFailure {
-    if let Some(failure) = status_in(debug).and_then(failure::from_status) {
+    if let Some(failure) = status_in(debug).and_then(from_status) {
         return failure;
     }
     let said = error.message().trim_end_matches('.').to_owned();
@@ -60,8 +60,8 @@ pub(super) fn missing_codec(name: &str) -> SourceFailure {
 
 fn from_resource(kind: gst::ResourceError, said: &str, debug: &str) -> SourceFailure {
     match kind {
-        gst::ResourceError::NotAuthorized => failure::from_status(401),
-        gst::ResourceError::NotFound => failure::from_status(404),
+        gst::ResourceError::NotAuthorized => from_status(401),
+        gst::ResourceError::NotFound => from_status(404),
         gst::ResourceError::Busy => Some(temporary("is in use", "Close the other program that uses it")),
         _ => from_words(debug),
     }

@@ -23,8 +23,8 @@ const LATENCY_MS: u32 = 60;
 /// Longest SDP file.
 const MAX_SDP: u64 = 64 << 10;
 
-/// The open pipe, where an address names one. The name of an open pipe of another process (`/proc/PID/fd/N`) leads
-/// nowhere once rights have been given up.
+/// The open pipe, where an address names one. The name of an open pipe of another process (`/proc/PID/fd/N`)
+/// leads nowhere once rights have been given up.
 pub(super) fn open_pipe(address: &SourceAddress) -> Option<File> {
     let SourceAddress::File(path) = address else { return None };
     if !std::fs::metadata(path).is_ok_and(|metadata| metadata.file_type().is_fifo()) {

@@ -1,5 +1,5 @@
-//! H.264 and H.265 told apart by the head of an RTP payload: the values that cameras send in H.264 are none in H.265, and
-//! the other way round.
+//! H.264 and H.265 told apart by the head of an RTP payload: the values that cameras send in H.264 are none
+//! in H.265, and the other way round.
 //! ```text
 //!  H.264 (RFC 6184, 1.3)  |F|NRI| type 5 |                       sets 7 and 8, slices 1 and 5, FU-A 28
 //!  H.265 (RFC 7798, 1.1.4)|F| type 6 | layer 6 | TID 3 |         sets 32 to 34, slices 0 to 21, FU 49; layer 0, TID 1 to 7

@@ -1,4 +1,4 @@
-//! A stream of video to units: parser, sink, and what is told of each unit.
+//! A stream of video to units: parser, sink, and what is sent with each unit.
 
 use std::sync::{Arc, Mutex, PoisonError};
 

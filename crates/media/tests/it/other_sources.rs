@@ -3,9 +3,10 @@
 use std::net::UdpSocket;
 use std::path::PathBuf;
 
+use barrelman_media_protocol::failure::SourceFailure;
 use barrelman_media_protocol::role::Role;
 use barrelman_media_protocol::source::{
-    DeviceSettings, FromSource, SourceAddress, SourceFailure, SourceLogin, SourceSettings, UnitTime,
+    DeviceSettings, FromSource, SourceAddress, SourceLogin, SourceSettings, UnitTime,
 };
 use barrelman_vocab::image::PictureSize;
 use barrelman_vocab::unit::UnitCodec;

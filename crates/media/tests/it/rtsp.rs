@@ -5,10 +5,11 @@ use std::net::TcpListener;
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
 
+use barrelman_media_protocol::failure::SourceFailure;
 use barrelman_media_protocol::format::CodedFormat;
 use barrelman_media_protocol::role::Role;
 use barrelman_media_protocol::source::{
-    FromSource, RtspTransport, SourceAddress, SourceFailure, SourceLogin, SourceSettings, UnitTime,
+    FromSource, RtspTransport, SourceAddress, SourceLogin, SourceSettings, UnitTime,
 };
 
 use crate::clip::Unit;

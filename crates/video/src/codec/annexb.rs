@@ -1,14 +1,14 @@
-//! H.264 access units as bytes: NAL units behind start codes (ITU-T H.264, Annex B), and NAL units behind their lengths
-//! as in MP4 files (ISO/IEC 14496-15).
+//! H.264 access units as bytes: NAL units behind start codes (ITU-T H.264, Annex B), and NAL units behind
+//! their lengths as in MP4 files (ISO/IEC 14496-15).
 //!
-//! This module reads only what the crate needs to pass units on: the kinds of NAL units, the type of a slice, and the
-//! parameter sets of an `avcC` box. It decodes no picture. The fields of NAL units are read by `h264-reader`. Two parts
-//! are the module's own:
+//! This module reads only what the crate needs to pass units on: the kinds of NAL units, the type of a slice,
+//! and the parameter sets of an `avcC` box. It decodes no picture. The fields of NAL units are read by
+//! `h264-reader`. Two parts are the module's own:
 //!
-//! - The search for start codes. The units are whole in memory, and [`nals`] borrows them; the `AnnexBReader` of
-//!   `h264-reader` is a parser for a stream in pieces, which hands out copies.
-//! - The `avcC` box. The record of `h264-reader` panics on an empty parameter set, as a damaged file may hold, and
-//!   refuses a file for parameter sets of another kind, which the decoder ignores.
+//! - The search for start codes. The units are whole in memory, and [`nals`] borrows them; the `AnnexBReader`
+//!   of `h264-reader` is a parser for a stream in pieces, which hands out copies.
+//! - The `avcC` box. The record of `h264-reader` panics on an empty parameter set, as a damaged file may
+//!   hold, and refuses a file for parameter sets of another kind, which the decoder ignores.
 
 use h264_reader::nal::UnitType;
 use h264_reader::rbsp::{BitRead as _, BitReader, ByteReader};
@@ -83,12 +83,13 @@ fn after_start_code(bytes: &[u8]) -> Option<&[u8]> {
     find_start_code(bytes).map(|at| &bytes[at + 3..])
 }
 
-/// Whether a slice is bidirectional (B): its picture is shown before one that was decoded earlier. A slice whose header
-/// cannot be read is not.
+/// Whether a slice is bidirectional (B): its picture is shown before one that was decoded earlier. A slice
+/// whose header cannot be read is not.
 pub fn is_bidirectional(slice: &[u8]) -> bool {
     /// The NAL header, and at most 31 + 7 bits of the two fields with their emulation prevention bytes.
     const MAX_BYTES: usize = 8;
-    // Slice header (7.3.3). `SliceHeader` of h264-reader reads all of it and needs the parameter sets for that.
+    // Slice header (7.3.3). `SliceHeader` of h264-reader reads all of it and needs the parameter sets for
+    // that.
     let header = &slice[..slice.len().min(MAX_BYTES)];
     let mut bits = BitReader::new(ByteReader::skipping_h264_header(header));
     let slice_type = bits.read_ue("first_mb_in_slice").and_then(|_| bits.read_ue("slice_type"));
@@ -96,16 +97,16 @@ pub fn is_bidirectional(slice: &[u8]) -> bool {
     matches!(slice_type, Ok(1 | 6))
 }
 
-/// Whether an access unit has a recovery point (SEI message 6, D.2.8): decoding can begin here, and the pictures are
-/// intact some units later. Streams with periodic intra refresh have no key picture but these.
+/// Whether an access unit has a recovery point (SEI message 6, D.2.8): decoding can begin here, and the
+/// pictures are intact some units later. Streams with periodic intra refresh have no key picture but these.
 pub fn has_recovery_point(unit: &[u8]) -> bool {
     const RECOVERY_POINT: u32 = 6;
     let is_sei = |nal: &&[u8]| unit_type(nal) == Some(UnitType::SEI);
     nals(unit).filter(is_sei).any(|nal| sei_types(&nal[1..]).any(|kind| kind == RECOVERY_POINT))
 }
 
-/// The types of the messages in the payload of an SEI NAL unit (7.3.2.3.1). Emulation prevention bytes stand only in long
-/// messages: the types behind one may be missed.
+/// The types of the messages in the payload of an SEI NAL unit (7.3.2.3.1). Emulation prevention bytes stand
+/// only in long messages: the types behind one may be missed.
 fn sei_types(payload: &[u8]) -> impl Iterator<Item = u32> {
     let mut rest = payload;
     std::iter::from_fn(move || {
@@ -155,8 +156,8 @@ impl AvcConfiguration {
         Some(Self { length_size, parameter_sets })
     }
 
-    /// Converts a sample of an MP4 file to an Annex B access unit. A key picture without parameter sets of its own gets
-    /// those of the box before it.
+    /// Converts a sample of an MP4 file to an Annex B access unit. A key picture without parameter sets of
+    /// its own gets those of the box before it.
     ///
     /// # Errors
     /// A length that reaches past the end of the sample.

@@ -1,16 +1,16 @@
 //! Decodes encoded units to video frames.
 //!
-//! A [`UnitDecoder`] has no clock: the same units give the same frames with the same sequence numbers, live and in a
-//! replay. H.264, JPEG, PNG and uncompressed pictures are decoded in this process. Other formats, and H.264 that the
-//! built-in decoder does not read (interlaced, more than 8 bits, other chroma than 4:2:0, no key frames), are decoded by
-//! GStreamer in another process ([`crate::media`]). The content of the units decides which, so that a replay decides the
-//! same.
+//! A [`UnitDecoder`] has no clock: the same units give the same frames with the same sequence numbers, live
+//! and in a replay. H.264, JPEG, PNG and uncompressed pictures are decoded in this process. Other formats,
+//! and H.264 that the built-in decoder does not read (interlaced, more than 8 bits, other chroma than 4:2:0,
+//! no key frames), are decoded by GStreamer in another process ([`crate::media`]). The content of the units
+//! decides which, so that a replay decides the same.
 //!
-//! Only intact pictures are delivered: after damage, or at the start of an epoch, all units up to the next key frame are
-//! skipped.
+//! Only intact pictures are delivered: after damage, or at the start of an epoch, all units up to the next
+//! key frame are skipped.
 //!
-//! In [`DecodeMode::Live`] each unit gives its picture at once, unless the display order differs from the decoding order.
-//! In [`DecodeMode::File`] frames always come in display order.
+//! In [`DecodeMode::Live`] each unit gives its picture at once, unless the display order differs from the
+//! decoding order. In [`DecodeMode::File`] frames always come in display order.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -79,12 +79,12 @@ impl UnitDecoder {
         self.is_awaiting_key
     }
 
-    /// Decodes a unit and passes the frames that are ready to `out`: none or one; at the start of an epoch or at a change
-    /// of the size, all frames still in the decoder.
+    /// Decodes a unit and passes the frames that are ready to `out`: none or one; at the start of an epoch or
+    /// at a change of the size, all frames still in the decoder.
     ///
     /// # Errors
-    /// [`DecodeError::Unsupported`] for an unsupported stream, [`DecodeError::Damaged`] for a unit without an intact
-    /// picture. After the latter the units up to the next key frame are skipped.
+    /// [`DecodeError::Unsupported`] for an unsupported stream, [`DecodeError::Damaged`] for a unit without an
+    /// intact picture. After the latter the units up to the next key frame are skipped.
     pub fn decode(
         &mut self,
         unit: &EncodedUnit,
@@ -159,7 +159,8 @@ impl UnitDecoder {
         }
     }
 
-    /// Whether a unit of H.264 has a recovery point, and units have been skipped for longer than cameras send no key frame.
+    /// Whether a unit of H.264 has a recovery point, and units have been skipped for longer than cameras send
+    /// no key frame.
     fn waits_in_vain(&mut self, unit: &EncodedUnit) -> bool {
         if !self.is_awaiting_key || unit.key {
             self.skipped_since = None;

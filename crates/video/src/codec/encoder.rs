@@ -1,9 +1,9 @@
 //! Encodes pictures as H.264 access units.
 //!
-//! The encoder uses one thread, so that the same pictures give the same bytes. The stream states its colour matrix and
-//! range, has no B-frames, and has a key frame (with parameter sets) every second of the pictures' times and at each
-//! change of the size. H.264 in 4:2:0 has even sizes only: the last column or row of an odd picture is left out. Not
-//! handled: pictures above 3840x2160 or below 16x16.
+//! The encoder uses one thread, so that the same pictures give the same bytes. The stream states its colour
+//! matrix and range, has no B-frames, and has a key frame (with parameter sets) every second of the pictures'
+//! times and at each change of the size. H.264 in 4:2:0 has even sizes only: the last column or row of an odd
+//! picture is left out. Not handled: pictures above 3840x2160 or below 16x16.
 
 use std::time::Duration;
 
@@ -30,8 +30,8 @@ pub struct EncoderSettings {
 }
 
 impl EncoderSettings {
-    /// Settings with a bit rate that keeps an overlay sharp: 0.15 bit per pixel, 300 kbit/s to 50 Mbit/s (4.1 Mbit/s at
-    /// 1280x720 and 30 pictures per second).
+    /// Settings with a bit rate that keeps an overlay sharp: 0.15 bit per pixel, 300 kbit/s to 50 Mbit/s (4.1
+    /// Mbit/s at 1280x720 and 30 pictures per second).
     pub fn for_pictures(size: PictureSize, fps: f64) -> Self {
         let bits = size.area() as f64 * fps * 0.15;
         Self { fps, bits_per_second: bits.clamp(300e3, 50e6) as u32 }

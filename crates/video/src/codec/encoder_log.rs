@@ -1,8 +1,8 @@
 //! Keeps the H.264 encoder from printing to stderr.
 //!
-//! The encoder prints warnings (for instance about the setting not to skip pictures) during its setup at the first
-//! picture. The binding's switch takes effect only after the setup. Therefore this module sets the option on the encoder
-//! before its setup, which the encoder allows for this option.
+//! The encoder prints warnings (for instance about the setting not to skip pictures) during its setup at the
+//! first picture. The binding's switch takes effect only after the setup. Therefore this module sets the
+//! option on the encoder before its setup, which the encoder allows for this option.
 
 #![allow(unsafe_code, reason = "the binding offers this option only through its raw interface")]
 

@@ -1,12 +1,12 @@
 //! The built-in decoder of H.264 (openh264).
 //!
-//! The decoder's own concealment of errors is off. Where the display order differs from the decoding order (B-frames),
-//! pictures come with the delay that they need, as soon as the stream announces this or the first B-frame arrives (which
-//! may cost the pictures up to the next key frame). The decoder returns pictures in display order, so each picture gets
-//! the smallest time that is still pending.
+//! The decoder's own concealment of errors is off. Where the display order differs from the decoding order
+//! (B-frames), pictures come with the delay that they need, as soon as the stream announces this or the first
+//! B-frame arrives (which may cost the pictures up to the next key frame). The decoder returns pictures in
+//! display order, so each picture gets the smallest time that is still pending.
 //!
-//! Not handled: streams without key frames (periodic intra refresh), which never start; bit errors that leave a slice
-//! readable, which an H.264 decoder cannot notice (TCP does, on the way).
+//! Not handled: streams without key frames (periodic intra refresh), which never start; bit errors that leave
+//! a slice readable, which an H.264 decoder cannot notice (TCP does, on the way).
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -50,11 +50,12 @@ impl H264Decoder {
         }
     }
 
-    /// Decodes a unit. `is_awaiting_key`: units up to the next key frame are skipped; cleared by a unit that is intact.
+    /// Decodes a unit. `is_awaiting_key`: units up to the next key frame are skipped; cleared by a unit that
+    /// is intact.
     ///
     /// # Errors
-    /// [`DecodeError::Unsupported`] for an unsupported stream, [`DecodeError::Damaged`] for a unit without an intact
-    /// picture.
+    /// [`DecodeError::Unsupported`] for an unsupported stream, [`DecodeError::Damaged`] for a unit without an
+    /// intact picture.
     pub(super) fn decode(
         &mut self,
         unit: &EncodedUnit,
@@ -121,8 +122,8 @@ impl H264Decoder {
             }
         }
         if let Some(sps) = changed {
-            // The decoder loses its pending pictures when the size changes, so they are flushed. A flushed decoder keeps
-            // some of its memory, so a new one continues.
+            // The decoder loses its pending pictures when the size changes, so they are flushed. A flushed
+            // decoder keeps some of its memory, so a new one continues.
             self.flush(pool, out);
             let parameters = SequenceParameters::parse(sps)?;
             self.reorders |= parameters.reorders;
@@ -156,8 +157,8 @@ fn new_decoder() -> Result<Decoder, DecodeError> {
         .map_err(|error| DecodeError::NoDecoder { format: "H.264", reason: error.to_string() })
 }
 
-/// Copies a decoded picture out of the decoder and pairs it with the smallest pending time. `None` for a picture that is
-/// not shown.
+/// Copies a decoded picture out of the decoder and pairs it with the smallest pending time. `None` for a
+/// picture that is not shown.
 fn take_picture(
     yuv: &DecodedYUV<'_>,
     pending: &mut BinaryHeap<Reverse<Pending>>,

@@ -1,7 +1,7 @@
 //! Encodes pictures as JPEG for a page.
 //!
-//! JPEG files hold BT.601 in the full range (JFIF). Samples of another encoding are converted by one matrix, computed
-//! once a picture.
+//! JPEG files hold BT.601 in the full range (JFIF). Samples of another encoding are converted by one matrix,
+//! computed once a picture.
 
 use barrelman_vocab::Picture;
 use barrelman_vocab::video::{ColourEncoding, SampleRange};

@@ -1,4 +1,5 @@
-//! Pictures and encoded bytes: H.264 and JPEG both ways, PNG to pictures; other formats through [`crate::media`].
+//! Pictures and encoded bytes: H.264 and JPEG both ways, PNG to pictures; other formats through
+//! [`crate::media`].
 
 pub mod decoder;
 mod h264;

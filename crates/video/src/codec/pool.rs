@@ -1,7 +1,8 @@
 //! A pool of pictures: a frame is copied once out of its decoder, into the memory of an earlier frame.
 //!
-//! The pool keeps a reference to each of its pictures. A picture without another reference is free. The pool holds at most
-//! [`PicturePool::MAX_PICTURES`] pictures; while more frames are in use, the further ones get memory of their own.
+//! The pool keeps a reference to each of its pictures. A picture without another reference is free. The pool
+//! holds at most [`PicturePool::MAX_PICTURES`] pictures; while more frames are in use, the further ones get
+//! memory of their own.
 
 use std::sync::Arc;
 
@@ -17,9 +18,9 @@ pub struct PicturePool {
 }
 
 impl PicturePool {
-    /// Maximum number of pictures in the pool: one in the decoder, one waiting, some in recorder, overlay and console, those
-    /// that the tracker keeps, and those that the pilot keeps for selections (1.5 s). The pool takes memory only for as many as
-    /// were in use at once.
+    /// Maximum number of pictures in the pool: one in the decoder, one waiting, some in recorder, overlay and
+    /// console, those that the tracker keeps, and those that the pilot keeps for selections (1.5 s). The pool
+    /// takes memory only for as many as were in use at once.
     pub const MAX_PICTURES: usize = 104;
 
     /// A picture of this size, filled by `fill`, which must write all samples of the three planes.
@@ -90,8 +91,8 @@ fn copy_plane(plane: &Plane<'_>, rotation: Rotation, out: &mut [u8]) {
     }
 }
 
-/// Copies a plane rotated by a quarter turn, in blocks that fit into the cache. `to` maps row and column to those of the
-/// output, whose rows have the length of the plane's height.
+/// Copies a plane rotated by a quarter turn, in blocks that fit into the cache. `to` maps row and column to
+/// those of the output, whose rows have the length of the plane's height.
 fn copy_quarter_turn(plane: &Plane<'_>, out: &mut [u8], to: impl Fn(usize, usize) -> (usize, usize)) {
     const BLOCK: usize = 32;
     let stride = plane.height;

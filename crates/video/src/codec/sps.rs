@@ -1,8 +1,8 @@
-//! Reads a sequence parameter set (ITU-T H.264, 7.3.2.1 and annex E): whether the stream is supported, the size of its
-//! pictures, and their colour encoding.
+//! Reads a sequence parameter set (ITU-T H.264, 7.3.2.1 and annex E): whether the stream is supported, the
+//! size of its pictures, and their colour encoding.
 //!
-//! Unsupported, with an error that names them: interlaced streams, more than 8 bits per sample, chroma other than 4:2:0.
-//! Not handled: pixels that are not square (they are shown as stored).
+//! Unsupported, with an error that names them: interlaced streams, more than 8 bits per sample, chroma other
+//! than 4:2:0. Not handled: pixels that are not square (they are shown as stored).
 
 use barrelman_vocab::image::PictureSize;
 use barrelman_vocab::video::{ColourEncoding, ColourMatrix, SampleRange};
@@ -21,8 +21,8 @@ pub(crate) struct SequenceParameters {
     pub(crate) size: PictureSize,
     /// Colour encoding of the samples.
     pub(crate) colour: ColourEncoding,
-    /// Whether the stream announces that its display order differs from its decoding order. Not every stream with such
-    /// pictures announces them.
+    /// Whether the stream announces that its display order differs from its decoding order. Not every stream
+    /// with such pictures announces them.
     pub(crate) reorders: bool,
 }
 

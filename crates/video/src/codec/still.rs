@@ -1,9 +1,10 @@
 //! Decodes JPEG and PNG files.
 //!
-//! Y, Cb and Cr of a JPEG file are used without a conversion to RGB; its chroma is averaged to 4:2:0. A PNG file is
-//! converted by BT.601 in full range, as in JFIF: Y = 0.299 R + 0.587 G + 0.114 B, Cb = 128 + (B - Y) / 1.772,
-//! Cr = 128 + (R - Y) / 1.402. Grey, palette and 16-bit PNG files are converted to 8-bit RGB first; transparency is
-//! ignored. The orientation in a file's EXIF data is applied by whoever reads the file. Not handled: CMYK, colour profiles, animations (the first picture is used).
+//! Y, Cb and Cr of a JPEG file are used without a conversion to RGB; its chroma is averaged to 4:2:0. A PNG
+//! file is converted by BT.601 in full range, as in JFIF: Y = 0.299 R + 0.587 G + 0.114 B, Cb = 128 + (B - Y)
+//! / 1.772, Cr = 128 + (R - Y) / 1.402. Grey, palette and 16-bit PNG files are converted to 8-bit RGB first;
+//! transparency is ignored. The reader of a file applies the orientation in its EXIF data. Not
+//! handled: CMYK, colour profiles, animations (the first picture is used).
 
 use std::sync::Arc;
 

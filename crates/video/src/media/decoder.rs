@@ -1,7 +1,8 @@
 //! Decodes the units of one stream in a process `barrelman-media`.
 //!
-//! Each unit is sent, and the pictures that come before the answer are delivered: with a decoder in software that is every
-//! picture that is ready. A process that does not answer is ended, and the next key frame starts another.
+//! Each unit is sent, and the pictures that come before the answer are delivered: with a decoder in software
+//! that is every picture that is ready. A process that does not answer is ended, and the next key frame
+//! starts another.
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -20,7 +21,8 @@ use crate::error::DecodeError;
 /// Longest time to decode a unit: 30 pictures.
 const ANSWER_TIMEOUT: Duration = Duration::from_secs(1);
 
-/// Maximum number of units whose pictures are still in the decoder. No format holds back more than 16 pictures.
+/// Maximum number of units whose pictures are still in the decoder. No format holds back more than 16
+/// pictures.
 const MAX_PENDING: usize = 64;
 
 /// Receives a picture with its time of capture.
@@ -70,8 +72,8 @@ impl MediaDecoder {
     /// Decodes a unit. `is_start`: decoding starts with it.
     ///
     /// # Errors
-    /// [`DecodeError::Damaged`]: nothing that follows can be decoded up to the next key frame. Other errors: the format
-    /// cannot be decoded.
+    /// [`DecodeError::Damaged`]: nothing that follows can be decoded up to the next key frame. Other errors:
+    /// the format cannot be decoded.
     pub(crate) fn decode(
         &mut self,
         unit: &EncodedUnit,
@@ -92,8 +94,8 @@ impl MediaDecoder {
         }
     }
 
-    /// Delivers the pictures that are still in the decoder, and forgets the stream. Never fails: a decoder that does not
-    /// answer has no pictures.
+    /// Delivers the pictures that are still in the decoder, and forgets the stream. Never fails: a decoder
+    /// that does not answer has no pictures.
     pub(crate) fn flush(&mut self, pool: &mut PicturePool, out: &mut PictureOut<'_>) {
         if self.process.is_some() && !self.pending.is_empty() {
             let _ = self.exchange(&ToDecoder::Flush, &[], pool, out);
@@ -183,7 +185,8 @@ impl MediaDecoder {
         }
     }
 
-    /// Reads a picture, and finds the unit that it was decoded from: the one with its time, else the earliest.
+    /// Reads a picture, and finds the unit that it was decoded from: the one with its time, else the
+    /// earliest.
     fn receive_picture(
         &mut self,
         process: &mut MediaProcess,

@@ -1,7 +1,9 @@
-//! The second engine: GStreamer in processes of its own, `barrelman-media` (see [`barrelman_media_protocol`]).
+//! The second engine: GStreamer in processes of its own, `barrelman-media` (see
+//! [`barrelman_media_protocol`]).
 //!
-//! One process reads a source, another decodes its units. A process that ends, stops or sends nonsense is a lost
-//! connection or a damaged unit; the next one is started by whoever asks for the next connection or the next key frame.
+//! One process reads a source, another decodes its units. A process that ends, stops or sends nonsense is a
+//! lost connection or a damaged unit; the caller starts the next one with the next connection or the
+//! next key frame.
 
 pub(crate) mod process;
 

@@ -1,10 +1,11 @@
-//! Writes access units to an MP4 file (ISO/IEC 14496-12 and -15): one video track, the samples in the order of their
-//! arrival, and the index (`moov`) after them when the file is finished.
+//! Writes access units to an MP4 file (ISO/IEC 14496-12 and -15): one video track, the samples in the order
+//! of their arrival, and the index (`moov`) after them when the file is finished.
 //!
-//! Only the index is held in memory, 24 bytes per picture. Times are those of the samples, in ticks of 1/90000 s, so the
-//! frame rate may vary; the video starts with the earliest picture. Where display order and decoding order differ, the
-//! file has composition offsets (`ctts`) and an edit list. Where the stream changes its parameter sets (for instance its
-//! size), the new ones stay in the samples. Not handled: sound, fragments.
+//! Only the index is held in memory, 24 bytes per picture. Times are those of the samples, in ticks of
+//! 1/90000 s, so the frame rate may vary; the video starts with the earliest picture. Where display order and
+//! decoding order differ, the file has composition offsets (`ctts`) and an edit list. Where the stream
+//! changes its parameter sets (for instance its size), the new ones stay in the samples. Not handled: sound,
+//! fragments.
 
 use std::io::{self, Seek, SeekFrom, Write};
 use std::time::Duration;
@@ -47,7 +48,8 @@ pub(super) struct Mp4Muxer<W: Write + Seek> {
     format: TrackFormat,
     samples: Vec<Sample>,
     media_bytes: u64,
-    /// Whether the stream has changed its parameter sets. From then on all parameter sets stay in the samples.
+    /// Whether the stream has changed its parameter sets. From then on all parameter sets stay in the
+    /// samples.
     has_new_parameters: bool,
     buffer: Vec<u8>,
 }

@@ -34,7 +34,8 @@ enum State<W: Write + Seek> {
 }
 
 impl<W: Write + Seek> Mp4Writer<W> {
-    /// Writes to `out`, which must be empty. Nothing is written before the first key frame. Errors name `path`.
+    /// Writes to `out`, which must be empty. Nothing is written before the first key frame. Errors name
+    /// `path`.
     pub fn new(out: W, path: &Path, settings: EncoderSettings) -> Self {
         Self {
             path: path.to_owned(),
@@ -54,7 +55,8 @@ impl<W: Write + Seek> Mp4Writer<W> {
         self.append(&encoded.bytes, encoded.key, at, Rotation::None)
     }
 
-    /// Appends an access unit unchanged. Units before the first key frame of an epoch cannot be decoded and are left out.
+    /// Appends an access unit unchanged. Units before the first key frame of an epoch cannot be decoded and
+    /// are left out.
     ///
     /// # Errors
     /// A unit that is not H.264, an unsupported stream, or a file that cannot be written (a full disk).

@@ -1,5 +1,5 @@
-//! Reads all frames of a source one after the other, for offline use. Of a file no frame is dropped, and nothing waits for a
-//! clock. A live source sets the pace.
+//! Reads all frames of a source one after the other, for offline use. Of a file no frame is dropped, and
+//! nothing waits for a clock. A live source sets the pace.
 
 use std::collections::VecDeque;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, TrySendError, sync_channel};
@@ -62,12 +62,13 @@ impl VideoFrames {
         }
     }
 
-    /// The next frame, or `None` at the end. Reads and decodes on the calling thread, or waits for a live source.
+    /// The next frame, or `None` at the end. Reads and decodes on the calling thread, or waits for a live
+    /// source.
     ///
     /// # Errors
     /// Damage in the file. All intact frames before it are returned first. After a damaged picture
-    /// ([`DecodeError::Damaged`]) the next call continues with the next key frame; after any other error no frame
-    /// follows.
+    /// ([`DecodeError::Damaged`]) the next call continues with the next key frame; after any other error no
+    /// frame follows.
     pub fn next_frame(&mut self) -> Result<Option<VideoFrame>, VideoError> {
         loop {
             if let Some(frame) = self.ready.pop_front() {
@@ -142,7 +143,8 @@ impl VideoSink for QueueSink {
     }
 
     fn on_state(&mut self, state: VideoState) {
-        // The queue has room for the states of a connection while its frames are read. A reader that has gone needs none.
+        // The queue has room for the states of a connection while its frames are read. A reader that has gone
+        // needs none.
         let _ = self.0.try_send(Delivery::State(state));
     }
 }

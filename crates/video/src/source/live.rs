@@ -1,8 +1,9 @@
 //! Runs a video source in real time, on a thread of its own.
 //!
-//! The thread `video` reads or receives units, decodes each of them, and passes units and frames to a [`VideoSink`] at
-//! once. The sink must not block; it decides which frames to drop. A file is paced by its times (time of capture = start +
-//! PTS) and ends. A stream reconnects indefinitely (see [`super::receiver`]).
+//! The thread `video` reads or receives units, decodes each of them, and passes units and frames to a
+//! [`VideoSink`] at once. The sink must not block; it decides which frames to drop. A file is paced by its
+//! times (time of capture = start + PTS) and ends. A stream reconnects indefinitely (see
+//! [`super::receiver`]).
 
 use std::any::Any;
 use std::fmt;
@@ -137,8 +138,8 @@ fn finish<S: VideoSink>(end: ReceiverEnd, feed: &mut Feed<S>) {
     }
 }
 
-/// Plays what another program writes into a pipe, as it comes. The picture's time is that of its arrival, unless
-/// GStreamer finds times in the stream.
+/// Plays what another program writes into a pipe, as it comes. The picture's time is that of its arrival,
+/// unless GStreamer finds times in the stream.
 fn run_pipe<S: VideoSink>(url: &VideoUrl, path: &Path, mut feed: Feed<S>, stop: &StopSignal) {
     feed.sink.on_state(VideoState::Connecting);
     let mut reader = match Pipe::open(path) {
@@ -177,8 +178,8 @@ fn run_pipe<S: VideoSink>(url: &VideoUrl, path: &Path, mut feed: Feed<S>, stop: 
 }
 
 impl VideoHandle {
-    /// Starts a source on the thread `video`. `run` plays the source and returns when the source has ended or when
-    /// the signal is raised.
+    /// Starts a source on the thread `video`. `run` plays the source and returns when the source has ended or
+    /// when the signal is raised.
     ///
     /// # Errors
     /// [`VideoError::Thread`]: the system refuses a thread.
@@ -207,7 +208,8 @@ impl VideoHandle {
         self.stop_and_join()
     }
 
-    /// Whether the thread has ended by itself: at the end of the file, because the source failed, or by a panic.
+    /// Whether the thread has ended by itself: at the end of the file, because the source failed, or by a
+    /// panic.
     pub fn is_finished(&self) -> bool {
         self.thread.as_ref().is_none_or(JoinHandle::is_finished)
     }
@@ -264,8 +266,8 @@ fn run_file<S: VideoSink>(url: &VideoUrl, mut feed: Feed<S>, stop: &StopSignal) 
         if let Some(error) = decoded.error.filter(DecodeError::is_final) {
             return feed.fail_to_decode(error);
         }
-        // A unit is delivered with its frame, at the time of the frame. A lost unit is delivered at its own time. For a
-        // unit whose picture is still in the decoder, the file is read on without a wait.
+        // A unit is delivered with its frame, at the time of the frame. A lost unit is delivered at its own
+        // time. For a unit whose picture is still in the decoder, the file is read on without a wait.
         let is_lost = decoded.units.is_empty() || feed.decoder.is_awaiting_key();
         let due = match decoded.frames.front() {
             Some(frame) => frame.capture.at,

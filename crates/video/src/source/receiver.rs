@@ -1,7 +1,8 @@
 //! Receives a live stream: connections one after the other, their units through the decoder to the sink.
 //!
-//! An [`Engine`] makes connections, and a [`Connection`] says what comes. This module turns that into units with times of
-//! capture, and follows [`super::supervision`], which decides when to connect and when to disconnect.
+//! An [`Engine`] makes connections, and a [`Connection`] says what comes. This module turns that into units
+//! with times of capture, and follows [`super::supervision`], which decides when to connect and when to
+//! disconnect.
 
 use std::time::{Duration, Instant};
 
@@ -20,7 +21,8 @@ use crate::error::VideoError;
 /// Interval of the checks for the stop signal, a cut line and delayed units.
 const POLL_INTERVAL: Duration = Duration::from_millis(50);
 
-/// A server that is misread twice within this time is left to another engine: keep-alives come every 30 to 60 s.
+/// A server that is misread twice within this time is left to another engine: keep-alives come every 30 to 60
+/// s.
 const MISREAD_PERIOD: Duration = Duration::from_secs(120);
 
 /// Ticks of RTP time and of MPEG-TS time per second (RFC 6184, 8.2.1; ISO/IEC 13818-1).
@@ -121,7 +123,8 @@ pub(super) struct Receiver<'a, S> {
     timing: VideoTiming,
     suspensions: SuspendWatch,
     stop: &'a StopSignal,
-    /// How long a server may be reached without a picture before another engine is tried; `None`: there is no other.
+    /// How long a server may be reached without a picture before another engine is tried; `None`: there is no
+    /// other.
     patience: Option<Duration>,
     /// When the server was reached first.
     reached_at: Option<Timestamp>,
@@ -307,7 +310,8 @@ impl<'a, S: VideoSink> Receiver<'a, S> {
         }
     }
 
-    /// Tells the sink what the times of the pictures say, where that changed. A delay that stays ends the connection.
+    /// Tells the sink what the times of the pictures say, where that changed. A delay that stays ends the
+    /// connection.
     fn judge_times(&mut self) -> Option<Action> {
         let timing = self.clock.timing();
         if timing.differs_from(self.timing) {

@@ -1,8 +1,9 @@
-//! The built-in engine for live streams: H.264 over RTSP (RFC 2326), interleaved in the TCP connection, so that no packet
-//! is lost or out of order.
+//! The built-in engine for live streams: H.264 over RTSP (RFC 2326), interleaved in the TCP connection, so
+//! that no packet is lost or out of order.
 //!
-//! Each connection has an asynchronous runtime of its own, which ends with the connection and leaves no task behind. Not
-//! handled: RTP over UDP, TLS, other codecs, several video streams in one session (the first H.264 stream is used).
+//! Each connection has an asynchronous runtime of its own, which ends with the connection and leaves no task
+//! behind. Not handled: RTP over UDP, TLS, other codecs, several video streams in one session (the first
+//! H.264 stream is used).
 
 use std::pin::Pin;
 use std::time::{Duration, Instant};
@@ -177,7 +178,8 @@ fn sender_reports(packet: &ReceivedCompoundPacket, clock: Clock) -> impl Iterato
     })
 }
 
-/// Connects through a relay that bounds what the server sends, and that keeps a password from being sent in clear.
+/// Connects through a relay that bounds what the server sends, and that keeps a password from being sent in
+/// clear.
 async fn connect(
     address: Url,
     login: Option<Login>,

@@ -1,11 +1,12 @@
-//! What may pass between an RTSP server and this program: whole messages within bounds, and no password in clear.
+//! What may pass between an RTSP server and this program: whole messages within bounds, and no password in
+//! clear.
 //!
-//! The RTSP library keeps what a server sends until a message or an access unit is whole, without a bound, and sends a password
-//! as Basic to a server that offers nothing else. This filter stands between the two ([`super::rtsp_relay`]); it is a plain
-//! state machine without I/O.
+//! The RTSP library keeps what a server sends until a message or an access unit is whole, without a bound,
+//! and sends a password as Basic to a server that offers nothing else. This filter stands between the two
+//! ([`super::rtsp_relay`]); it is a plain state machine without I/O.
 //!
-//! - A head has at most 64 KiB, a body (SDP) 256 KiB, and an access unit (packets of one RTP time) 8 MiB. What is larger ends the
-//!   connection.
+//! - A head has at most 64 KiB, a body (SDP) 256 KiB, and an access unit (packets of one RTP time) 8 MiB.
+//!   What is larger ends the connection.
 //! - A request with `Authorization: Basic` passes only where that is permitted.
 //! - `Content-Base` and `Content-Location` lead through the relay: a server cannot name another host.
 //! - A request of the server itself (`OPTIONS`, `GET_PARAMETER`) is answered with 501 here.
@@ -92,7 +93,8 @@ fn value<'a>(line: &'a [u8], name: &str) -> Option<&'a [u8]> {
     before.trim_ascii().eq_ignore_ascii_case(name.as_bytes()).then(|| after[1..].trim_ascii())
 }
 
-/// The announced length of the body. Two that differ, and what is no number, would be read differently elsewhere.
+/// The announced length of the body. Two that differ, and what is no number, would be read differently
+/// elsewhere.
 fn body_length(head: &[u8]) -> Result<usize, Refusal> {
     let mut length = None;
     for text in lines(head).filter_map(|line| value(line, "Content-Length")) {
@@ -171,7 +173,8 @@ impl AnswerFilter {
         self.requests
     }
 
-    /// Takes bytes of the server. Appends the whole messages to `out`, and what the server is answered to `back`.
+    /// Takes bytes of the server. Appends the whole messages to `out`, and what the server is answered to
+    /// `back`.
     ///
     /// # Errors
     /// [`Refusal`]: the connection is to be ended.
@@ -268,7 +271,8 @@ mod tests {
 
     const RELAY: SocketAddr = SocketAddr::new(std::net::IpAddr::V4(std::net::Ipv4Addr::LOCALHOST), 5004);
 
-    /// What passes of the server's bytes, which arrive in parts of this size; and what the server is answered.
+    /// What passes of the server's bytes, which arrive in parts of this size; and what the server is
+    /// answered.
     fn passed(bytes: &[u8], part: usize) -> Result<(Vec<u8>, Vec<u8>), Refusal> {
         let mut filter = AnswerFilter::new(RELAY);
         let (mut out, mut back) = (Vec::new(), Vec::new());

@@ -1,7 +1,7 @@
 //! A relay on the loopback in front of one connection to an RTSP server, through [`super::rtsp_filter`].
 //!
-//! The relay belongs to the runtime of the connection and ends with it. It accepts one connection, that of the RTSP library,
-//! and reaches one server: wherever an answer leads, a login goes nowhere else.
+//! The relay belongs to the runtime of the connection and ends with it. It accepts one connection, that of
+//! the RTSP library, and reaches one server: wherever an answer leads, a login goes nowhere else.
 
 use std::io;
 use std::net::{Ipv4Addr, SocketAddr};
@@ -57,8 +57,8 @@ impl RelayEnd {
     }
 }
 
-/// Starts a relay to the server of an address, as a task of this runtime. Returns the address that leads through the relay, and
-/// what says how the relay ended.
+/// Starts a relay to the server of an address, as a task of this runtime. Returns the address that leads
+/// through the relay, and what says how the relay ended.
 ///
 /// # Errors
 /// If the system has no free port.
@@ -164,8 +164,8 @@ async fn next_readable(client: &TcpStream, server: &TcpStream) -> Readable {
     }
 }
 
-/// Writes all of `bytes`, and empties them. One end that does not read holds the other: nothing is kept for it beyond what was
-/// read at once.
+/// Writes all of `bytes`, and empties them. One end that does not read holds the other: nothing is kept for
+/// it beyond what was read at once.
 async fn write_all(stream: &TcpStream, bytes: &mut Vec<u8>) -> io::Result<()> {
     let mut written = 0;
     while written < bytes.len() {

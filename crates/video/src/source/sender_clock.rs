@@ -1,25 +1,25 @@
 //! Estimates the time of capture of a picture from its RTP time (RFC 3550) and its time of arrival.
 //!
-//! RTP time counts ticks of the sender's clock from an unknown start, modulo 2^32. A picture with RTP time r (seconds,
-//! unwrapped) that arrives at a has the *offset* a - r: the difference of the clocks plus the delay of the picture.
-//! The difference of two quartz clocks changes by at most 200 ppm; whatever else changes the offset is delay. The
-//! [`Baseline`] is the smallest offset so far, and rises by 200 ppm alone. So
+//! RTP time counts ticks of the sender's clock from an unknown start, modulo 2^32. A picture with RTP time r
+//! (seconds, unwrapped) that arrives at a has the *offset* a - r: the difference of the clocks plus the delay
+//! of the picture. The difference of two quartz clocks changes by at most 200 ppm; whatever else changes the
+//! offset is delay. The [`Baseline`] is the smallest offset so far, and rises by 200 ppm alone. So
 //!
 //! ```text
 //!   delay = offset - baseline          time of capture = time of arrival - delay
 //! ```
 //!
-//! The delay lacks the smallest latency of the stream, which the vehicle profile's nominal video latency accounts for.
-//! A delay that grows by less than 200 ppm (0.7 s an hour) cannot be distinguished from drift.
+//! The delay lacks the smallest latency of the stream, which the vehicle profile's nominal video latency
+//! accounts for. A delay that grows by less than 200 ppm (0.7 s an hour) cannot be distinguished from drift.
 //!
 //! Three more sources of knowledge:
-//! - A sender report (RTCP) does not wait for an encoder. Its offset is often smaller than that of any picture. Its
-//!   wall-clock time tells the delay across connections ([`wall_clock`]).
+//! - A sender report (RTCP) does not wait for an encoder. Its offset is often smaller than that of any
+//!   picture. Its wall-clock time tells the delay across connections ([`wall_clock`]).
 //! - A sender whose clock goes on across connections is recognised, and keeps its baseline.
 //! - A clock that no quartz explains is recognised ([`clock_check`]): times of arrival are used instead.
 //!
-//! RTP time that steps backwards, or forwards faster than a queue drains, has jumped: the delay is then taken to be
-//! what it was directly before, and longer by what this picture came later than the sender's interval.
+//! RTP time that steps backwards, or forwards faster than a queue drains, has jumped: the delay is then taken
+//! to be what it was directly before, and longer by what this picture came later than the sender's interval.
 
 mod arrived;
 mod baseline;
@@ -97,7 +97,8 @@ impl VideoTiming {
     }
 }
 
-/// Largest step backwards that reordered pictures explain, and largest step forwards that the network explains.
+/// Largest step backwards that reordered pictures explain, and largest step forwards that the network
+/// explains.
 const MAX_STEP_NS: i128 = 1_000_000_000;
 
 /// Largest queue that a sender report passes.
@@ -122,7 +123,8 @@ pub struct SenderClock {
     check: ClockCheck,
     /// Arrival of the first of the late pictures in turn.
     late_since: Option<Timestamp>,
-    /// How long the machine has been suspended. The program's clock stood still meanwhile, the sender's did not.
+    /// How long the machine has been suspended. The program's clock stood still meanwhile, the sender's did
+    /// not.
     suspended: Duration,
 }
 
@@ -261,8 +263,8 @@ impl SenderClock {
         }
     }
 
-    /// Times of the same clock do not run backwards while the sender's do not: where the baseline falls, the times
-    /// before were too late.
+    /// Times of the same clock do not run backwards while the sender's do not: where the baseline falls, the
+    /// times before were too late.
     fn in_order(&self, capture: Capture, step: Option<Step>, arrival: Timestamp) -> Capture {
         match (step, self.last.map(|last| last.capture)) {
             (Some(step), Some(last)) if step.sent_ns >= 0 && last.quality == capture.quality => {
@@ -272,9 +274,9 @@ impl SenderClock {
         }
     }
 
-    /// Whether the first picture of a connection, with this offset, comes from the same clock as the pictures before.
-    /// A queue holds no more than it held plus what was captured meanwhile. A clock that begins anew has such an
-    /// offset by chance in one of thousands of connections: the counter has 13 hours.
+    /// Whether the first picture of a connection, with this offset, comes from the same clock as the pictures
+    /// before. A queue holds no more than it held plus what was captured meanwhile. A clock that begins anew
+    /// has such an offset by chance in one of thousands of connections: the counter has 13 hours.
     fn continues(&self, offset_ns: i128, arrived: Timestamp) -> bool {
         let (Some(baseline), Some(last)) = (self.baseline, self.last) else { return false };
         let excess_ns = offset_ns - baseline.at(arrived);

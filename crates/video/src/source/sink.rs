@@ -17,8 +17,8 @@ pub trait VideoSink: Send {
     fn on_state(&mut self, state: VideoState);
     /// What the times of the pictures tell has changed. Sources with exact times never call this.
     fn on_timing(&mut self, _timing: VideoTiming) {}
-    /// The target's bounds in the next frame. A simulated world calls this once, before the first frame that shows the
-    /// target.
+    /// The target's bounds in the next frame. A simulated world calls this once, before the first frame that
+    /// shows the target.
     fn on_target(&mut self, _target: PixelBox) {}
     /// A unit was damaged: no frame follows until the next key frame.
     fn on_damage(&mut self, _error: &DecodeError) {}

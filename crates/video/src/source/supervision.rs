@@ -1,32 +1,34 @@
 //! Decides when to connect to a live source, when to disconnect, and when to try again.
 //!
-//! The state machine has no clock and no thread. It receives events with their times, returns actions, and states the
-//! time of the next tick that it needs ([`Supervision::wake_at`]). The end of a stream, an error and silence all count as
-//! a loss: a disconnected tether causes neither an end nor an error.
+//! The state machine has no clock and no thread. It receives events with their times, returns actions, and
+//! states the time of the next tick that it needs ([`Supervision::wake_at`]). The end of a stream, an error
+//! and silence all count as a loss: a disconnected tether causes neither an end nor an error.
 
 use std::time::Duration;
 
 use barrelman_vocab::time::Timestamp;
 
-/// Maximum duration of an attempt to connect, up to the server's answer to PLAY. That takes 4 to 7 round trips (TCP, TLS,
-/// DESCRIBE, again with the login, SETUP, PLAY), and over a cellular or satellite link a round trip takes up to 0.6 s.
+/// Maximum duration of an attempt to connect, up to the server's answer to PLAY. That takes 4 to 7 round
+/// trips (TCP, TLS, DESCRIBE, again with the login, SETUP, PLAY), and over a cellular or satellite link a
+/// round trip takes up to 0.6 s.
 pub const CONNECT_TIMEOUT: Duration = Duration::from_secs(5);
 
 /// Maximum silence of a connected source: 60 pictures at 30 per second.
 pub const MAX_SILENCE: Duration = Duration::from_secs(2);
 
-/// Maximum wait for a key frame while other units arrive. Cameras commonly send one every 1 to 5 s, some every 10 s.
+/// Maximum wait for a key frame while other units arrive. Cameras commonly send one every 1 to 5 s, some
+/// every 10 s.
 pub const KEY_FRAME_TIMEOUT: Duration = Duration::from_secs(12);
 
 /// First pause before a new attempt. The pause doubles with each attempt without a picture.
 pub const MIN_RETRY_PAUSE: Duration = Duration::from_millis(250);
 
-/// Pictures that are late for this long come out of a queue that a new connection drops. A burst after a gap is over
-/// by then.
+/// Pictures that are late for this long come out of a queue that a new connection drops. A burst after a gap
+/// is over by then.
 pub const MAX_LATENESS: Duration = Duration::from_secs(4);
 
-/// Minimum time from one disconnection for late pictures to the next: the delay may lie before the server. It doubles
-/// with each of them, up to the maximum, and begins anew after a longer time without.
+/// Minimum time from one disconnection for late pictures to the next: the delay may lie before the server. It
+/// doubles with each of them, up to the maximum, and begins anew after a longer time without.
 pub const MIN_LATE_PAUSE: Duration = Duration::from_secs(30);
 
 /// Maximum of the same.
@@ -48,8 +50,8 @@ pub const MAX_RETRY_PAUSE: Duration = Duration::from_secs(1);
 ///    |                                             Up -- key needed --> AwaitingKey
 ///    +---- broken, or tick at last_unit + 2 s or since + 12 s: Disconnect --+
 /// ```
-/// A unit in `AwaitingKey` and a picture in `Up` only update `last_unit` and `last_picture`. An event without an arrow
-/// is ignored.
+/// A unit in `AwaitingKey` and a picture in `Up` only update `last_unit` and `last_picture`. An event without
+/// an arrow is ignored.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum State {
     /// Waiting before the next attempt.

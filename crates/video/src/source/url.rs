@@ -11,9 +11,9 @@
 //! | `srt://`, `rtmp://`, `http://`, `https://` | a server | GStreamer |
 //! | `gst:PIPELINE` | a pipeline as for `gst-launch-1.0` | GStreamer |
 //!
-//! Options follow a question mark (`options.rs`). A file name may contain a question mark: the text after it is read
-//! as options only if every option is known, and an existing file of exactly that name takes precedence. A password is
-//! never printed.
+//! Options follow a question mark (`options.rs`). A file name may contain a question mark: the text after it
+//! is read as options only if every option is known, and an existing file of exactly that name takes
+//! precedence. A password is never printed.
 
 mod error;
 mod login;
@@ -134,8 +134,8 @@ impl VideoUrl {
         }
     }
 
-    /// The server of a stream: its host, without brackets, and its port; `None`: the source has no server that takes a
-    /// login.
+    /// The server of a stream: its host, without brackets, and its port; `None`: the source has no server
+    /// that takes a login.
     pub fn server(&self) -> Option<(String, u16)> {
         match &self.source {
             VideoSource::Rtsp { address, .. } => {
@@ -164,7 +164,8 @@ impl VideoUrl {
         self
     }
 
-    /// The server that the stream comes from in TLS through a relay: host and port; `None`: the source needs no relay.
+    /// The server that the stream comes from in TLS through a relay: host and port; `None`: the source needs
+    /// no relay.
     pub fn tls_server(&self) -> Option<(String, u16)> {
         match &self.source {
             VideoSource::Rtsp { address, .. } if address.scheme() == ENCRYPTED => self.server(),
@@ -179,7 +180,8 @@ impl VideoUrl {
         self
     }
 
-    /// The address that a stream is asked for at: its own, or the relay's; `None`: the stream needs a relay and has none.
+    /// The address that a stream is asked for at: its own, or the relay's; `None`: the stream needs a relay
+    /// and has none.
     pub(super) fn reachable(&self, address: &Url) -> Option<Url> {
         if address.scheme() != ENCRYPTED {
             return Some(address.clone());
@@ -189,7 +191,7 @@ impl VideoUrl {
         Url::parse(&format!("rtsp://{relay}{rest}")).ok()
     }
 
-    /// What `barrelman-media` is told of a live source; `None`: the source needs a relay and has none.
+    /// The live source as `barrelman-media` plays it; `None`: the source needs a relay and has none.
     pub(super) fn media_settings(&self) -> Option<SourceSettings> {
         let address = match &self.source {
             VideoSource::File(path) | VideoSource::Pipe(path) => SourceAddress::File(path.clone()),

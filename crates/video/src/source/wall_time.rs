@@ -12,8 +12,8 @@ pub(super) fn since_1900_ns(ago: Duration) -> i128 {
     unix_ns + UNIX_EPOCH_SINCE_1900_NS
 }
 
-/// A sender's NTP time, with the seconds in the upper 32 bits and fractions of 2^-32 s in the lower, in nanoseconds. `None`:
-/// 0, which a sender without a wall clock sends.
+/// A sender's NTP time, with the seconds in the upper 32 bits and fractions of 2^-32 s in the lower, in
+/// nanoseconds. `None`: 0, which a sender without a wall clock sends.
 pub(super) fn sender_wall_ns(ntp: u64) -> Option<i128> {
     (ntp != 0).then_some((i128::from(ntp) * 1_000_000_000) >> 32)
 }

@@ -1,7 +1,8 @@
-//! Reads a folder of PNG, JPEG, WebP and TIFF files as a video, in natural order (`2.png` before `10.png`), at a constant rate (30 per
-//! second unless the address has `?fps=`).
+//! Reads a folder of PNG, JPEG, WebP and TIFF files as a video, in natural order (`2.png` before `10.png`),
+//! at a constant rate (30 per second unless the address has `?fps=`).
 //!
-//! Hidden files and files of other kinds are skipped. The content decides the kind. Pictures may differ in size.
+//! Hidden files and files of other kinds are skipped. The content decides the kind. Pictures may differ in
+//! size.
 
 use std::cmp::Ordering;
 use std::fs;

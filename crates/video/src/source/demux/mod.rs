@@ -1,5 +1,5 @@
-//! Reads encoded units from video files: detects the kind of a file (by its content, never by its name), with a reader for
-//! each kind.
+//! Reads encoded units from video files: detects the kind of a file (by its content, never by its name), with
+//! a reader for each kind.
 //!
 //! | file | read by |
 //! |---|---|
@@ -9,8 +9,8 @@
 //!
 //! | everything else | [`media`], by GStreamer |
 //!
-//! Where GStreamer is not installed, the error names the commands that install it and that convert the file. Memory is
-//! bounded: only the index and one picture of a file are held.
+//! Where GStreamer is not installed, the error names the commands that install it and that convert the file.
+//! Memory is bounded: only the index and one picture of a file are held.
 
 mod reader;
 

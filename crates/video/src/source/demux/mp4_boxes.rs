@@ -1,4 +1,5 @@
-//! Reads the boxes of MP4 and QuickTime files (ISO/IEC 14496-12, 4.2): a length, a type of four letters, content.
+//! Reads the boxes of MP4 and QuickTime files (ISO/IEC 14496-12, 4.2): a length, a type of four letters,
+//! content.
 //!
 //! Every read is checked against the end of the data: a damaged file gives `None`.
 

@@ -1,9 +1,9 @@
-//! Reads the index of an MP4 file: offset, size, display time and rotation of each picture of the first H.264 track
-//! (ISO/IEC 14496-12, 8.5 to 8.8).
+//! Reads the index of an MP4 file: offset, size, display time and rotation of each picture of the first H.264
+//! track (ISO/IEC 14496-12, 8.5 to 8.8).
 //!
-//! Times come from `stts` and `ctts` (so the frame rate may vary), shifted by the edit list. Fragments (`moof`) are
-//! appended. An edit list may start with a pause and has one piece of the track. More pieces, another speed, and mirrored
-//! pictures are unsupported, with an error that names them.
+//! Times come from `stts` and `ctts` (so the frame rate may vary), shifted by the edit list. Fragments
+//! (`moof`) are appended. An edit list may start with a pause and has one piece of the track. More pieces,
+//! another speed, and mirrored pictures are unsupported, with an error that names them.
 
 use super::mp4_boxes::{BoxKind, Boxes, Fields};
 use crate::codec::annexb::AvcConfiguration;
@@ -20,7 +20,8 @@ pub(super) struct Sample {
     /// Index into [`Index::configurations`].
     pub(super) configuration: u16,
     pub(super) shown: bool,
-    /// Display time, ticks from the start of the video; 0 for pictures that the edit list hides before the start.
+    /// Display time, ticks from the start of the video; 0 for pictures that the edit list hides before the
+    /// start.
     pub(super) time: u64,
 }
 

@@ -1,8 +1,8 @@
 //! Picture files as units: their format, and the rotation that displays them upright (EXIF).
 //!
-//! PNG and JPEG files are units as they are. WebP and TIFF are converted to PNG, without loss for 8-bit pictures, so that a
-//! recording holds what every reader knows. Not handled: mirrored pictures (EXIF orientations 2, 4, 5, 7), which are shown
-//! as stored.
+//! PNG and JPEG files are units as they are. WebP and TIFF are converted to PNG, without loss for 8-bit
+//! pictures, so that a recording holds what every reader knows. Not handled: mirrored pictures (EXIF
+//! orientations 2, 4, 5, 7), which are shown as stored.
 
 use std::io::Cursor;
 
@@ -60,7 +60,8 @@ fn converted(file: &[u8]) -> Result<PictureFile, String> {
     Ok(PictureFile { codec: UnitCodec::Png, rotation: rotation(orientation), payload: payload.into() })
 }
 
-/// The rotation that a JPEG file asks for. A file without a readable header asks for none: its decoder tells the damage.
+/// The rotation that a JPEG file asks for. A file without a readable header asks for none: its decoder tells
+/// the damage.
 fn jpeg_rotation(file: &[u8]) -> Rotation {
     let mut decoder = JpegDecoder::new(ZCursor::new(file));
     if decoder.decode_headers().is_err() {

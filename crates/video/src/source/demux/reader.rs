@@ -31,12 +31,12 @@ enum Reader {
 }
 
 impl FileReader {
-    /// Opens a file, a folder or a pipe, and reads its index. A file that the built-in engine does not read is read by
-    /// GStreamer, if that is installed and `url.engine` permits it.
+    /// Opens a file, a folder or a pipe, and reads its index. A file that the built-in engine does not read
+    /// is read by GStreamer, if that is installed and `url.engine` permits it.
     ///
     /// # Errors
-    /// A file that is missing, unreadable, empty, or of an unsupported kind, or a damaged index. An address that is not a
-    /// file counts as missing.
+    /// A file that is missing, unreadable, empty, or of an unsupported kind, or a damaged index. An address
+    /// that is not a file counts as missing.
     pub fn open(url: &VideoUrl) -> Result<Self, VideoError> {
         match &url.source {
             VideoSource::File(path) => Self::open_file(url, path),

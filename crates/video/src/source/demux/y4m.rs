@@ -1,8 +1,9 @@
-//! Reads Y4M files and pipes (YUV4MPEG2): uncompressed pictures after a text header, as ffmpeg and mjpegtools write them.
+//! Reads Y4M files and pipes (YUV4MPEG2): uncompressed pictures after a text header, as ffmpeg and mjpegtools
+//! write them.
 //!
-//! Supported: 8 bit, 4:2:0 in every siting (without a distinction), and mono. Unsupported, with an error that names them:
-//! more bits, other chroma formats, interlaced pictures. `XCOLORRANGE=FULL` is respected; the matrix is the customary one
-//! for the size.
+//! Supported: 8 bit, 4:2:0 in every siting (without a distinction), and mono. Unsupported, with an error that
+//! names them: more bits, other chroma formats, interlaced pictures. `XCOLORRANGE=FULL` is respected; the
+//! matrix is the customary one for the size.
 
 use std::fs::File;
 use std::io::{BufRead, BufReader, ErrorKind, Read};

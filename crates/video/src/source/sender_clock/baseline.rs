@@ -4,10 +4,12 @@ use std::time::Duration;
 
 use barrelman_vocab::time::Timestamp;
 
-/// Largest difference of the rates of two clocks, parts in a million: quartz clocks are specified with 20 to 100 ppm.
+/// Largest difference of the rates of two clocks, parts in a million: quartz clocks are specified with 20 to
+/// 100 ppm.
 const MAX_DRIFT_PPM: i128 = 200;
 
-/// The smallest value of a series of clock differences. It rises by [`MAX_DRIFT_PPM`] of the time that passes.
+/// The smallest value of a series of clock differences. It rises by [`MAX_DRIFT_PPM`] of the time that
+/// passes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Baseline {
     value_ns: i128,

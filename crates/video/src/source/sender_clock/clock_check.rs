@@ -1,10 +1,10 @@
 //! Recognises a sender's clock that no quartz explains: a wrong rate or unit, a coarse resolution, jumps.
 //!
-//! A clock that is too slow looks like a delay that grows, which is the dangerous one of the two. So a slow clock is
-//! recognised only if everything else is excluded: the rate is less than 0.9, the same from the first picture on, on
-//! two connections in turn (a new connection drops a queue), the intervals of arrival do not depend on the sizes of
-//! the pictures (on a saturated link they do), and sender reports do not confirm the clock. It is taken back when the
-//! rate returns to 1.
+//! A clock that is too slow looks like a delay that grows, which is the dangerous one of the two. So a slow
+//! clock is recognised only if everything else is excluded: the rate is less than 0.9, the same from the
+//! first picture on, on two connections in turn (a new connection drops a queue), the intervals of arrival do
+//! not depend on the sizes of the pictures (on a saturated link they do), and sender reports do not confirm
+//! the clock. It is taken back when the rate returns to 1.
 
 use std::collections::VecDeque;
 use std::fmt;

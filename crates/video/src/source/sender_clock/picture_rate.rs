@@ -1,16 +1,18 @@
-//! How fast the sender's time advances against the time of arrival, and what the intervals of arrival depend on.
+//! How fast the sender's time advances against the time of arrival, and what the intervals of arrival depend
+//! on.
 
-/// Length of a segment whose rate is computed, nanoseconds of arrival: 25 pictures a second and a jitter of 20 ms give
-/// an error of 6 %.
+/// Length of a segment whose rate is computed, nanoseconds of arrival: 25 pictures a second and a jitter of
+/// 20 ms give an error of 6 %.
 const SEGMENT_NS: i128 = 1_000_000_000;
-/// Largest difference of a segment's rate from the mean of the segments before it; of a fast clock as a share of it.
+/// Largest difference of a segment's rate from the mean of the segments before it; of a fast clock as a share
+/// of it.
 pub(super) const RATE_TOLERANCE: f64 = 0.08;
 /// Pictures from which on a correlation is computed.
 const MIN_PICTURES: f64 = 60.0;
 /// Sizes of pictures that vary less than this, relative to their mean, tell nothing.
 const MIN_VARIATION: f64 = 0.2;
-/// Largest correlation of sizes and intervals on a link that is not saturated. On a saturated link it is 1: bytes come
-/// at a constant rate, so that a large picture takes longer.
+/// Largest correlation of sizes and intervals on a link that is not saturated. On a saturated link it is 1:
+/// bytes come at a constant rate, so that a large picture takes longer.
 const MAX_CORRELATION: f64 = 0.5;
 
 /// From one picture to the next.
@@ -29,8 +31,8 @@ impl Step {
     }
 }
 
-/// The rate of the sender's time on one connection: seconds sent for each second of arrival. The first segment does not
-/// count: servers begin with a burst of stored pictures.
+/// The rate of the sender's time on one connection: seconds sent for each second of arrival. The first
+/// segment does not count: servers begin with a burst of stored pictures.
 #[derive(Debug, Clone, Default)]
 pub(super) struct PictureRate {
     segment: Step,
@@ -97,7 +99,8 @@ impl SizeCorrelation {
         self.product += bytes * interval_s;
     }
 
-    /// Whether the pictures were shown to come at a pace of their own, and not as fast as a saturated link lets them.
+    /// Whether the pictures were shown to come at a pace of their own, and not as fast as a saturated link
+    /// lets them.
     pub(super) fn is_link_free(&self) -> bool {
         let (mean_bytes, mean_interval) = (self.bytes / self.count, self.interval / self.count);
         let bytes_variance = self.bytes_squared / self.count - mean_bytes * mean_bytes;

@@ -1,14 +1,14 @@
 //! The delay of pictures by the wall-clock times of sender reports.
 //!
-//! A report relates the sender's RTP time to its wall clock (RFC 3550, 6.4.1), and its arrival relates RTP time to ours.
-//! So offset + c, with c from the report, is the time of arrival by our wall clock less the time of capture by the
-//! sender's wall clock: the difference of the wall clocks plus the delay. A wall clock goes on where a connection
-//! begins anew, so that a queue that outlasts the connection is seen.
+//! A report relates the sender's RTP time to its wall clock (RFC 3550, 6.4.1), and its arrival relates RTP
+//! time to ours. So offset + c, with c from the report, is the time of arrival by our wall clock less the
+//! time of capture by the sender's wall clock: the difference of the wall clocks plus the delay. A wall clock
+//! goes on where a connection begins anew, so that a queue that outlasts the connection is seen.
 //!
-//! Wall-clock times are used once three reports in turn gave the same c to within 50 ms: some senders stamp reports
-//! with whole seconds, or with the time at which a queued picture leaves. The clocks are shown to agree where three
-//! reports in turn arrived at the time that they state, or up to 0.25 s later. A picture whose whole latency is more
-//! than half a second is then late, also the first one.
+//! Wall-clock times are used once three reports in turn gave the same c to within 50 ms: some senders stamp
+//! reports with whole seconds, or with the time at which a queued picture leaves. The clocks are shown to
+//! agree where three reports in turn arrived at the time that they state, or up to 0.25 s later. A picture
+//! whose whole latency is more than half a second is then late, also the first one.
 
 use barrelman_vocab::time::Timestamp;
 
@@ -19,7 +19,8 @@ use super::baseline::Baseline;
 const REPORTS: u32 = 3;
 /// Largest difference between two c of a steady clock.
 const MAX_CHANGE_NS: i128 = 50_000_000;
-/// Age of a report on arrival, if both clocks agree: the network takes up to 0.25 s, the clocks differ by up to 50 ms.
+/// Age of a report on arrival, if both clocks agree: the network takes up to 0.25 s, the clocks differ by up
+/// to 50 ms.
 const AGREED_AGE_NS: std::ops::RangeInclusive<i128> = -50_000_000..=250_000_000;
 /// Largest latency of a picture in time.
 const MAX_LATENCY_NS: i128 = 500_000_000;

@@ -19,7 +19,8 @@ pub(super) struct Options {
     pub(super) format: Option<DeviceFormat>,
 }
 
-/// Which options a kind of address has. A camera's address has options of its own, which are left to the camera.
+/// Which options a kind of address has. A camera's address has options of its own, which are left to the
+/// camera.
 pub(super) const FILE: &[&str] = &["fps", "fault"];
 pub(super) const RTSP: &[&str] = &["fps", "fault", "transport"];
 pub(super) const UDP: &[&str] = &["fault", "codec"];

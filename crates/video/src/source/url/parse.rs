@@ -174,7 +174,8 @@ impl VideoUrl {
     }
 }
 
-/// Reads an address with a host: the address without login and without this program's options, the login, the options.
+/// Reads an address with a host: the address without login and without this program's options, the login, the
+/// options.
 fn parse_network_address(
     text: &str,
     known: &[&'static str],
@@ -208,7 +209,8 @@ fn malformed(text: &str, reason: &str, form: &'static str) -> VideoUrlError {
     VideoUrlError::Malformed { url: without_logins(text), reason: reason.to_owned(), form }
 }
 
-/// The scheme of an address: letters, digits, `+-.` before the first colon. A single letter is a Windows drive.
+/// The scheme of an address: letters, digits, `+-.` before the first colon. A single letter is a Windows
+/// drive.
 fn scheme_of(text: &str) -> Option<&str> {
     let (scheme, _) = text.split_once(':')?;
     let is_scheme = scheme.len() > 1
