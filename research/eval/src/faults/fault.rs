@@ -10,6 +10,7 @@ pub(super) enum FaultKind {
     VideoDelayStands,
     VideoDelayCreeps,
     VideoClockJumps,
+    MediaProgramGone,
     TrackLost,
     TrackCoasts,
     PilotHangs,
@@ -50,12 +51,13 @@ pub(super) enum FaultKind {
 
 impl FaultKind {
     /// Every kind.
-    pub(super) const ALL: [Self; 41] = [
+    pub(super) const ALL: [Self; 42] = [
         Self::VideoStalls,
         Self::VideoLate,
         Self::VideoDelayStands,
         Self::VideoDelayCreeps,
         Self::VideoClockJumps,
+        Self::MediaProgramGone,
         Self::TrackLost,
         Self::TrackCoasts,
         Self::PilotHangs,
@@ -101,6 +103,8 @@ impl FaultKind {
             Self::VideoLate => "video late",
             Self::VideoDelayStands => "video delay stands (3 s)",
             Self::VideoDelayCreeps => "video delay creeps",
+            Self::VideoClockJumps => "video clock jumps",
+            Self::MediaProgramGone => "media program gone",
             Self::TrackLost => "track lost",
             Self::TrackCoasts => "track coasts",
             Self::PilotHangs => "pilot hangs",
@@ -135,7 +139,6 @@ impl FaultKind {
             Self::BoatReleased => "boat released",
             Self::ConsoleClosed => "console closed",
             Self::ConsoleSilent => "console silent",
-            Self::VideoClockJumps => "video clock jumps",
             Self::BoatDisarmed => "boat disarmed",
             Self::CommandsLost => "Stop lost on the way",
         }

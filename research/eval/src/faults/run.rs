@@ -175,7 +175,13 @@ impl World {
 
     /// The pictures of the camera: the boat swings to and fro before it.
     fn capture(&mut self, at_ms: u64) {
-        if !at_ms.is_multiple_of(FRAME_MS) || self.machine.is_active(FaultKind::VideoStalls, at_ms) {
+        if self.machine.begins(FaultKind::MediaProgramGone, at_ms) {
+            self.video.lose_connection();
+        }
+        let comes_no_picture = [FaultKind::VideoStalls, FaultKind::MediaProgramGone]
+            .iter()
+            .any(|kind| self.machine.is_active(*kind, at_ms));
+        if !at_ms.is_multiple_of(FRAME_MS) || comes_no_picture {
             return;
         }
         let boat_rad = boat_bearing_rad(self.phase, at_ms);

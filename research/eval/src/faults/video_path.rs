@@ -24,6 +24,8 @@ const CREEP: f64 = 0.12;
 const CLOCK_JUMP_MS: i64 = 5_000;
 /// RTP time of the start of the world, ms.
 const RTP_START_MS: i64 = 47_000_000;
+/// By how much the RTP time of each further connection is ahead, ms.
+const NEXT_RTP_START_MS: i64 = 12_345_678;
 const TICKS_PER_SECOND: u32 = 90_000;
 /// How much younger than it is a picture may seem: two clocks may drift by 200 ppm in a run of 13 s.
 const DRIFT_ALLOWANCE: Duration = Duration::from_millis(4);
@@ -50,6 +52,8 @@ pub(super) struct Arrived {
 /// The way of the pictures.
 pub(super) struct VideoPath {
     clock: SenderClock,
+    /// The sender's time at the start of the world.
+    rtp_start_ms: i64,
     underway: VecDeque<Underway>,
     suspended: Duration,
     /// Whether late pictures are taken for fresh ones.
@@ -58,9 +62,9 @@ pub(super) struct VideoPath {
 
 impl VideoPath {
     pub(super) fn new(mutant: Mutant) -> Self {
-        let clock = SenderClock::new(TICKS_PER_SECOND, TimingSettings::default());
         Self {
-            clock,
+            clock: new_clock(),
+            rtp_start_ms: RTP_START_MS,
             underway: VecDeque::new(),
             suspended: Duration::ZERO,
             forgets_delays: mutant == Mutant::ForgetsDelays,
@@ -74,7 +78,7 @@ impl VideoPath {
             Some(_) => -CLOCK_JUMP_MS,
             None => 0,
         };
-        let rtp = ((RTP_START_MS + at_ms as i64 + jump_ms) * i64::from(TICKS_PER_SECOND / 1000)) as u32;
+        let rtp = ((self.rtp_start_ms + at_ms as i64 + jump_ms) * i64::from(TICKS_PER_SECOND / 1000)) as u32;
         // No picture overtakes another.
         let newest_due_ms = self.underway.back().map_or(0, |underway| underway.due_ms);
         let due_ms = newest_due_ms.max(at_ms + latency_ms(faults, at_ms));
@@ -84,6 +88,13 @@ impl VideoPath {
     /// What was under way is lost.
     pub(super) fn clear(&mut self) {
         self.underway.clear();
+    }
+
+    /// What was under way is lost, and the next connection has a clock of its own.
+    pub(super) fn lose_connection(&mut self) {
+        self.clear();
+        self.clock = new_clock();
+        self.rtp_start_ms += NEXT_RTP_START_MS;
     }
 
     /// Takes the pictures that have arrived. Returns the newest.
@@ -105,13 +116,23 @@ impl VideoPath {
     }
 }
 
+fn new_clock() -> SenderClock {
+    SenderClock::new(TICKS_PER_SECOND, TimingSettings::default())
+}
+
 /// From the capture of a picture to its arrival with these faults, ms.
 fn latency_ms(faults: &[Fault], at_ms: u64) -> u64 {
-    let is_late = fault::active(faults, FaultKind::VideoLate, at_ms).is_some();
+    let gone = faults.iter().filter(|fault| fault.kind == FaultKind::MediaProgramGone);
+    let connected_ms = gone.map(|fault| fault.until_ms).filter(|until_ms| *until_ms <= at_ms).max();
+    // A queue is dropped with its connection. Pictures that are late from the first one of a connection on are
+    // not recognised (docs/safety.md).
+    let is_of_connection = |fault: &&Fault| connected_ms.is_none_or(|ms| ms <= fault.from_ms);
+    let of = |kind| faults.iter().filter(move |fault| fault.kind == kind).filter(is_of_connection);
+    let is_late = of(FaultKind::VideoLate).any(|fault| fault.is_active(at_ms));
     let late_ms = if is_late { LATE_MS } else { 0 };
     // A delay that has grown stays.
     let since_ms = |kind| {
-        let begun = faults.iter().filter(|fault| fault.kind == kind).map(|fault| fault.from_ms).min();
+        let begun = of(kind).map(|fault| fault.from_ms).min();
         begun.map_or(0, |from_ms| at_ms.saturating_sub(from_ms))
     };
     let standing_ms = STANDING_MS * since_ms(FaultKind::VideoDelayStands).min(GROWS_MS) / GROWS_MS;
