@@ -1,5 +1,5 @@
-//! Reads the index of an MP4 file: offset, size, display time and rotation of each picture of the first H.264
-//! track (ISO/IEC 14496-12, 8.5 to 8.8).
+//! Reads the index of an MP4 file: offset, size, display time and rotation of each picture of the first
+//! H.264 track that is not switched off (ISO/IEC 14496-12, 8.5 to 8.8).
 //!
 //! Times come from `stts` and `ctts` (so the frame rate may vary), shifted by the edit list. Fragments
 //! (`moof`) are appended. An edit list may start with a pause and has one piece of the track. More pieces,
@@ -90,27 +90,38 @@ impl Index {
     }
 }
 
-/// The first track with H.264 video; an error names other video.
+/// The first track with H.264 video; an error names other video. A track that is switched off, such as a
+/// preview, is read only where every one is.
 fn video_track(moov: &[u8]) -> Result<&[u8], IndexError> {
-    let mut other = None;
-    for trak in Boxes::new(moov).of_kind(b"trak") {
-        let handler = Boxes::new(trak).path(&[b"mdia", b"hdlr"]);
-        if handler.and_then(|handler| handler.get(8..12)) != Some(b"vide") {
-            continue;
-        }
-        let entries = Boxes::new(trak).path(&[b"mdia", b"minf", b"stbl", b"stsd"]);
-        let kind = entries.and_then(|entries| Boxes::new(entries.get(8..)?).next()).map(|(kind, _)| kind);
-        match kind {
-            Some(kind) if is_avc(&kind) => return Ok(trak),
-            kind => other = other.or(Some(kind)),
-        }
+    let video = || Boxes::new(moov).of_kind(b"trak").filter(|trak| is_video(trak));
+    let are_all_off = !video().any(is_enabled);
+    let mut tracks = video().filter(|trak| are_all_off || is_enabled(trak)).peekable();
+    let first = tracks.peek().copied();
+    if let Some(trak) = tracks.find(|trak| sample_kind(trak).is_some_and(|kind| is_avc(&kind))) {
+        return Ok(trak);
     }
-    let what = match other {
+    let what = match first.map(sample_kind) {
         None => "an MP4 file without a video track".to_owned(),
         Some(None) => return Err(IndexError::Malformed("the video track does not say its codec")),
         Some(Some(kind)) => format!("an MP4 file with {} video", codec_name(&kind)),
     };
     Err(IndexError::Unsupported { what, remedy: REENCODE })
+}
+
+fn is_video(trak: &[u8]) -> bool {
+    let handler = Boxes::new(trak).path(&[b"mdia", b"hdlr"]);
+    handler.and_then(|handler| handler.get(8..12)) == Some(b"vide")
+}
+
+/// The flag `Track_enabled` of the track's header (8.3.2).
+fn is_enabled(trak: &[u8]) -> bool {
+    Boxes::new(trak).find(b"tkhd").and_then(|header| header.get(3)).is_some_and(|flags| flags & 1 == 1)
+}
+
+/// The codec of a track.
+fn sample_kind(trak: &[u8]) -> Option<BoxKind> {
+    let entries = Boxes::new(trak).path(&[b"mdia", b"minf", b"stbl", b"stsd"])?;
+    Boxes::new(entries.get(8..)?).next().map(|(kind, _)| kind)
 }
 
 fn is_avc(kind: &BoxKind) -> bool {
