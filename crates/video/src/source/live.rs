@@ -14,7 +14,6 @@ use std::time::{Duration, Instant};
 
 use barrelman_host::clock::Clock;
 use barrelman_media_protocol::source::{RtspTransport, SourceSettings};
-use barrelman_vocab::time::Timestamp;
 use barrelman_vocab::unit::EncodedUnit;
 use barrelman_vocab::video::{Capture, CaptureQuality};
 
@@ -243,6 +242,7 @@ fn run_file<S: VideoSink>(url: &VideoUrl, mut feed: Feed<S>, stop: &StopSignal) 
         Err(error) => return feed.fail(error),
     };
     let start = feed.clock.now();
+    let mut first = None;
     let mut is_up = false;
     let mut read_error = None;
     loop {
@@ -255,7 +255,9 @@ fn run_file<S: VideoSink>(url: &VideoUrl, mut feed: Feed<S>, stop: &StopSignal) 
         };
         let at_end = unit.is_none();
         let unit = unit.map(|mut unit| {
-            unit.capture.at = start.plus(unit.capture.at.since(Timestamp::ZERO));
+            // A part of a longer video may begin at any time.
+            let first = *first.get_or_insert(unit.capture.at);
+            unit.capture.at = start.plus(unit.capture.at.since(first));
             unit
         });
         let unit_at = unit.as_ref().map_or(start, |unit| unit.capture.at);
