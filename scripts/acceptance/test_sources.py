@@ -127,6 +127,27 @@ def test_file_of_another_kind_is_tracked(
     assert track(barrelman, path, selection) > 0.9
 
 
+def test_track_that_is_switched_off_is_not_read(
+    barrelman: pathlib.Path, clip: Clip, tmp_path: pathlib.Path
+) -> None:
+    path = tmp_path / "preview.mp4"
+    film = "-map 0:v -map 0:v -c:v libx264 -preset ultrafast -s:v:0 160x90 -s:v:1 640x360 -frames:v 5"
+    convert(clip.video, path, f"{film} -disposition:v:0 0 -disposition:v:1 default")
+    done = run([barrelman, "snapshot", path, "--output", tmp_path / "picture.png"])
+    assert "640x360" in done.stdout, done.stdout + done.stderr
+
+
+def test_part_of_a_longer_video_begins_at_once(
+    barrelman: pathlib.Path, clip: Clip, tmp_path: pathlib.Path
+) -> None:
+    path = tmp_path / "part.mp4"
+    convert(clip.video, path, f"{ENCODERS['h264']} -output_ts_offset 3600 -movflags frag_keyframe+empty_moov")
+    command = [barrelman, "run", "--headless", "--no-record", "--video", path, "--select", clip.selection]
+    done = run(command, timeout=60)
+    assert done.returncode == 0, done.stderr
+    assert "the video has ended" in done.stderr
+
+
 def test_pipes_are_read(barrelman: pathlib.Path, clip: Clip, check: Check) -> None:
     for name, options in [
         ("Y4M", "-f yuv4mpegpipe"),

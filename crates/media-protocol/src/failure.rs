@@ -27,7 +27,7 @@ pub fn permanent(what: impl Into<String>, remedy: impl Into<String>) -> SourceFa
 pub fn from_status(status: u16) -> Option<SourceFailure> {
     Some(match status {
         300..=399 => permanent(
-            "leads to another address (a redirect), and no redirect is followed",
+            "leads to another address (a redirect), which is not followed",
             "Give the address of the stream itself with --video",
         ),
         401 | 403 | 407 => permanent(

@@ -189,7 +189,7 @@ fn refusals_are_told_in_plain_words() {
         ("403 Forbidden", "does not let us in", true),
         ("404 Not Found", "has no stream of this name", false),
         ("503 Service Unavailable", "is busy, or has too many viewers", false),
-        ("302 Found", "leads to another address (a redirect), and no redirect is followed", true),
+        ("302 Found", "leads to another address (a redirect), which is not followed", true),
     ];
     for (status, what, is_final) in cases {
         let (url, _received) = fake(move |method, cseq| match method {

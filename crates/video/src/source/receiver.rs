@@ -269,7 +269,11 @@ impl<'a, S: VideoSink> Receiver<'a, S> {
             }
             Broken::Ended => ConnectionEnd::Over(ReceiverEnd::Ended),
             Broken::Unsupported(error) if self.patience.is_some() && !self.was_up => {
-                ConnectionEnd::Over(ReceiverEnd::GivenUp(error.to_string()))
+                let reason = match error {
+                    VideoError::Stream { what, .. } => format!("the stream {what}"),
+                    other => other.to_string(),
+                };
+                ConnectionEnd::Over(ReceiverEnd::GivenUp(reason))
             }
             Broken::Unsupported(error) | Broken::Refused(error) => ConnectionEnd::Unusable(error),
         }

@@ -241,9 +241,9 @@ fn broken_by(error: &retina::Error, shown_address: &str) -> Broken {
     };
     let SourceFailure { what, remedy, .. } = failure;
     match status {
-        300..=399 | 401 | 403 | 407 => refused(shown_address, &what, &remedy),
+        401 | 403 | 407 => refused(shown_address, &what, &remedy),
         // Another engine may take what this one does not.
-        406 | 415 | 461 => Broken::Unsupported(unusable(shown_address, &what, &remedy)),
+        300..=399 | 406 | 415 | 461 => Broken::Unsupported(unusable(shown_address, &what, &remedy)),
         _ => {
             // A server that knows the stream later, or has room later, answers another engine alike.
             let is_reached = !matches!(status, 404 | 410 | 453 | 503);

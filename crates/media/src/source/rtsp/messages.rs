@@ -3,8 +3,10 @@
 
 use std::net::SocketAddr;
 
-use super::super::failure::{from_status, permanent, temporary};
 use barrelman_media_protocol::failure::SourceFailure;
+use url::Url;
+
+use super::super::failure::{from_status, permanent, temporary};
 
 /// Longest head and longest body of a message, bytes.
 const MAX_HEAD: usize = 64 << 10;
@@ -17,7 +19,7 @@ pub(super) enum Refusal {
     NotRtsp,
     /// A password would be readable on the network.
     BasicInClear,
-    /// The server leads to another address.
+    /// The server leads to another server.
     Redirect,
 }
 
@@ -131,12 +133,13 @@ impl Requests {
 pub(super) struct Answers {
     held: Held,
     relay: SocketAddr,
+    asked: Url,
 }
 
 impl Answers {
-    /// `relay`: where the server is reached.
-    pub(super) fn new(relay: SocketAddr) -> Self {
-        Self { held: Held::default(), relay }
+    /// `relay`: where the server is reached. `asked`: the address of the stream.
+    pub(super) fn new(relay: SocketAddr, asked: Url) -> Self {
+        Self { held: Held::default(), relay, asked }
     }
 
     /// Takes bytes and appends the messages that are whole to `out`. Returns the status of the last answer.
@@ -155,7 +158,8 @@ impl Answers {
             }
             if line.starts_with("RTSP/") {
                 status = line.split_whitespace().nth(1).and_then(|number| number.parse().ok());
-                if status.is_some_and(|status| (300..400).contains(&status)) {
+                let is_redirect = status.is_some_and(|status| (300..400).contains(&status));
+                if is_redirect && !self.leads_to_same_server(head) {
                     return Err(Refusal::Redirect);
                 }
             }
@@ -164,13 +168,23 @@ impl Answers {
         }
         Ok(status)
     }
+
+    /// Whether a redirect stays with the server that was asked.
+    fn leads_to_same_server(&self, head: &[u8]) -> bool {
+        let place = |url: &Url| {
+            let port = url.port().unwrap_or(super::relay::RTSP_PORT);
+            (url.scheme().to_owned(), url.host_str().map(str::to_ascii_lowercase), port)
+        };
+        let location = values(head, "Location").next().and_then(|value| std::str::from_utf8(value).ok());
+        location.and_then(|to| Url::parse(to).ok()).is_some_and(|to| place(&to) == place(&self.asked))
+    }
 }
 
 /// Appends a head. The addresses that say where the stream is lead through the relay: a server cannot name
 /// another host.
 fn put_head(head: &[u8], relay: SocketAddr, out: &mut Vec<u8>) {
     for line in head.split_inclusive(|byte| *byte == b'\n') {
-        let place = ["Content-Base", "Content-Location"].into_iter().find_map(|name| {
+        let place = ["Content-Base", "Content-Location", "Location"].into_iter().find_map(|name| {
             let value = std::str::from_utf8(values(line, name).next()?).ok()?;
             let (_, rest) = value.split_once("://")?;
             Some((name, rest.find(['/', '?']).map_or("", |at| &rest[at..])))
@@ -189,7 +203,8 @@ mod tests {
     use super::*;
 
     fn answers() -> Answers {
-        Answers::new(SocketAddr::from(([127, 0, 0, 1], 5004)))
+        let asked = Url::parse("rtsp://camera.local/live").unwrap();
+        Answers::new(SocketAddr::from(([127, 0, 0, 1], 5004)), asked)
     }
 
     #[test]
@@ -225,8 +240,31 @@ mod tests {
             .pass(b"RTSP/1.0 200 OK\r\nContent-Base: rtsp://10.0.0.1:554/live/\r\n\r\n", &mut out)
             .unwrap();
         assert_eq!(out, b"RTSP/1.0 200 OK\r\nContent-Base: rtsp://127.0.0.1:5004/live/\r\n\r\n");
-        let redirect = b"RTSP/1.0 302 Found\r\nLocation: rtsp://10.0.0.1/\r\n\r\n";
-        assert_eq!(answers().pass(redirect, &mut Vec::new()), Err(Refusal::Redirect));
+    }
+
+    #[test]
+    fn a_redirect_is_followed_on_the_same_server_only() {
+        let redirect = |to: &str| format!("RTSP/1.0 302 Found\r\nLocation: {to}\r\n\r\n");
+        let elsewhere = [
+            "rtsp://10.0.0.1/live",
+            "rtsp://camera.local:8554/live",
+            "rtsps://camera.local/live",
+            "rtsp://camera.local@10.0.0.1/live",
+            "http://camera.local/live",
+            "/moved",
+            "",
+        ];
+        for to in elsewhere {
+            let mut out = Vec::new();
+            assert_eq!(answers().pass(redirect(to).as_bytes(), &mut out), Err(Refusal::Redirect), "{to}");
+            assert!(out.is_empty());
+        }
+        for to in ["rtsp://camera.local/moved", "rtsp://camera.local:554/moved", "RTSP://Camera.Local/moved"]
+        {
+            let mut out = Vec::new();
+            assert_eq!(answers().pass(redirect(to).as_bytes(), &mut out), Ok(Some(302)), "{to}");
+            assert_eq!(out, redirect("rtsp://127.0.0.1:5004/moved").as_bytes());
+        }
     }
 
     #[test]

@@ -1,8 +1,8 @@
-//! A relay on the loopback in front of one connection to an RTSP server.
+//! A relay on the loopback in front of an RTSP server.
 //!
 //! `rtspsrc` sends a password as Basic to a server that offers nothing else, follows redirects with the
-//! login, and tells little of a server's answers. The relay sees all messages ([`super::messages`]). It
-//! accepts one connection and reaches one server: wherever an answer leads, a login goes nowhere else.
+//! login, and tells little of a server's answers. The relay sees all messages ([`super::messages`]) and
+//! reaches one server: wherever an answer leads, a login goes nowhere else.
 
 use std::io::{self, Read as _, Write as _};
 use std::net::{Ipv4Addr, Shutdown, TcpListener, TcpStream};
@@ -19,7 +19,10 @@ use super::messages::{Answers, Refusal, Requests};
 const READ_BYTES: usize = 64 << 10;
 
 /// The port of RTSP.
-const RTSP_PORT: u16 = 554;
+pub(super) const RTSP_PORT: u16 = 554;
+
+/// Maximum number of connections, one after the other: the first one, and one for each redirect.
+const MAX_CONNECTIONS: usize = 4;
 
 /// Requests whose answer decides about the stream. The others keep the session alive.
 const DECISIVE: [&str; 3] = ["DESCRIBE", "SETUP", "PLAY"];
@@ -35,16 +38,18 @@ pub(super) fn start(play: &Arc<Play>, url: &Url, permits_basic: bool) -> io::Res
     }
     let (play, url) = (Arc::downgrade(play), url.clone());
     std::thread::spawn(move || {
-        let Ok((client, _)) = listener.accept() else { return };
-        drop(listener);
-        match reach::connect(&url, RTSP_PORT) {
-            Ok(server) => {
-                let relay = Arc::new(Relay { play, client, server, method: Mutex::default() });
-                relay.pass(permits_basic, near);
-            }
-            Err(error) => {
-                if let Some(play) = play.upgrade() {
-                    play.set_reason(reach::unreachable(&error));
+        for client in listener.incoming().take(MAX_CONNECTIONS) {
+            let Ok(client) = client else { return };
+            match reach::connect(&url, RTSP_PORT) {
+                Ok(server) => {
+                    let relay = Relay { play: play.clone(), client, server, method: Mutex::default() };
+                    Arc::new(relay).pass(permits_basic, Answers::new(near, url.clone()));
+                }
+                Err(error) => {
+                    if let Some(play) = play.upgrade() {
+                        play.set_reason(reach::unreachable(&error));
+                    }
+                    return;
                 }
             }
         }
@@ -62,12 +67,11 @@ struct Relay {
 
 impl Relay {
     /// Passes messages in both directions until an end closes.
-    fn pass(self: Arc<Self>, permits_basic: bool, near: std::net::SocketAddr) {
+    fn pass(self: Arc<Self>, permits_basic: bool, mut answers: Answers) {
         let _ = self.client.set_nodelay(true);
         let _ = self.server.set_nodelay(true);
         let answering = self.clone();
         std::thread::spawn(move || {
-            let mut answers = Answers::new(near);
             answering.pass_one_way(&answering.server, &answering.client, |relay, bytes, out| {
                 let status = answers.pass(bytes, out)?;
                 status.into_iter().for_each(|status| relay.on_status(status));
