@@ -4,11 +4,14 @@ The live ones come from real GStreamer servers and senders, which draw CLOCK_MON
 into every picture.
 """
 
+import contextlib
 import dataclasses
 import pathlib
 import re
 import shutil
+import socket
 import subprocess
+import threading
 import time
 
 import pytest
@@ -89,6 +92,39 @@ def test_live_stream_is_tracked(
     check("the picture's age is measured", 0 < middle < 1000, f"{middle:.1f} ms, 95 %: {high:.1f} ms")
     replayed = run([barrelman, "replay", watched.path, "--compare"])
     check("a replay decodes the same pictures", replayed.returncode == 0, replayed.stdout[-300:])
+
+
+@pytest.mark.parametrize("codec", ["h264", "h265"])
+def test_stream_that_is_announced_as_another_is_tracked(
+    barrelman: pathlib.Path, tmp_path: pathlib.Path, codec: str
+) -> None:
+    names = [b"H264/90000", b"H265/90000"]
+    announced, sent = names if codec == "h265" else reversed(names)
+    with Camera("tcp", codec) as camera:
+        port = replacing_relay(camera.port, sent, announced)
+        watched = watch(barrelman, f"rtsp://127.0.0.1:{port}/video", tmp_path)
+    assert watched.tracked > 0.9, watched.log
+
+
+def replacing_relay(to: int, found: bytes, put: bytes) -> int:
+    """A port that leads to another one, whose answers have one text replaced by another of its length."""
+    listener = socket.create_server(("127.0.0.1", 0))
+
+    def accept() -> None:
+        while True:
+            near, _ = listener.accept()
+            far = socket.create_connection(("127.0.0.1", to))
+            for source, sink in ((near, far), (far, near)):
+                threading.Thread(target=pass_on, args=(source, sink), daemon=True).start()
+
+    def pass_on(source: socket.socket, sink: socket.socket) -> None:
+        with contextlib.suppress(OSError):
+            while data := source.recv(65536):
+                sink.sendall(data.replace(found, put))
+            sink.shutdown(socket.SHUT_WR)
+
+    threading.Thread(target=accept, daemon=True).start()
+    return int(listener.getsockname()[1])
 
 
 @pytest.mark.parametrize("codec", ["h264", "h265"])

@@ -5,8 +5,33 @@
 //!  H.265 (RFC 7798, 1.1.4)|F| type 6 | layer 6 | TID 3 |         sets 32 to 34, slices 0 to 21, FU 49; layer 0, TID 1 to 7
 //! ```
 
+/// Payloads of one format that decide, without one of the other between.
+const DECISIVE: usize = 5;
+
+/// Finds out the format of a stream by its payloads.
+#[derive(Debug, Default)]
+pub(super) struct EncodingGuess {
+    h264: usize,
+    h265: usize,
+}
+
+impl EncodingGuess {
+    /// Takes a payload. Returns the encoding name, as soon as it is certain.
+    pub(super) fn on_payload(&mut self, payload: &[u8]) -> Option<&'static str> {
+        match nal_encoding(payload) {
+            Some("H264") => (self.h264, self.h265) = (self.h264 + 1, 0),
+            Some(_) => (self.h264, self.h265) = (0, self.h265 + 1),
+            None => {}
+        }
+        if self.h264 >= DECISIVE {
+            return Some("H264");
+        }
+        (self.h265 >= DECISIVE).then_some("H265")
+    }
+}
+
 /// The encoding name of a payload; `None`: it may be either, or neither.
-pub(super) fn nal_encoding(payload: &[u8]) -> Option<&'static str> {
+fn nal_encoding(payload: &[u8]) -> Option<&'static str> {
     let [first, second, ..] = *payload else { return None };
     match (is_h264(first), is_h265(first, second)) {
         (true, false) => Some("H264"),

@@ -7,6 +7,7 @@ use barrelman_media_protocol::failure::SourceFailure;
 use url::Url;
 
 use super::super::failure::{from_status, permanent, temporary};
+use super::announced;
 
 /// Longest head and longest body of a message, bytes.
 const MAX_HEAD: usize = 64 << 10;
@@ -134,24 +135,29 @@ pub(super) struct Answers {
     held: Held,
     relay: SocketAddr,
     asked: Url,
+    sent: Option<&'static str>,
 }
 
 impl Answers {
-    /// `relay`: where the server is reached. `asked`: the address of the stream.
-    pub(super) fn new(relay: SocketAddr, asked: Url) -> Self {
-        Self { held: Held::default(), relay, asked }
+    /// `relay`: where the server is reached. `asked`: the address of the stream. `sent`: the encoding that the
+    /// server sends and does not announce.
+    pub(super) fn new(relay: SocketAddr, asked: Url, sent: Option<&'static str>) -> Self {
+        Self { held: Held::default(), relay, asked, sent }
     }
 
     /// Takes bytes and appends the messages that are whole to `out`. Returns the status of the last answer.
     pub(super) fn pass(&mut self, bytes: &[u8], out: &mut Vec<u8>) -> Result<Option<u16>, Refusal> {
         self.held.bytes.extend_from_slice(bytes);
         let mut status = None;
-        while let Some((message, bytes)) = self.held.next()? {
+        while let Some((message, mut bytes)) = self.held.next()? {
             let Message::Text(head) = message else {
                 out.extend_from_slice(&bytes);
                 continue;
             };
-            let (head, body) = bytes.split_at(head);
+            let (head, body) = bytes.split_at_mut(head);
+            if let Some(sent) = self.sent {
+                announced::correct(body, sent);
+            }
             let line = String::from_utf8_lossy(head.split(|byte| *byte == b'\n').next().unwrap_or_default());
             if !line.contains("RTSP/") {
                 return Err(Refusal::NotRtsp);
@@ -204,7 +210,7 @@ mod tests {
 
     fn answers() -> Answers {
         let asked = Url::parse("rtsp://camera.local/live").unwrap();
-        Answers::new(SocketAddr::from(([127, 0, 0, 1], 5004)), asked)
+        Answers::new(SocketAddr::from(([127, 0, 0, 1], 5004)), asked, None)
     }
 
     #[test]

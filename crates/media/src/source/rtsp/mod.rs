@@ -7,6 +7,8 @@ mod messages;
 
 mod relay;
 
+mod announced;
+
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -35,6 +37,8 @@ struct Attempt {
     url: Url,
     login: Option<SourceLogin>,
     transport: RtspTransport,
+    /// The encoding that the server sends and does not announce.
+    sent: Option<&'static str>,
 }
 
 pub(super) fn open(
@@ -44,40 +48,43 @@ pub(super) fn open(
     login: Option<SourceLogin>,
 ) -> Result<(), SourceFailure> {
     let url = Url::parse(url).map_err(|error| permanent(format!("is no address ({error})"), ""))?;
-    let attempt = Attempt { url, login, transport };
-    if transport == RtspTransport::Auto {
-        let second = Attempt { transport: RtspTransport::Udp, ..attempt.clone() };
-        play.set_second_attempt(Box::new(move |play, failure| second.follows(play, failure)));
-    }
-    attempt.start(play)
+    Attempt { url, login, transport, sent: None }.start(play)
 }
 
 impl Attempt {
-    /// Begins this attempt after another one, if that failed because of the transport.
-    fn follows(self, play: &Arc<Play>, failure: &SourceFailure) -> bool {
-        if Some(failure) != from_status(UNSUPPORTED_TRANSPORT).as_ref() {
-            return false;
+    /// The attempt after this one, where another transport or the encoding that is sent may help.
+    fn next(&self, failure: &SourceFailure) -> Option<Self> {
+        let is_auto = self.transport == RtspTransport::Auto;
+        if is_auto && Some(failure) == from_status(UNSUPPORTED_TRANSPORT).as_ref() {
+            return Some(Self { transport: RtspTransport::Udp, ..self.clone() });
         }
+        let sent = announced::sent(failure).filter(|_| self.sent.is_none())?;
+        Some(Self { sent: Some(sent), ..self.clone() })
+    }
+
+    /// Begins the next attempt after a failure, if there is one.
+    fn begin_next(&self, play: &Arc<Play>, failure: &SourceFailure) -> bool {
+        let Some(next) = self.next(failure) else { return false };
         let _ = play.pipeline.set_state(gst::State::Null);
         for element in play.pipeline.children() {
             let _ = play.pipeline.remove(&element);
         }
         play.begin_anew();
-        if let Err(failure) = self.start(play) {
+        if let Err(failure) = next.start(play) {
             play.outbox.fail(failure);
         }
         true
     }
 
     fn start(&self, play: &Arc<Play>) -> Result<(), SourceFailure> {
+        let attempt = self.clone();
+        play.set_second_attempt(Box::new(move |play, failure| attempt.begin_next(play, failure)));
         let source = play.add("rtspsrc")?;
         let location = if self.url.scheme() == "rtsps" {
             watch_redirects(play, &source, &self.url);
             self.url.clone()
         } else {
-            let permits_basic = self.login.as_ref().is_some_and(|login| login.permits_basic);
-            relay::start(play, &self.url, permits_basic)
-                .map_err(|error| temporary(format!("cannot be reached: {error}"), ""))?
+            relay::start(play, self).map_err(|error| temporary(format!("cannot be reached: {error}"), ""))?
         };
         self.set_up(&source, &location);
         let stream = Stream::default();
@@ -85,9 +92,9 @@ impl Attempt {
         watch_manager(play, &source, &stream);
         let (way, weak) = (self.way(), Arc::downgrade(play));
         source.connect_pad_added(move |_, pad| {
-            if let Some(play) = weak.upgrade()
-                && let Err(failure) = rtp::take(&play, pad, way, &stream)
-            {
+            let Some(play) = weak.upgrade() else { return };
+            announced::watch(&play, pad);
+            if let Err(failure) = rtp::take(&play, pad, way, &stream) {
                 play.outbox.fail(failure);
             }
         });

@@ -13,6 +13,7 @@ use url::Url;
 use super::super::failure::from_status;
 use super::super::play::Play;
 use super::super::reach;
+use super::Attempt;
 use super::messages::{Answers, Refusal, Requests};
 
 /// Bytes that are read at once.
@@ -27,8 +28,10 @@ const MAX_CONNECTIONS: usize = 4;
 /// Requests whose answer decides about the stream. The others keep the session alive.
 const DECISIVE: [&str; 3] = ["DESCRIBE", "SETUP", "PLAY"];
 
-/// Starts a relay to the server of an address. Returns the address that leads through the relay.
-pub(super) fn start(play: &Arc<Play>, url: &Url, permits_basic: bool) -> io::Result<Url> {
+/// Starts a relay to the server of an attempt. Returns the address that leads through the relay.
+pub(super) fn start(play: &Arc<Play>, attempt: &Attempt) -> io::Result<Url> {
+    let Attempt { url, sent, .. } = attempt;
+    let permits_basic = attempt.login.as_ref().is_some_and(|login| login.permits_basic);
     let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, 0))?;
     let near = listener.local_addr()?;
     let mut through = url.clone();
@@ -36,14 +39,14 @@ pub(super) fn start(play: &Arc<Play>, url: &Url, permits_basic: bool) -> io::Res
     if !is_set {
         return Err(io::Error::from(io::ErrorKind::InvalidInput));
     }
-    let (play, url) = (Arc::downgrade(play), url.clone());
+    let (play, url, sent) = (Arc::downgrade(play), url.clone(), *sent);
     std::thread::spawn(move || {
         for client in listener.incoming().take(MAX_CONNECTIONS) {
             let Ok(client) = client else { return };
             match reach::connect(&url, RTSP_PORT) {
                 Ok(server) => {
                     let relay = Relay { play: play.clone(), client, server, method: Mutex::default() };
-                    Arc::new(relay).pass(permits_basic, Answers::new(near, url.clone()));
+                    Arc::new(relay).pass(permits_basic, Answers::new(near, url.clone(), sent));
                 }
                 Err(error) => {
                     if let Some(play) = play.upgrade() {

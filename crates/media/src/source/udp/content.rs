@@ -5,14 +5,11 @@
 
 use barrelman_media_protocol::format::CodedFormat;
 
-use super::super::nal_heads::nal_encoding;
+use super::super::nal_heads::EncodingGuess;
 use super::super::rtp_times::RtpHead;
 
 /// Packets after which what is still unknown is forgotten.
 pub(super) const MAX_PACKETS: usize = 256;
-
-/// Packets of one format that decide, without one of the other between.
-const DECISIVE: usize = 5;
 
 /// Length of a packet of a transport stream.
 const TS_PACKET: usize = 188;
@@ -41,14 +38,13 @@ pub(super) enum Content {
 #[derive(Debug)]
 pub(super) struct Detector {
     format: Option<CodedFormat>,
-    h264: usize,
-    h265: usize,
+    guess: EncodingGuess,
 }
 
 impl Detector {
     /// `format`: of RTP packets whose payload type says nothing.
     pub(super) fn new(format: Option<CodedFormat>) -> Self {
-        Self { format, h264: 0, h265: 0 }
+        Self { format, guess: EncodingGuess::default() }
     }
 
     pub(super) fn judge(&mut self, packet: &[u8]) -> Content {
@@ -65,7 +61,7 @@ impl Detector {
                 Some(CodedFormat::H265) => rtp("H265"),
                 Some(CodedFormat::Vp9) => rtp("VP9"),
                 Some(CodedFormat::Av1) => rtp("AV1"),
-                None => self.guess(&packet[head.payload..]).map_or(Content::Unknown, rtp),
+                None => self.guess.on_payload(&packet[head.payload..]).map_or(Content::Unknown, rtp),
             },
             // Reports (RTCP) to the same port have types of 72 to 76 here (RFC 5761, 4).
             72..=76 => Content::Unknown,
@@ -73,18 +69,6 @@ impl Detector {
                 "sends RTP packets of type {other}, which is no video that is read here"
             )),
         }
-    }
-
-    fn guess(&mut self, payload: &[u8]) -> Option<&'static str> {
-        match nal_encoding(payload) {
-            Some("H264") => (self.h264, self.h265) = (self.h264 + 1, 0),
-            Some(_) => (self.h264, self.h265) = (0, self.h265 + 1),
-            None => {}
-        }
-        if self.h264 >= DECISIVE {
-            return Some("H264");
-        }
-        (self.h265 >= DECISIVE).then_some("H265")
     }
 }
 
