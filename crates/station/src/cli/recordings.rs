@@ -4,11 +4,14 @@ use std::path::PathBuf;
 
 use clap::Args;
 
+use crate::config::changed_keys::ChangedKey;
+
 /// `replay`.
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:
   barrelman demo open --seconds 5 --record sortie.mcap
   barrelman replay sortie.mcap --compare
+  barrelman replay sortie.mcap --compare --set law.mode=eco
 
 A recording of a simulated trial in pixels (`trials --record`) holds no
 pictures: they are rendered again, to the same bits. Its film is the .mp4
@@ -19,6 +22,10 @@ pub struct ReplayArgs {
     /// Replay with this configuration instead of the recorded one.
     #[arg(long, value_name = "CHANGED.toml")]
     pub config: Option<PathBuf>,
+    /// Change this key of the recorded configuration, such as law.mode=eco; KEY= takes the key out. May be given
+    /// several times.
+    #[arg(long = "set", value_name = "KEY=VALUE", conflicts_with = "config")]
+    pub changed: Vec<ChangedKey>,
     /// Compare every command with the recorded one; exit 1 if any differs.
     #[arg(long)]
     pub compare: bool,

@@ -16,6 +16,7 @@ use super::replayed_video::ReplayedVideo;
 use super::run::build_pilot;
 use super::stored_video::StoredVideo;
 use crate::cli::ReplayArgs;
+use crate::config::changed_keys::{ChangedKey, parse_changed};
 use crate::config::{self, Configuration};
 use barrelman_host::input;
 use barrelman_host::program::identity;
@@ -36,7 +37,7 @@ pub fn run(args: &ReplayArgs) -> Result<ExitCode> {
     let changed = args.config.as_deref().map(config::read).transpose()?;
     let changed = changed.as_ref().map(Configuration::resolve).transpose()?;
     let recording = input::open(&args.recording)?;
-    let replayed = replay(recording, changed)
+    let replayed = replay(recording, changed, &args.changed)
         .with_context(|| format!("{} cannot be replayed", args.recording.display()))?;
     let mut out = stdout().lock();
     writeln!(
@@ -96,7 +97,7 @@ struct Replayed {
     recorded_by: String,
 }
 
-fn replay(recording: File, changed: Option<Configuration>) -> Result<Replayed> {
+fn replay(recording: File, changed: Option<Configuration>, keys: &[ChangedKey]) -> Result<Replayed> {
     let mut entries = RecordingReader::new(BufReader::new(recording));
     let start = match entries.next().transpose()? {
         Some(Entry::Start(start)) => start,
@@ -104,7 +105,8 @@ fn replay(recording: File, changed: Option<Configuration>) -> Result<Replayed> {
     };
     let configuration = match changed {
         Some(configuration) => configuration,
-        None => Configuration::resolve_recorded(&config::parse(&start.configuration)?)
+        None => parse_changed(&start.configuration, keys)
+            .and_then(|file| Configuration::resolve_recorded(&file))
             .context("the recorded configuration")?,
     };
     let mode = if start.live_video { DecodeMode::Live } else { DecodeMode::File };

@@ -16,6 +16,8 @@ pub mod vessel;
 
 pub mod resolve;
 
+pub mod changed_keys;
+
 mod declared;
 mod example;
 mod field_names;
