@@ -26,6 +26,7 @@ fn main() -> ExitCode {
         Command::Compare(args) => commands::compare::run(&args),
         Command::Scenarios(args) => commands::scenarios::run(&args),
         Command::Render(args) => commands::render::run(&args),
+        Command::Library(args) => commands::library::run(&args),
         Command::Replay(args) => commands::replay::run(&args),
         Command::Export(args) => commands::export::run(&args),
         Command::Emulate(args) => commands::emulate::run(&args, clock),

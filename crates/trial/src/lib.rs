@@ -15,5 +15,6 @@ pub mod law;
 pub mod records;
 pub mod replay;
 pub mod shadow;
+pub mod sortie;
 
 pub mod report;

@@ -48,7 +48,7 @@ pub use emulate::{
 pub use law_options::LawOptions;
 pub use log_options::{LogFormat, LogLevel};
 pub use logs::{LawArgs, MetricsArgs, ReportArgs};
-pub use recordings::{ExportArgs, ReplayArgs};
+pub use recordings::{ExportArgs, LibraryArgs, ReplayArgs};
 pub use region_options::RegionArgs;
 pub use run::RunArgs;
 pub use scenarios::{RenderArgs, ScenariosArgs};
@@ -110,6 +110,8 @@ pub enum Command {
     Scenarios(ScenariosArgs),
     /// Render a clip of a scenario, with the exact truth.
     Render(RenderArgs),
+    /// List recordings, or say what one of them holds
+    Library(LibraryArgs),
     /// Run a recording through the pilot again.
     Replay(ReplayArgs),
     /// Convert a recording to CSV files and an MP4.

@@ -1,4 +1,4 @@
-//! The arguments of the commands that read recordings: `replay`, `export`.
+//! The arguments of the commands that read recordings: `library`, `replay`, `export`.
 
 use std::path::PathBuf;
 
@@ -29,6 +29,24 @@ pub struct ReplayArgs {
     /// Compare every command with the recorded one; exit 1 if any differs.
     #[arg(long)]
     pub compare: bool,
+}
+
+/// `library`.
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:
+  barrelman library
+  barrelman library sortie.mcap
+
+Without a path, the folder of `recording.folder` is listed.")]
+pub struct LibraryArgs {
+    /// A folder of recordings, or a recording.
+    pub path: Option<PathBuf>,
+    /// The configuration that names the folder.
+    #[arg(long, value_name = "CONFIG.toml", conflicts_with = "path")]
+    pub config: Option<PathBuf>,
+    /// Print JSON.
+    #[arg(long)]
+    pub json: bool,
 }
 
 /// `export`.

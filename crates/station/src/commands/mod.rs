@@ -12,6 +12,7 @@ mod draw_selection;
 pub mod emulate;
 pub mod export;
 pub mod law;
+pub mod library;
 pub mod merge;
 pub mod metrics;
 pub mod practice;

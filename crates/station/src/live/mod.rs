@@ -21,6 +21,7 @@ mod open_vessel;
 pub mod recording_folder;
 mod recording_start;
 mod sleep_inhibitor;
+pub mod sortie_text;
 pub mod source;
 mod video_sink;
 

@@ -6,7 +6,7 @@
 use std::io::{BufWriter, Write};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::mpsc::{RecvTimeoutError, SyncSender, TrySendError, sync_channel};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, TrySendError, channel, sync_channel};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
@@ -15,7 +15,8 @@ use barrelman_host::clock::Clock;
 use barrelman_trial::records::{
     Entry, FrameFingerprint, RecordedInput, RecordedOutcome, RecordingStart, RecordingWriter,
 };
-use barrelman_vocab::{EncodedUnit, Timestamp, VideoFrame};
+use barrelman_trial::sortie::{Sortie, SortieObserver};
+use barrelman_vocab::{EncodedUnit, Timestamp, VehicleProfile, VideoFrame};
 
 use super::event::Event;
 use super::faults::{FaultInjector, RECORDER};
@@ -92,6 +93,8 @@ impl LiveStepObserver for RecorderInput {
 pub struct Recorder {
     input: RecorderInput,
     thread: JoinHandle<()>,
+    /// The summary, at the end.
+    sortie: Receiver<Sortie>,
 }
 
 impl Recorder {
@@ -106,6 +109,7 @@ impl Recorder {
         fault_injector: FaultInjector,
         events: SyncSender<Event>,
         reserve: Option<DiskReserve>,
+        profile: VehicleProfile,
     ) -> Result<Self> {
         let mut writer = RecordingWriter::begin(BufWriter::new(output), start)?;
         writer.flush()?;
@@ -113,15 +117,22 @@ impl Recorder {
         let has_failed = Arc::new(AtomicBool::new(false));
         let input = RecorderInput { items, events: events.clone(), has_failed: Arc::clone(&has_failed) };
         let alarm = events.clone();
+        let mut observer = SortieObserver::new(Some(profile));
+        observer.add(&Entry::Start(start.clone()));
+        let (finished, sortie) = channel();
         let thread = threads::spawn("recorder", events, move || {
             let mut queue = fault_injector.inbox(RECORDER, clock, queue);
-            if let Err(error) = write(&mut *queue, writer, reserve.as_ref()) {
-                has_failed.store(true, Ordering::Relaxed);
-                let reason = format!("{error:#}");
-                let _ = alarm.send(Event::RecordingFailed { reason });
+            match write(&mut *queue, writer, observer, reserve.as_ref()) {
+                // Without a receiver, nobody wants it.
+                Ok(sortie) => drop(finished.send(sortie)),
+                Err(error) => {
+                    has_failed.store(true, Ordering::Relaxed);
+                    let reason = format!("{error:#}");
+                    let _ = alarm.send(Event::RecordingFailed { reason });
+                }
             }
         })?;
-        Ok(Self { input, thread })
+        Ok(Self { input, thread, sortie })
     }
 
     /// A handle that adds entries to the recording.
@@ -129,30 +140,37 @@ impl Recorder {
         self.input.clone()
     }
 
-    /// Ends the recording: writes the entries added before, and the file's index.
-    pub fn finish(self) {
+    /// Ends the recording: writes the entries added before, the summary, and the file's index. Returns the
+    /// summary; `None` where the recording has failed.
+    pub fn finish(self) -> Option<Sortie> {
         // A thread that has failed no longer receives.
         let _ = self.input.items.send(Item::End);
         let _ = self.thread.join();
+        self.sortie.try_recv().ok()
     }
 }
 
 fn write<W: Write>(
     queue: &mut dyn Inbox<Item>,
     mut writer: RecordingWriter<W>,
+    mut observer: SortieObserver,
     reserve: Option<&DiskReserve>,
-) -> Result<()> {
+) -> Result<Sortie> {
     let mut flush_at = Instant::now() + FLUSH_INTERVAL;
     loop {
         match queue.next(flush_at.saturating_duration_since(Instant::now())) {
-            Ok(Item::End) | Err(RecvTimeoutError::Disconnected) => return Ok(writer.finish()?),
-            Ok(Item::Unit(unit)) => writer.write(&Entry::Unit(unit))?,
-            Ok(Item::Frame { step, now, frame }) => {
-                let input = RecordedInput::Frame(FrameFingerprint::from_frame(&frame));
-                writer.write(&Entry::Input { step, now, input })?;
+            Ok(Item::End) | Err(RecvTimeoutError::Disconnected) => {
+                let sortie = observer.finish();
+                writer.write_sortie(&sortie)?;
+                writer.finish()?;
+                return Ok(sortie);
             }
-            Ok(Item::Input { step, now, input }) => writer.write(&Entry::Input { step, now, input })?,
-            Ok(Item::Outcome(outcome)) => writer.write(&Entry::Outcome(*outcome))?,
+            Ok(item) => {
+                if let Some(entry) = entry_of(item) {
+                    observer.add(&entry);
+                    writer.write(&entry)?;
+                }
+            }
             Err(RecvTimeoutError::Timeout) => {}
         }
         if Instant::now() >= flush_at {
@@ -165,4 +183,18 @@ fn write<W: Write>(
             flush_at = Instant::now() + FLUSH_INTERVAL;
         }
     }
+}
+
+/// The entry of an item; `None` for the end. The fingerprint of a frame is computed here, on the recorder's thread.
+fn entry_of(item: Item) -> Option<Entry> {
+    Some(match item {
+        Item::Unit(unit) => Entry::Unit(unit),
+        Item::Frame { step, now, frame } => {
+            let input = RecordedInput::Frame(FrameFingerprint::from_frame(&frame));
+            Entry::Input { step, now, input }
+        }
+        Item::Input { step, now, input } => Entry::Input { step, now, input },
+        Item::Outcome(outcome) => Entry::Outcome(*outcome),
+        Item::End => return None,
+    })
 }

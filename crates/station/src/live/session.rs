@@ -40,6 +40,7 @@ use super::recording_folder::DiskReserve;
 use super::recording_start::recording_start;
 use super::run_loop::{LiveStepObserver, RunEnd, RunLoop};
 use super::sleep_inhibitor::SleepInhibitor;
+use super::sortie_text::SortieText;
 use super::source::Source;
 use super::status_line::StatusLine;
 use super::status_writer::{LineStyle, StatusWriter};
@@ -108,11 +109,17 @@ pub struct Session<'a> {
 struct OpenParts {
     link: Option<Link>,
     boat: Option<Boat>,
-    recorder: Option<Recorder>,
+    recording: Option<Recording>,
     overlay: Option<OverlayVideo>,
     source: VideoHandle,
     console: Option<ConsoleServer>,
     tracking_camera: Option<TrackingCameraThread>,
+}
+
+/// A recording and its file.
+struct Recording {
+    path: PathBuf,
+    recorder: Recorder,
 }
 
 impl Session<'_> {
@@ -214,10 +221,11 @@ impl Session<'_> {
         publisher.set_vessel_link(LinkStatus::Link(LinkState::Opening));
         let address = source.address();
         let is_recorded = outputs.record.is_some();
-        let recorder = match outputs.record {
+        let recording = match outputs.record {
             Some(file) => {
                 let start = recording_start(configuration, &source, link_url.as_ref(), clock)?;
-                let context = format!("the recording {} cannot be written", file.path().display());
+                let path = file.path().to_owned();
+                let context = format!("the recording {} cannot be written", path.display());
                 let recorder = Recorder::begin(
                     file,
                     &start,
@@ -225,8 +233,9 @@ impl Session<'_> {
                     fault_injector.clone(),
                     events.clone(),
                     outputs.reserve,
+                    profile.clone(),
                 );
-                Some(recorder.context(context)?)
+                Some(Recording { path, recorder: recorder.context(context)? })
             }
             None => None,
         };
@@ -237,7 +246,7 @@ impl Session<'_> {
         let relay = console.as_ref().map(|_| Arc::new(VideoRelay::default()));
         let sink = LiveVideoSink {
             latest: Arc::clone(&latest),
-            recorder: recorder.as_ref().map(Recorder::input),
+            recorder: recording.as_ref().map(|recording| recording.recorder.input()),
             relay: relay.clone(),
             events: events.clone(),
             gateway: Arc::clone(&gateway),
@@ -272,7 +281,7 @@ impl Session<'_> {
             TrackingCameraThread::start(setup, parts, events.clone())
         };
         let tracking_camera = tracking_camera.map(open_camera).transpose()?;
-        let parts = OpenParts { link, boat, recorder, overlay, source, console, tracking_camera };
+        let parts = OpenParts { link, boat, recording, overlay, source, console, tracking_camera };
         if watches_keys {
             // The thread of the terminal notices a closed output.
             let _ = writeln!(stdout(), "keys on this terminal: {KEYS}");
@@ -300,7 +309,7 @@ impl Session<'_> {
             latest,
             link: parts.link.as_ref().map(|link| link as &dyn VehicleLink),
             boat: parts.boat.as_ref().map(|boat| boat as &dyn VesselLink),
-            recorder: parts.recorder.as_ref().map(|recorder| observer(recorder.input())),
+            recorder: parts.recording.as_ref().map(|recording| observer(recording.recorder.input())),
             status: StatusLine::new(style.interval()).naming_keys(watches_keys),
             status_output: Box::new(status_output),
             ends_on_refused_selection: is_headless,
@@ -335,8 +344,11 @@ impl OpenParts {
         }
         drop(self.console);
         drop(self.tracking_camera);
-        if let Some(recorder) = self.recorder {
-            recorder.finish();
+        if let Some(Recording { path, recorder }) = self.recording
+            && let Some(sortie) = recorder.finish()
+        {
+            // A closed output does not keep a run from its end.
+            let _ = write!(stdout(), "{}", SortieText { sortie: &sortie, path: &path, is_cut: false });
         }
         if let Some(Err(error)) = self.overlay.map(OverlayVideo::finish) {
             tracing::error!("{error:#}");

@@ -16,7 +16,7 @@ use barrelman_trial::records::{
 };
 use barrelman_vocab::unit::{Rotation, UnitCodec};
 use barrelman_vocab::video::{Capture, CaptureQuality};
-use barrelman_vocab::{CameraRequest, EncodedUnit, OperatorRequest, VehicleRates};
+use barrelman_vocab::{CameraRequest, EncodedUnit, OperatorRequest, VehicleProfile, VehicleRates};
 use bytes::Bytes;
 
 use crate::live_scenes::{SELECTION, at, frame, pilot};
@@ -108,6 +108,7 @@ fn begin() -> (MemoryOutput, Recorder, Receiver<Event>) {
         FaultInjector::default(),
         events,
         None,
+        VehicleProfile::fotokite_pro(),
     );
     (output, recorder.unwrap(), queue)
 }
@@ -218,5 +219,16 @@ fn an_output_that_cannot_be_written_is_refused_at_the_start() {
     output.set(Writes::Fail);
     let (events, _queue) = sync_channel(1);
     let start = recording_start();
-    assert!(Recorder::begin(output, &start, Clock::start(), FaultInjector::default(), events, None).is_err());
+    assert!(
+        Recorder::begin(
+            output,
+            &start,
+            Clock::start(),
+            FaultInjector::default(),
+            events,
+            None,
+            VehicleProfile::fotokite_pro()
+        )
+        .is_err()
+    );
 }

@@ -22,10 +22,13 @@ mod topics;
 
 mod record_lengths;
 
+mod stored_sortie;
+
 pub use entry::{
     Entry, RecordedMark, RecordedOutcome, RecordedProgress, RecordedTruth, RecordedVessel, RecordingStart,
     SimulatedTrial,
 };
 pub use reader::{ReadError, RecordingReader};
 pub use recorded_input::{FrameFingerprint, RecordedInput};
+pub use stored_sortie::read_sortie;
 pub use writer::{RecordingWriter, WriteError};

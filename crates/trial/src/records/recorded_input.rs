@@ -42,6 +42,18 @@ impl RecordedInput {
         }
     }
 
+    /// The operator's request; `None` for other inputs.
+    pub const fn request(&self) -> Option<&OperatorRequest> {
+        match self {
+            Self::Request(request) => Some(request),
+            Self::Frame(_)
+            | Self::Localisation(_)
+            | Self::Telemetry(_)
+            | Self::VesselTelemetry(_)
+            | Self::Tick => None,
+        }
+    }
+
     /// Converts back to an input; `frame_of` supplies the video frame of a fingerprint.
     ///
     /// # Errors

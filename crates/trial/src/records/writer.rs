@@ -15,7 +15,9 @@ use mcap::write::NoSeek;
 use super::entry::{Entry, RecordingStart};
 use super::recorded_input::RecordedInput;
 use super::stored;
+use super::stored_sortie;
 use super::topics::Topic;
+use crate::sortie::Sortie;
 
 /// A recording could not be written.
 #[derive(Debug, thiserror::Error)]
@@ -181,6 +183,14 @@ impl<W: Write> RecordingWriter<W> {
     /// If the output cannot be written.
     pub fn flush(&mut self) -> Result<(), WriteError> {
         Ok(self.writer.flush()?)
+    }
+
+    /// Adds the summary of a sortie, once, at the end.
+    ///
+    /// # Errors
+    /// If the output cannot be written.
+    pub fn write_sortie(&mut self, sortie: &Sortie) -> Result<(), WriteError> {
+        Ok(self.writer.write_metadata(&stored_sortie::metadata_of(sortie))?)
     }
 
     /// Ends the recording with the file's index.

@@ -32,4 +32,6 @@ mod tables;
 
 mod entries;
 
+mod sorties;
+
 mod reports;

@@ -1,0 +1,121 @@
+//! `barrelman library`: lists the recordings of a folder, or says what one of them holds.
+//!
+//! A recording that was ended in order has its summary in itself. One that was cut off is read as a whole.
+
+use std::fs::File;
+use std::io::{BufReader, Write as _, stdout};
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use anyhow::{Context as _, Result};
+use barrelman_host::input;
+use barrelman_trial::records::{Entry, ReadError, RecordingReader, read_sortie};
+use barrelman_trial::sortie::{Sortie, SortieObserver};
+use serde::Serialize;
+
+use crate::cli::LibraryArgs;
+use crate::config::{self, Configuration};
+use crate::live::sortie_text::{MomentLines, SortieLine, SortieText};
+
+/// A recording and its summary.
+#[derive(Debug, Serialize)]
+struct Listed {
+    path: PathBuf,
+    bytes: u64,
+    /// Whether the recording was cut off, as when the program was killed.
+    is_cut: bool,
+    sortie: Sortie,
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// If the path cannot be read, or a recording that was named is none.
+pub fn run(args: &LibraryArgs) -> Result<ExitCode> {
+    let path = match &args.path {
+        Some(path) => path.clone(),
+        None => recordings_folder(args)?,
+    };
+    let mut out = stdout().lock();
+    if !path.is_dir() {
+        let listed =
+            read(&path).with_context(|| format!("{} is no recording that can be read", path.display()))?;
+        if args.json {
+            writeln!(out, "{}", serde_json::to_string_pretty(&listed)?)?;
+        } else {
+            let text = SortieText { sortie: &listed.sortie, path: &listed.path, is_cut: listed.is_cut };
+            write!(out, "{text}{}", MomentLines(&listed.sortie))?;
+        }
+        return Ok(ExitCode::SUCCESS);
+    }
+    let recordings = recordings_in(&path)?;
+    if args.json {
+        writeln!(out, "{}", serde_json::to_string_pretty(&recordings)?)?;
+        return Ok(ExitCode::SUCCESS);
+    }
+    for Listed { path, bytes, is_cut, sortie } in &recordings {
+        writeln!(out, "{}", SortieLine { sortie, path, bytes: *bytes, is_cut: *is_cut })?;
+    }
+    writeln!(out, "{}: {} recordings", path.display(), recordings.len())?;
+    Ok(ExitCode::SUCCESS)
+}
+
+fn recordings_folder(args: &LibraryArgs) -> Result<PathBuf> {
+    let file = args.config.as_deref().map(config::read).transpose()?.unwrap_or_default();
+    Ok(Configuration::resolve(&file)?.recording.folder)
+}
+
+/// The recordings of a folder, the newest first. Files of other programs are left out.
+fn recordings_in(folder: &Path) -> Result<Vec<Listed>> {
+    let context = || format!("the folder {} cannot be read", folder.display());
+    let mut found = Vec::new();
+    for entry in std::fs::read_dir(folder).with_context(context)? {
+        let path = entry.with_context(context)?.path();
+        if path.extension().is_none_or(|extension| extension != "mcap") {
+            continue;
+        }
+        match read(&path) {
+            Ok(listed) => found.push(listed),
+            Err(error) => tracing::warn!("{} is left out: {error:#}", path.display()),
+        }
+    }
+    found.sort_by_key(|listed| std::cmp::Reverse(listed.sortie.began_unix_ns));
+    Ok(found)
+}
+
+fn read(path: &Path) -> Result<Listed> {
+    let mut file = input::open(path)?;
+    let bytes = file.metadata()?.len();
+    let (sortie, is_cut) = match read_sortie(&mut file)? {
+        Some(sortie) => (sortie, false),
+        None => observe(path)?,
+    };
+    Ok(Listed { path: path.to_owned(), bytes, is_cut, sortie })
+}
+
+/// The summary of a recording that holds none, and whether the recording is cut off.
+fn observe(path: &Path) -> Result<(Sortie, bool)> {
+    let mut observer: Option<SortieObserver> = None;
+    let mut is_cut = false;
+    for entry in RecordingReader::new(BufReader::new(File::open(path)?)) {
+        match entry {
+            Ok(entry) => {
+                let observer = observer.get_or_insert_with(|| {
+                    let profile = match &entry {
+                        Entry::Start(start) => config::parse(&start.configuration)
+                            .and_then(|file| Configuration::resolve_recorded(&file))
+                            .ok()
+                            .map(|configuration| configuration.profile),
+                        _ => None,
+                    };
+                    SortieObserver::new(profile)
+                });
+                observer.add(&entry);
+            }
+            Err(ReadError::Truncated) => is_cut = true,
+            Err(error) => return Err(error.into()),
+        }
+    }
+    let observer = observer.context("it holds no run of this program")?;
+    Ok((observer.finish(), is_cut))
+}

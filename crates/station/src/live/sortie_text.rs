@@ -1,0 +1,154 @@
+//! What a sortie was like, in words.
+
+use std::fmt;
+use std::path::Path;
+
+use barrelman_trial::sortie::{Happening, Moment, Sortie, Spells};
+use barrelman_vocab::{HoldCause, Named as _, StopCause};
+use jiff::tz::TimeZone;
+use jiff::{Timestamp, Zoned};
+
+/// The text of a sortie: a few lines.
+pub struct SortieText<'a> {
+    /// The sortie.
+    pub sortie: &'a Sortie,
+    /// Its recording.
+    pub path: &'a Path,
+    /// Whether the recording was cut off.
+    pub is_cut: bool,
+}
+
+impl fmt::Display for SortieText<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { sortie, path, is_cut } = *self;
+        let cut = if is_cut { "; cut off: the program was killed" } else { "" };
+        let lasted = length(sortie.length_s);
+        writeln!(f, "recording: {}", path.display())?;
+        match (local_time(sortie, 0.0), local_time(sortie, sortie.length_s)) {
+            (Some(began), Some(ended)) => {
+                let (began, ended) = (began.strftime("%e %b %Y, %H:%M:%S"), ended.strftime("%H:%M:%S %Z"));
+                writeln!(f, "  {began} to {ended}, {lasted}{cut}")?;
+            }
+            _ => writeln!(f, "  {lasted} of simulated time{cut}")?,
+        }
+        let link = if sortie.link.is_empty() { "dry run" } else { &sortie.link };
+        writeln!(f, "  video {}; link {link}", sortie.video)?;
+        if sortie.engaged_s > 0.0 {
+            let share = 100.0 * sortie.followed_s / sortie.engaged_s;
+            writeln!(f, "  engaged {}, the boat known for {share:.1} % of that", length(sortie.engaged_s))?;
+        } else {
+            writeln!(f, "  never engaged")?;
+        }
+        writeln!(f, "  boat lost: {}", spells(&sortie.losses))?;
+        for (key, held) in &sortie.holds {
+            let cause =
+                HoldCause::ALL.iter().find(|cause| cause.key() == key).map_or("", |cause| cause.text());
+            writeln!(f, "  camera held, {cause}: {}", spells(held))?;
+        }
+        for (key, count) in &sortie.stops {
+            let cause =
+                StopCause::ALL.iter().find(|cause| cause.key() == key).map_or("", |cause| cause.text());
+            writeln!(f, "  stopped {cause}: {}", times(*count))?;
+        }
+        let camera = sortie.camera;
+        let noun = if camera.moves == 1 { "movement" } else { "movements" };
+        write!(f, "  camera: {} {noun}, {:.2} rad", camera.moves, camera.travel_rad)?;
+        if let Some(schema) = sortie.schema {
+            write!(f, " (the motor schema: about {}, {:.2} rad)", schema.moves, schema.travel_rad)?;
+        }
+        writeln!(f, "\n  see it: barrelman report {} --output sortie.html", quoted(path))?;
+        writeln!(f, "  film:   barrelman export {} --output sortie", quoted(path))
+    }
+}
+
+/// A sortie in one line of a list.
+pub struct SortieLine<'a> {
+    /// The sortie.
+    pub sortie: &'a Sortie,
+    /// Its recording.
+    pub path: &'a Path,
+    /// Size of the recording.
+    pub bytes: u64,
+    /// Whether the recording was cut off.
+    pub is_cut: bool,
+}
+
+impl fmt::Display for SortieLine<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { sortie, path, bytes, is_cut } = *self;
+        let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
+        let stop = sortie.moments.iter().rev().find_map(|moment| match moment.what {
+            Happening::Stopped { cause: StopCause::Ending } => Some("ended"),
+            Happening::Stopped { cause } => Some(cause.text()),
+            _ => None,
+        });
+        write!(
+            f,
+            "{}  {:>12}  {:>8.1} MB  {name}  {}  {}",
+            local_time(sortie, 0.0).map_or_else(
+                || "simulated time   ".to_owned(),
+                |began| began.strftime("%e %b %Y %H:%M").to_string()
+            ),
+            length(sortie.length_s),
+            bytes as f64 / 1e6,
+            sortie.video,
+            if is_cut { "cut off" } else { stop.unwrap_or("ended") }
+        )
+    }
+}
+
+/// The moments of a sortie, one a line, with the time of day.
+pub struct MomentLines<'a>(pub &'a Sortie);
+
+impl fmt::Display for MomentLines<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for Moment { at_s, what } in &self.0.moments {
+            let at = local_time(self.0, *at_s).map(|at| format!("{}  ", at.strftime("%H:%M:%S")));
+            writeln!(f, "  {}{at_s:>8.1} s  {}", at.unwrap_or_default(), what.text())?;
+        }
+        Ok(())
+    }
+}
+
+/// The time of day at a time since the beginning; `None`: the recording is one of simulated time alone.
+fn local_time(sortie: &Sortie, at_s: f64) -> Option<Zoned> {
+    /// No recording is older than the program. A clock of simulated time begins at 0.
+    const EARLIEST_UNIX_NS: u64 = 1_000_000_000_000_000_000;
+    if sortie.began_unix_ns < EARLIEST_UNIX_NS {
+        return None;
+    }
+    let at_ns = i128::from(sortie.began_unix_ns) + (at_s * 1e9) as i128;
+    Some(Timestamp::from_nanosecond(at_ns).ok()?.to_zoned(TimeZone::system()))
+}
+
+/// A length of time, such as "3 min 12 s".
+fn length(seconds: f64) -> String {
+    let whole = seconds.round() as u64;
+    match (whole / 3600, whole / 60 % 60, whole % 60) {
+        (0, 0, _) => format!("{seconds:.1} s"),
+        (0, minutes, seconds) => format!("{minutes} min {seconds} s"),
+        (hours, minutes, _) => format!("{hours} h {minutes} min"),
+    }
+}
+
+fn spells(spells: &Spells) -> String {
+    match spells.count {
+        0 => "never".to_owned(),
+        1 => format!("once, {}", length(spells.total_s)),
+        count => {
+            let (total, longest) = (length(spells.total_s), length(spells.longest_s));
+            format!("{}, {total} in all, {longest} the longest", times(count))
+        }
+    }
+}
+
+fn times(count: u64) -> String {
+    if count == 1 { "once".to_owned() } else { format!("{count} times") }
+}
+
+/// A path as a shell takes it.
+fn quoted(path: &Path) -> String {
+    let text = path.display().to_string();
+    let is_plain = text.chars().all(|c| c.is_ascii_alphanumeric() || "/._-+=:@%,".contains(c));
+    if is_plain { text } else { format!("'{}'", text.replace('\'', r"'\''")) }
+}

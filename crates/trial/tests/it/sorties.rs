@@ -1,0 +1,115 @@
+//! The summary of a sortie from the entries of its recording.
+
+use std::io::Cursor;
+
+use barrelman_pilot::Mode;
+use barrelman_trial::records::{Entry, RecordedInput, RecordedOutcome, RecordingWriter, read_sortie};
+use barrelman_trial::sortie::{Happening, Sortie, SortieObserver, Spells};
+use barrelman_vocab::{
+    AngularRate, CameraCommand, CameraRequest, HoldCause, OperatorRequest, PixelBox, StopCause, Timestamp,
+    Track, VehicleRates,
+};
+
+use crate::entries::{outcome, start, written};
+use crate::trial_logs::rates;
+
+const TURNING: CameraCommand =
+    CameraCommand { pan: AngularRate::from_radians_per_second(0.3), tilt: AngularRate::ZERO };
+
+/// An outcome at a time, ms, with the camera turning while it follows.
+fn at(ms: u64, mode: Mode) -> RecordedOutcome {
+    let (command, sent) = match mode {
+        Mode::Servoing => (TURNING, rates(0.3, 0.0)),
+        _ => (CameraCommand::REST, VehicleRates::REST),
+    };
+    RecordedOutcome { at: Timestamp::from_nanos(ms * 1_000_000), mode, command, rates: sent, ..outcome(0.1) }
+}
+
+fn lost(ms: u64, mode: Mode) -> RecordedOutcome {
+    let track = Track::Lost { since: Timestamp::ZERO, confidence: 0.0 };
+    RecordedOutcome { track, percept: None, ..at(ms, mode) }
+}
+
+fn observed(entries: impl IntoIterator<Item = Entry>) -> Sortie {
+    let mut observer = SortieObserver::new(None);
+    entries.into_iter().for_each(|entry| observer.add(&entry));
+    observer.finish()
+}
+
+fn sortie() -> Sortie {
+    let select =
+        OperatorRequest::Camera(CameraRequest::SelectNext(PixelBox { u: 1.0, v: 2.0, w: 30.0, h: 40.0 }));
+    let input = RecordedInput::Request(select);
+    let selected = Entry::Input { step: 1, now: Timestamp::from_nanos(2_000_000_000), input };
+    let outcomes = [
+        at(1_000, Mode::Idle),
+        at(3_000, Mode::Servoing),
+        at(5_000, Mode::Holding(HoldCause::VideoStale)),
+        lost(6_000, Mode::Holding(HoldCause::TrackLost)),
+        at(8_500, Mode::Servoing),
+        at(9_000, Mode::Stopped(StopCause::Operator)),
+        at(10_000, Mode::Idle),
+        at(11_000, Mode::Stopped(StopCause::Ending)),
+    ];
+    let mut entries: Vec<Entry> = outcomes.map(Entry::Outcome).into();
+    entries.insert(0, Entry::Start(start()));
+    entries.insert(2, selected);
+    observed(entries)
+}
+
+#[test]
+fn the_figures_of_a_sortie_are_those_of_its_outcomes() {
+    let sortie = sortie();
+    assert_eq!(sortie.began_unix_ns, start().unix_ns + 1_000_000_000);
+    assert_eq!((sortie.length_s, sortie.engaged_s, sortie.followed_s), (10.0, 6.0, 3.5));
+    assert_eq!(sortie.losses, Spells { count: 1, total_s: 2.5, longest_s: 2.5 });
+    assert_eq!(sortie.holds["video-stale"], Spells { count: 1, total_s: 1.0, longest_s: 1.0 });
+    assert_eq!(sortie.holds["track-lost"].total_s, 2.5);
+    // The end of the program is no stop.
+    assert_eq!(sortie.stops.iter().collect::<Vec<_>>(), [(&"operator".to_owned(), &1)]);
+    assert_eq!(sortie.camera.moves, 2);
+    assert!((sortie.camera.travel_rad - 0.3 * 2.5).abs() < 1e-9, "{:?}", sortie.camera);
+}
+
+#[test]
+fn the_moments_of_a_sortie_are_in_the_order_of_time() {
+    let moments: Vec<_> = sortie().moments.iter().map(|moment| (moment.at_s, moment.what)).collect();
+    assert_eq!(
+        moments,
+        [
+            (1.0, Happening::Selected),
+            (2.0, Happening::Engaged),
+            (5.0, Happening::Lost),
+            (7.5, Happening::Found),
+            (8.0, Happening::Stopped { cause: StopCause::Operator }),
+            (10.0, Happening::Stopped { cause: StopCause::Ending }),
+        ]
+    );
+}
+
+#[test]
+fn a_run_without_an_outcome_is_an_empty_sortie() {
+    assert_eq!(observed([]), Sortie::default());
+}
+
+#[test]
+fn a_recording_gives_its_summary_back_without_its_messages() {
+    let mut bytes = Vec::new();
+    let mut writer = RecordingWriter::begin(&mut bytes, &start()).unwrap();
+    writer.write(&Entry::Outcome(outcome(1.0))).unwrap();
+    writer.write_sortie(&sortie()).unwrap();
+    writer.finish().unwrap();
+    assert_eq!(read_sortie(Cursor::new(&bytes)).unwrap(), Some(sortie()));
+    // A summary stands at the end: a recording that was cut has none, and any cut is survived.
+    for length in (0..bytes.len()).step_by(97) {
+        assert_eq!(read_sortie(Cursor::new(&bytes[..length])).unwrap(), None, "{length} bytes");
+    }
+}
+
+#[test]
+fn a_recording_without_a_summary_is_told() {
+    let bytes = written(&[Entry::Outcome(outcome(1.0))]);
+    assert_eq!(read_sortie(Cursor::new(&bytes)).unwrap(), None);
+    let text = b"no recording at all, but longer than the magic bytes";
+    assert_eq!(read_sortie(Cursor::new(text)).unwrap(), None);
+}
