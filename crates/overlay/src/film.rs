@@ -44,7 +44,10 @@ impl Film {
     }
 
     /// Adds a frame with a scene drawn on it.
-    fn add(&mut self, frame: &VideoFrame, scene: &Scene<'_>) -> Result<()> {
+    ///
+    /// # Errors
+    /// The frame has another size than the first, or the file cannot be written.
+    pub fn add_scene(&mut self, frame: &VideoFrame, scene: &Scene<'_>) -> Result<()> {
         let size = frame.picture.size();
         if let Some(file) = self.file.take() {
             let settings = EncoderSettings::for_pictures(size, NOMINAL_FPS);
@@ -69,7 +72,7 @@ impl Film {
     /// The frame has another size than the first, or the file cannot be written.
     pub fn add_outcome(&mut self, frame: &VideoFrame, outcome: &Outcome, rates: VehicleRates) -> Result<()> {
         let Some(scene) = Scene::from_outcome(outcome) else { return Ok(()) };
-        self.add(frame, &Scene { rates: Some(rates), ..scene })
+        self.add_scene(frame, &Scene { rates: Some(rates), ..scene })
     }
 
     /// Adds a frame with the track of a tracker, without a pilot.
@@ -83,7 +86,7 @@ impl Film {
         explanation: Option<&Explanation>,
     ) -> Result<()> {
         let region = Region::from_shares(self.shares, frame.picture.size());
-        self.add(frame, &Scene { explanation, ..Scene::from_track(track, region) })
+        self.add_scene(frame, &Scene { explanation, ..Scene::from_track(track, region) })
     }
 
     /// Finishes the film.

@@ -22,6 +22,8 @@ pub struct Scene<'a> {
     pub rates: Option<VehicleRates>,
     /// The pilot's mode; `None` without a pilot.
     pub mode: Option<Mode>,
+    /// The time of day, shown instead of the frame's time.
+    pub time_of_day: Option<&'a str>,
     /// State of the link to the vehicle, a short text.
     pub link: Option<&'a str>,
     /// The tracker's explanation.
@@ -39,6 +41,7 @@ impl<'a> Scene<'a> {
             command: CameraCommand::REST,
             rates: None,
             mode: None,
+            time_of_day: None,
             link: None,
             explanation: None,
         }

@@ -72,7 +72,7 @@ impl StatusStrip {
         self.buffer.clear();
         self.fields.clear();
         self.list_fields(scene, view, canvas.style.detail);
-        self.list_time(frame);
+        self.list_time(frame, scene.time_of_day);
         canvas.layer.fill_box(place, Rgba::DARK.with_opacity(PLATE));
         self.lay_out(canvas, place);
         if let Track::Lost { since, .. } = scene.track {
@@ -155,13 +155,16 @@ impl StatusStrip {
     }
 
     /// Adds frame number and time of capture: the last two fields, at the right end.
-    fn list_time(&mut self, frame: &VideoFrame) {
+    fn list_time(&mut self, frame: &VideoFrame, time_of_day: Option<&str>) {
         let style = FieldStyle::Plain(Rgba::LIGHT);
         self.field(Field { name: "frame", value: 0..0, widest: "", style, rank: TIME_RANK }, |buffer| {
             let _ = write!(buffer, "{}", frame.sequence);
         });
         self.field(Field { name: "", value: 0..0, widest: "", style, rank: TIME_RANK }, |buffer| {
-            let _ = write!(buffer, "{}", frame.capture.at);
+            match time_of_day {
+                Some(time) => buffer.push_str(time),
+                None => drop(write!(buffer, "{}", frame.capture.at)),
+            }
         });
     }
 

@@ -51,8 +51,9 @@ pub struct LibraryArgs {
 
 /// `export`.
 #[derive(Debug, Args)]
-#[command(after_help = "Example:
+#[command(after_help = "Examples:
   barrelman export sortie.mcap --output sortie
+  barrelman export sortie.mcap --output film --annotated
 
 The folder gets one CSV file a channel, trial.csv with the rows of the trial,
 and video.mp4. A recording of a simulated trial (`trials --record`) holds no
@@ -63,6 +64,9 @@ pub struct ExportArgs {
     /// Folder of the output files.
     #[arg(long, value_name = "DIR")]
     pub output: PathBuf,
+    /// Write annotated.mp4, too: the video with box, region, mode and time of day drawn into it.
+    #[arg(long)]
+    pub annotated: bool,
     /// Overwrite existing output files.
     #[arg(long)]
     pub force: bool,

@@ -13,6 +13,7 @@ use barrelman_trial::records::{Entry, ReadError, RecordedOutcome, RecordingReade
 use barrelman_vocab::unit::UnitCodec;
 use barrelman_vocab::{EncodedUnit, PictureSize, Timestamp};
 
+use super::annotated_film;
 use super::channel_tables::ChannelTables;
 use crate::cli::ExportArgs;
 use barrelman_experiments::campaign::recorded_trial;
@@ -25,6 +26,8 @@ use barrelman_video::writer::Mp4Writer;
 
 /// The name of the trial's table, without its extension.
 const TRIAL: &str = "trial";
+/// The film with the annotations.
+const ANNOTATED: &str = "annotated.mp4";
 
 /// Runs the command.
 ///
@@ -40,6 +43,8 @@ pub fn run(args: &ExportArgs) -> Result<ExitCode> {
     // Opened before any table: an export that finds the files of another export writes nothing.
     let trial = OutputFile::open(&args.output.join(format!("{TRIAL}.csv")), args.force)?;
     let video = OutputFile::open(&args.output.join("video.mp4"), args.force)?;
+    let annotated =
+        args.annotated.then(|| OutputFile::open(&args.output.join(ANNOTATED), args.force)).transpose()?;
     let cut_channels = export_channels(args).with_context(context)?;
     let ExportedTrial { is_cut: cut_trial, has_video, start } =
         export_trial(args, trial, video).with_context(context)?;
@@ -53,6 +58,10 @@ pub fn run(args: &ExportArgs) -> Result<ExitCode> {
         && let Some(reason) = start.as_deref().and_then(|start| reason_without_video(start, &args.recording))
     {
         writeln!(stdout(), "{reason}")?;
+    }
+    if let Some(file) = annotated {
+        let pictures = annotated_film::write(&args.recording, file).with_context(context)?;
+        writeln!(stdout(), "{ANNOTATED}: {pictures} pictures")?;
     }
     if cut_channels || cut_trial {
         tracing::error!("the recording is cut off: everything before the cut was exported");

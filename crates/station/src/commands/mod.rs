@@ -1,5 +1,6 @@
 //! The commands, one file each. Shared parts: `trial_input` reads trial logs, `summary_table` prints metrics.
 
+mod annotated_film;
 pub mod calibrate;
 pub mod check;
 mod check_gimbal;

@@ -57,7 +57,7 @@ impl fmt::Display for SortieText<'_> {
             write!(f, " (the motor schema: about {}, {:.2} rad)", schema.moves, schema.travel_rad)?;
         }
         writeln!(f, "\n  see it: barrelman report {} --output sortie.html", quoted(path))?;
-        writeln!(f, "  film:   barrelman export {} --output sortie", quoted(path))
+        writeln!(f, "  film:   barrelman export {} --output sortie --annotated", quoted(path))
     }
 }
 

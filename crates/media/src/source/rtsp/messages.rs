@@ -9,6 +9,9 @@ use url::Url;
 use super::super::failure::{from_status, permanent, temporary};
 use super::announced;
 
+/// The port of RTSP.
+pub(super) const RTSP_PORT: u16 = 554;
+
 /// Longest head and longest body of a message, bytes.
 const MAX_HEAD: usize = 64 << 10;
 const MAX_BODY: usize = 256 << 10;
@@ -178,7 +181,7 @@ impl Answers {
     /// Whether a redirect stays with the server that was asked.
     fn leads_to_same_server(&self, head: &[u8]) -> bool {
         let place = |url: &Url| {
-            let port = url.port().unwrap_or(super::relay::RTSP_PORT);
+            let port = url.port().unwrap_or(RTSP_PORT);
             (url.scheme().to_owned(), url.host_str().map(str::to_ascii_lowercase), port)
         };
         let location = values(head, "Location").next().and_then(|value| std::str::from_utf8(value).ok());

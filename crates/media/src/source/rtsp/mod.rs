@@ -84,7 +84,10 @@ impl Attempt {
             watch_redirects(play, &source, &self.url);
             self.url.clone()
         } else {
-            relay::start(play, self).map_err(|error| temporary(format!("cannot be reached: {error}"), ""))?
+            let permits_basic = self.login.as_ref().is_some_and(|login| login.permits_basic);
+            let server = relay::Server { url: self.url.clone(), permits_basic, sent: self.sent };
+            relay::start(play, server)
+                .map_err(|error| temporary(format!("cannot be reached: {error}"), ""))?
         };
         self.set_up(&source, &location);
         let stream = Stream::default();

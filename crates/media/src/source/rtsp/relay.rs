@@ -13,14 +13,10 @@ use url::Url;
 use super::super::failure::from_status;
 use super::super::play::Play;
 use super::super::reach;
-use super::Attempt;
-use super::messages::{Answers, Refusal, Requests};
+use super::messages::{Answers, RTSP_PORT, Refusal, Requests};
 
 /// Bytes that are read at once.
 const READ_BYTES: usize = 64 << 10;
-
-/// The port of RTSP.
-pub(super) const RTSP_PORT: u16 = 554;
 
 /// Maximum number of connections, one after the other: the first one, and one for each redirect.
 const MAX_CONNECTIONS: usize = 4;
@@ -28,10 +24,19 @@ const MAX_CONNECTIONS: usize = 4;
 /// Requests whose answer decides about the stream. The others keep the session alive.
 const DECISIVE: [&str; 3] = ["DESCRIBE", "SETUP", "PLAY"];
 
-/// Starts a relay to the server of an attempt. Returns the address that leads through the relay.
-pub(super) fn start(play: &Arc<Play>, attempt: &Attempt) -> io::Result<Url> {
-    let Attempt { url, sent, .. } = attempt;
-    let permits_basic = attempt.login.as_ref().is_some_and(|login| login.permits_basic);
+/// A server, and what is known of it.
+pub(super) struct Server {
+    /// The address of the stream.
+    pub(super) url: Url,
+    /// Whether a password may be sent as it is, without TLS.
+    pub(super) permits_basic: bool,
+    /// The encoding that the server sends and does not announce.
+    pub(super) sent: Option<&'static str>,
+}
+
+/// Starts a relay to a server. Returns the address that leads through the relay.
+pub(super) fn start(play: &Arc<Play>, server: Server) -> io::Result<Url> {
+    let Server { url, permits_basic, sent } = server;
     let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, 0))?;
     let near = listener.local_addr()?;
     let mut through = url.clone();
@@ -39,7 +44,7 @@ pub(super) fn start(play: &Arc<Play>, attempt: &Attempt) -> io::Result<Url> {
     if !is_set {
         return Err(io::Error::from(io::ErrorKind::InvalidInput));
     }
-    let (play, url, sent) = (Arc::downgrade(play), url.clone(), *sent);
+    let play = Arc::downgrade(play);
     std::thread::spawn(move || {
         for client in listener.incoming().take(MAX_CONNECTIONS) {
             let Ok(client) = client else { return };

@@ -1,0 +1,99 @@
+//! The film of a recording with box, region, mode and the time of day drawn into the pictures.
+
+use std::fs::File;
+use std::io::BufReader;
+use std::path::Path;
+
+use anyhow::{Context as _, Result};
+use barrelman_control::Region;
+use barrelman_host::output::OutputFile;
+use barrelman_overlay::Scene;
+use barrelman_overlay::film::Film;
+use barrelman_trial::records::{
+    Entry, ReadError, RecordedInput, RecordedOutcome, RecordingReader, RecordingStart,
+};
+use barrelman_video::mode::DecodeMode;
+use barrelman_vocab::profile::RegionShares;
+use barrelman_vocab::{Timestamp, VideoFrame};
+use jiff::tz::TimeZone;
+
+use super::replay::MAX_QUEUED_BYTES;
+use super::replayed_video::ReplayedVideo;
+use super::stored_video::StoredVideo;
+use crate::config::{self, Configuration};
+
+/// What is read of a recording before its first picture.
+struct Begun {
+    video: ReplayedVideo,
+    shares: RegionShares,
+    /// Unix time of the recording's clock; `None`: simulated time.
+    unix_start_ns: Option<u64>,
+}
+
+/// Writes the film of a recording, up to where it is cut off. Returns the number of pictures.
+///
+/// # Errors
+/// If the recording holds no start, a picture cannot be decoded, or the file cannot be written.
+pub(super) fn write(recording: &Path, file: OutputFile) -> Result<u64> {
+    let mut entries = RecordingReader::new(BufReader::new(File::open(recording)?));
+    let Some(Entry::Start(start)) = entries.next().transpose()? else {
+        anyhow::bail!("it does not begin with a start message: it is not a recording of this program");
+    };
+    let mut begun = Begun::new(&start)?;
+    let mut film = Film::new(file, begun.shares);
+    let (mut pictures, mut pending) = (0, None);
+    for entry in entries {
+        match entry {
+            Ok(Entry::Unit(unit)) => begun.video.add(unit)?,
+            Ok(Entry::Input { step, input: RecordedInput::Frame(fingerprint), .. }) => {
+                pending = Some((step, begun.video.frame(&fingerprint)?));
+            }
+            Ok(Entry::Outcome(outcome)) => {
+                begun.video.command(&outcome);
+                if let Some((_, frame)) = pending.take_if(|(step, _)| *step == outcome.step) {
+                    begun.draw(&mut film, &frame, &outcome)?;
+                    pictures += 1;
+                }
+            }
+            Ok(Entry::Input { .. } | Entry::Truth(_) | Entry::Start(_)) => {}
+            Err(ReadError::Truncated) => break,
+            Err(error) => return Err(error.into()),
+        }
+    }
+    film.finish()?;
+    Ok(pictures)
+}
+
+impl Begun {
+    fn new(start: &RecordingStart) -> Result<Self> {
+        let configuration = Configuration::resolve_recorded(&config::parse(&start.configuration)?)
+            .context("the recorded configuration")?;
+        let mode = if start.live_video { DecodeMode::Live } else { DecodeMode::File };
+        Ok(Self {
+            video: ReplayedVideo::new(StoredVideo::new(mode, MAX_QUEUED_BYTES), start),
+            shares: configuration.profile.region,
+            unix_start_ns: (start.unix_ns > 0).then_some(start.unix_ns),
+        })
+    }
+
+    fn draw(&self, film: &mut Film, frame: &VideoFrame, outcome: &RecordedOutcome) -> Result<()> {
+        let time_of_day = self.time_of_day(frame.capture.at);
+        let region = Region::from_shares(self.shares, frame.picture.size());
+        let scene = Scene {
+            percept: outcome.percept,
+            advice: outcome.advice,
+            command: outcome.command,
+            rates: Some(outcome.rates),
+            mode: Some(outcome.mode),
+            time_of_day: time_of_day.as_deref(),
+            ..Scene::from_track(&outcome.track, region)
+        };
+        film.add_scene(frame, &scene)
+    }
+
+    fn time_of_day(&self, at: Timestamp) -> Option<String> {
+        let unix_ns = i128::from(self.unix_start_ns?) + i128::from(at.as_nanos());
+        let at = jiff::Timestamp::from_nanosecond(unix_ns).ok()?.to_zoned(TimeZone::system());
+        Some(at.strftime("%H:%M:%S%.1f").to_string())
+    }
+}
