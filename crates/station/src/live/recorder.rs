@@ -111,7 +111,7 @@ impl Recorder {
         reserve: Option<DiskReserve>,
         profile: VehicleProfile,
     ) -> Result<Self> {
-        let mut writer = RecordingWriter::begin(BufWriter::new(output), start)?;
+        let mut writer = RecordingWriter::begin(BufWriter::new(output), start)?.showing(profile.region);
         writer.flush()?;
         let (items, queue) = sync_channel(QUEUE_CAPACITY);
         let has_failed = Arc::new(AtomicBool::new(false));

@@ -24,6 +24,8 @@ mod record_lengths;
 
 mod stored_sortie;
 
+mod foxglove_view;
+
 pub use entry::{
     Entry, RecordedMark, RecordedOutcome, RecordedProgress, RecordedTruth, RecordedVessel, RecordingStart,
     SimulatedTrial,

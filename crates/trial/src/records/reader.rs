@@ -114,6 +114,8 @@ fn decode(
         Topic::InputRequest => stored::RequestInput::decode(data)?.try_into()?,
         Topic::InputTick => stored::TickInput::decode(data)?.into(),
         Topic::Outcome => Entry::Outcome(stored::Outcome::decode(data)?.try_into()?),
+        // These repeat the outcomes.
+        Topic::Annotations | Topic::Log | Topic::Location => return Ok(None),
         Topic::Truth => Entry::Truth(stored::WorldTruth::decode(data)?.into()),
     }))
 }

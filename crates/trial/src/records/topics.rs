@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use foxglove::Encode;
-use foxglove::messages::{CompressedImage, CompressedVideo};
+use foxglove::messages::{CompressedImage, CompressedVideo, ImageAnnotations, LocationFix, Log};
 
 /// Descriptors of this program's messages, compiled from `proto/barrelman.proto`.
 pub(super) const DESCRIPTORS: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/barrelman.binpb"));
@@ -23,10 +23,13 @@ pub(super) enum Topic {
     InputTick,
     Outcome,
     Truth,
+    Annotations,
+    Log,
+    Location,
 }
 
 impl Topic {
-    pub(super) const ALL: [Self; 12] = [
+    pub(super) const ALL: [Self; 15] = [
         Self::Start,
         Self::VideoUnit,
         Self::Video,
@@ -39,6 +42,9 @@ impl Topic {
         Self::InputTick,
         Self::Outcome,
         Self::Truth,
+        Self::Annotations,
+        Self::Log,
+        Self::Location,
     ];
 
     pub(super) const fn name(self) -> &'static str {
@@ -55,6 +61,9 @@ impl Topic {
             Self::InputTick => "/input/tick",
             Self::Outcome => "/outcome",
             Self::Truth => "/truth",
+            Self::Annotations => "/video/annotations",
+            Self::Log => "/log",
+            Self::Location => "/boat/location",
         }
     }
 
@@ -81,6 +90,9 @@ impl Topic {
             Self::InputTick => own("TickInput"),
             Self::Outcome => own("Outcome"),
             Self::Truth => own("WorldTruth"),
+            Self::Annotations => known(ImageAnnotations::get_schema()),
+            Self::Log => known(Log::get_schema()),
+            Self::Location => known(LocationFix::get_schema()),
         }
     }
 

@@ -6,13 +6,16 @@
 use std::collections::BTreeMap;
 use std::io::Write;
 
+use barrelman_pilot::Mode;
+use barrelman_vocab::profile::RegionShares;
 use barrelman_vocab::unit::UnitCodec;
 use barrelman_vocab::{EncodedUnit, Timestamp};
 use foxglove::messages::{CompressedImage, CompressedVideo};
 use mcap::records::MessageHeader;
 use mcap::write::NoSeek;
 
-use super::entry::{Entry, RecordingStart};
+use super::entry::{Entry, RecordedOutcome, RecordingStart};
+use super::foxglove_view;
 use super::recorded_input::RecordedInput;
 use super::stored;
 use super::stored_sortie;
@@ -50,6 +53,9 @@ pub struct RecordingWriter<W: Write> {
     writer: mcap::Writer<NoSeek<W>>,
     channels: BTreeMap<Topic, u16>,
     unix_start_ns: u64,
+    /// The region that is drawn for other programs; `None`: nothing is drawn for them.
+    shown_region: Option<RegionShares>,
+    last_mode: Option<Mode>,
     sequence: u32,
     buffer: Vec<u8>,
 }
@@ -71,10 +77,24 @@ impl<W: Write> RecordingWriter<W> {
         for topic in Topic::ALL {
             channels.insert(topic, topic.register(&mut writer)?);
         }
-        let mut recording =
-            Self { writer, channels, unix_start_ns: start.unix_ns, sequence: 0, buffer: Vec::new() };
+        let mut recording = Self {
+            writer,
+            channels,
+            unix_start_ns: start.unix_ns,
+            shown_region: None,
+            last_mode: None,
+            sequence: 0,
+            buffer: Vec::new(),
+        };
         recording.write_message(Topic::Start, Timestamp::ZERO, &stored::RecordingStart::from(start))?;
         Ok(recording)
+    }
+
+    /// Adds what Foxglove and Lichtblick show by themselves, with a region of these shares.
+    #[must_use]
+    pub fn showing(mut self, region: RegionShares) -> Self {
+        self.shown_region = Some(region);
+        self
     }
 
     /// Adds an entry.
@@ -89,7 +109,8 @@ impl<W: Write> RecordingWriter<W> {
             Entry::Unit(unit) => self.write_unit(unit),
             Entry::Input { step, now, input } => self.write_input(*step, *now, input),
             Entry::Outcome(outcome) => {
-                self.write_message(Topic::Outcome, outcome.at, &stored::Outcome::from(outcome))
+                self.write_message(Topic::Outcome, outcome.at, &stored::Outcome::from(outcome))?;
+                self.shown_region.map_or(Ok(()), |region| self.show(outcome, region))
             }
             Entry::Truth(truth) => {
                 self.write_message(Topic::Truth, truth.at, &stored::WorldTruth::from(truth))
@@ -100,11 +121,7 @@ impl<W: Write> RecordingWriter<W> {
     fn write_unit(&mut self, unit: &EncodedUnit) -> Result<(), WriteError> {
         let at = unit.capture.at;
         self.write_message(Topic::VideoUnit, at, &stored::VideoUnit::from(unit))?;
-        let unix_ns = self.unix_ns(at);
-        let timestamp = Some(foxglove::messages::Timestamp::new(
-            (unix_ns / 1_000_000_000) as u32,
-            (unix_ns % 1_000_000_000) as u32,
-        ));
+        let timestamp = Some(self.foxglove_time(at));
         let frame_id = "camera".to_owned();
         let data = unit.payload.clone();
         match Channel::of(unit.codec) {
@@ -151,6 +168,24 @@ impl<W: Write> RecordingWriter<W> {
                 self.write_message(Topic::InputTick, now, &stored::TickInput { step, now_ns })
             }
         }
+    }
+
+    fn show(&mut self, outcome: &RecordedOutcome, region: RegionShares) -> Result<(), WriteError> {
+        let at = outcome.at;
+        if let Some(age) = outcome.age {
+            let captured = at.minus(age);
+            let shown = foxglove_view::annotations(outcome, region, self.foxglove_time(captured));
+            shown.map_or(Ok(()), |shown| self.write_message(Topic::Annotations, captured, &shown))?;
+            let location = foxglove_view::location(outcome, self.foxglove_time(at));
+            location.map_or(Ok(()), |location| self.write_message(Topic::Location, at, &location))?;
+        }
+        let event = foxglove_view::log(outcome, self.last_mode.replace(outcome.mode), self.foxglove_time(at));
+        event.map_or(Ok(()), |event| self.write_message(Topic::Log, at, &event))
+    }
+
+    fn foxglove_time(&self, at: Timestamp) -> foxglove::messages::Timestamp {
+        let unix_ns = self.unix_ns(at);
+        foxglove::messages::Timestamp::new((unix_ns / 1_000_000_000) as u32, (unix_ns % 1_000_000_000) as u32)
     }
 
     fn unix_ns(&self, at: Timestamp) -> u64 {

@@ -3,14 +3,17 @@
 use std::io::Cursor;
 
 use barrelman_pilot::Mode;
-use barrelman_trial::records::{Entry, RecordedInput, RecordedOutcome, RecordingWriter, read_sortie};
+use barrelman_trial::records::table::read_rows;
+use barrelman_trial::records::{
+    Entry, ReadError, RecordedInput, RecordedOutcome, RecordingWriter, read_sortie,
+};
 use barrelman_trial::sortie::{Happening, Sortie, SortieObserver, Spells};
 use barrelman_vocab::{
     AngularRate, CameraCommand, CameraRequest, HoldCause, OperatorRequest, PixelBox, StopCause, Timestamp,
-    Track, VehicleRates,
+    Track, VehicleProfile, VehicleRates,
 };
 
-use crate::entries::{outcome, start, written};
+use crate::entries::{outcome, read, start, written};
 use crate::trial_logs::rates;
 
 const TURNING: CameraCommand =
@@ -112,4 +115,26 @@ fn a_recording_without_a_summary_is_told() {
     assert_eq!(read_sortie(Cursor::new(&bytes)).unwrap(), None);
     let text = b"no recording at all, but longer than the magic bytes";
     assert_eq!(read_sortie(Cursor::new(text)).unwrap(), None);
+}
+
+#[test]
+fn what_other_programs_show_is_left_out_by_the_reader() {
+    let outcomes = [at(1_000, Mode::Idle), at(2_000, Mode::Servoing), lost(3_000, Mode::Servoing)];
+    let mut bytes = Vec::new();
+    let region = VehicleProfile::fotokite_pro().region;
+    let mut writer = RecordingWriter::begin(&mut bytes, &start()).unwrap().showing(region);
+    outcomes.iter().for_each(|outcome| writer.write(&Entry::Outcome(outcome.clone())).unwrap());
+    writer.finish().unwrap();
+    let (found, error) = read(&bytes);
+    assert!(error.is_none(), "{error:?}");
+    assert_eq!(found[1..], outcomes.map(Entry::Outcome));
+    let mut topics = Vec::new();
+    let read = read_rows(&bytes[..], |row| -> Result<(), ReadError> {
+        topics.push(row.topic);
+        Ok(())
+    });
+    read.unwrap();
+    let count = |topic: &str| topics.iter().filter(|found| found == &topic).count();
+    // Each mode once, with the notice of every outcome; a lost boat has no box.
+    assert_eq!((count("/video/annotations"), count("/log"), count("/boat/location")), (2, 3, 3));
 }
