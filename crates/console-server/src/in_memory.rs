@@ -72,6 +72,7 @@ impl InMemory {
             relay: Arc::new(VideoRelay::default()),
             pictures: Arc::new(PictureSlot::default()),
             time: SessionTime::new(Clock::start().started_earlier(UPTIME)),
+            library: None,
         };
         let clock = parts.time.program_clock();
         let address: std::net::SocketAddr = setup.address.parse().unwrap();

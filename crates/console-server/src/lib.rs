@@ -15,6 +15,7 @@
 pub mod server;
 mod shared;
 
+mod library;
 mod routes;
 mod socket;
 mod upgrade;
@@ -52,6 +53,7 @@ mod in_memory;
 #[cfg(test)]
 mod test_scenes;
 
+pub use library::Library;
 pub use on_lost::OnConsoleLost;
 pub use picker::{AfterPicking, pick};
 pub use pictures::PictureSlot;

@@ -12,7 +12,7 @@
 //! | `GET /api/v1/socket` | the socket of a page ([`super::socket`]) | token |
 //! | `GET /metrics` | metrics for Prometheus | token |
 //!
-//! Each request is judged by [`super::guard`]. No other file is served.
+//! Those of the recordings are in [`super::library::routes`]. Each request is judged by [`super::guard`]. No other file is served.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -33,6 +33,7 @@ use super::access::{Access, Role};
 use super::api::{Answer, RequestBody};
 use super::files;
 use super::guard::{Hosts, Provenance};
+use super::library;
 use super::limits::{BODY_TIMEOUT, MAX_MESSAGE_BYTES, SOCKET_REQUESTS};
 use super::metrics::metrics_text;
 use super::places::Place;
@@ -71,7 +72,7 @@ const SECURITY_HEADERS: [(HeaderName, &str); 6] = [
     (HeaderName::from_static("cross-origin-opener-policy"), "same-origin"),
     (
         header::CONTENT_SECURITY_POLICY,
-        "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: blob:; connect-src 'self'; \
+        "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: blob:; connect-src 'self'; media-src 'self'; \
          base-uri 'none'; form-action 'none'; frame-ancestors 'none'",
     ),
 ];
@@ -88,6 +89,7 @@ pub(super) fn router(console: Arc<Console>) -> Router {
         .route(REQUESTS_PATH, post(requests))
         .route(SOCKET_PATH, get(open_socket))
         .route("/metrics", get(metrics))
+        .merge(library::routes::routes())
         .layer(DefaultBodyLimit::max(MAX_MESSAGE_BYTES))
         .layer(from_fn_with_state(Arc::clone(&console), guard))
         .with_state(console)
@@ -201,7 +203,7 @@ fn refused() -> Box<Response> {
     Box::new((StatusCode::UNAUTHORIZED, [(header::WWW_AUTHENTICATE, "Bearer")], body).into_response())
 }
 
-fn json(value: &impl Serialize) -> Response {
+pub(super) fn json(value: &impl Serialize) -> Response {
     match serde_json::to_vec(value) {
         Ok(body) => ([(header::CONTENT_TYPE, "application/json")], Body::from(body)).into_response(),
         Err(error) => (StatusCode::INTERNAL_SERVER_ERROR, format!("{error}\n")).into_response(),

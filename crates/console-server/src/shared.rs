@@ -9,6 +9,7 @@ use barrelman_vocab::LawId;
 use super::access::{Access, Role};
 use super::api::{ControlSeat, Hello};
 use super::guard::Hosts;
+use super::library::Library;
 use super::on_lost::OnConsoleLost;
 use super::pictures::PictureSlot;
 use super::seats::{ClientId, Seats};
@@ -49,6 +50,8 @@ pub struct ConsoleParts {
     pub pictures: Arc<PictureSlot>,
     /// The time of the session.
     pub time: SessionTime,
+    /// The recordings; `None`: the program has no folder of them.
+    pub library: Option<Library>,
 }
 
 /// What all tasks of a console share.
@@ -63,6 +66,7 @@ pub(super) struct Console {
     pub(super) relay: Arc<VideoRelay>,
     pub(super) pictures: Arc<PictureSlot>,
     pub(super) time: SessionTime,
+    pub(super) library: Option<Arc<Library>>,
     pub(super) seats: Mutex<Seats>,
     pub(super) seat_changes: watch::Sender<ControlSeat>,
 }
@@ -80,6 +84,7 @@ impl Console {
             relay: parts.relay,
             pictures: parts.pictures,
             time: parts.time,
+            library: parts.library.map(Arc::new),
             seats: Mutex::default(),
             seat_changes: watch::Sender::new(ControlSeat::default()),
         }

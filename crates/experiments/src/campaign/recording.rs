@@ -71,14 +71,19 @@ impl TrialRecorder {
         let film = Film::new(OutputFile::open(&film, *force)?, profile.region);
         let file = OutputFile::open(&path, *force)?;
         let configuration = configuration.clone();
-        Ok(Self { film: Some(film), ..Self::without_film(file, configuration, run)? })
+        Ok(Self { film: Some(film), ..Self::without_film(file, configuration, run, profile)? })
     }
 
     /// Begins a recording without an annotated video.
     ///
     /// # Errors
     /// The file cannot be written.
-    pub fn without_film(file: OutputFile, configuration: String, run: RecordedRun) -> Result<Self> {
+    pub fn without_film(
+        file: OutputFile,
+        configuration: String,
+        run: RecordedRun,
+        profile: &VehicleProfile,
+    ) -> Result<Self> {
         let path = file.path().to_owned();
         // The times of a clock would make files of the same seed differ.
         let start = RecordingStart {
@@ -93,8 +98,8 @@ impl TrialRecorder {
             trial: run.trial,
         };
         let flush_at = start.trial.is_none().then_some(Timestamp::ZERO);
-        let writer =
-            RecordingWriter::begin(BufWriter::new(file), &start).with_context(|| cannot_be_written(&path))?;
+        let writer = RecordingWriter::begin(BufWriter::new(file), &start, profile)
+            .with_context(|| cannot_be_written(&path))?;
         Ok(Self { path, writer, film: None, flush_at, step: 0, error: None })
     }
 

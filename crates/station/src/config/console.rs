@@ -87,6 +87,12 @@ impl ConsoleSection {
     }
 }
 
+impl Default for RecordingConfig {
+    fn default() -> Self {
+        RecordingSection::default().resolve()
+    }
+}
+
 impl RecordingSection {
     /// The effective settings.
     pub(super) fn resolve(&self) -> RecordingConfig {

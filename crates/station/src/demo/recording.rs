@@ -18,7 +18,7 @@ pub(super) fn begin(file: Option<OutputFile>, setup: &DriveSetup) -> Result<Opti
         let configuration =
             Configuration { vessel: setup.commands_vessel().then(VesselConfig::simulated), ..simulated };
         let run = RecordedRun { video: setup.url.to_string(), trial: None };
-        TrialRecorder::without_film(file, configuration.to_toml()?, run)
+        TrialRecorder::without_film(file, configuration.to_toml()?, run, &configuration.profile)
     };
     file.map(begin).transpose()
 }

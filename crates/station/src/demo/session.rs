@@ -19,8 +19,10 @@ use barrelman_host::output::OutputFile;
 use super::live_drive::{DriveEnd, LiveDrive};
 use super::observers::{ConsoleObserver, DriveObservers};
 use super::recording;
+use crate::config::RecordingConfig;
 use crate::live::event::{report_panics, wake_by};
 use crate::live::faults::FaultInjector;
+use crate::live::recording_folder::library;
 use crate::live::terminal::Terminal;
 
 /// Capacity of the queue of events.
@@ -73,6 +75,7 @@ impl DriveSession {
             relay: Arc::clone(&relay),
             pictures: Arc::clone(&pictures),
             time: time.clone(),
+            library: library(&RecordingConfig::default()),
         };
         let server = ConsoleServer::open(console, parts, report_panics(events))?;
         print_keys(&setup)?;

@@ -15,7 +15,7 @@ use barrelman_host::clock::Clock;
 use barrelman_trial::records::{
     Entry, FrameFingerprint, RecordedInput, RecordedOutcome, RecordingStart, RecordingWriter,
 };
-use barrelman_trial::sortie::{Sortie, SortieObserver};
+use barrelman_trial::sortie::Sortie;
 use barrelman_vocab::{EncodedUnit, Timestamp, VehicleProfile, VideoFrame};
 
 use super::event::Event;
@@ -109,20 +109,18 @@ impl Recorder {
         fault_injector: FaultInjector,
         events: SyncSender<Event>,
         reserve: Option<DiskReserve>,
-        profile: VehicleProfile,
+        profile: &VehicleProfile,
     ) -> Result<Self> {
-        let mut writer = RecordingWriter::begin(BufWriter::new(output), start)?.showing(profile.region);
+        let mut writer = RecordingWriter::begin(BufWriter::new(output), start, profile)?;
         writer.flush()?;
         let (items, queue) = sync_channel(QUEUE_CAPACITY);
         let has_failed = Arc::new(AtomicBool::new(false));
         let input = RecorderInput { items, events: events.clone(), has_failed: Arc::clone(&has_failed) };
         let alarm = events.clone();
-        let mut observer = SortieObserver::new(Some(profile));
-        observer.add(&Entry::Start(start.clone()));
         let (finished, sortie) = channel();
         let thread = threads::spawn("recorder", events, move || {
             let mut queue = fault_injector.inbox(RECORDER, clock, queue);
-            match write(&mut *queue, writer, observer, reserve.as_ref()) {
+            match write(&mut *queue, writer, reserve.as_ref()) {
                 // Without a receiver, nobody wants it.
                 Ok(sortie) => drop(finished.send(sortie)),
                 Err(error) => {
@@ -153,24 +151,13 @@ impl Recorder {
 fn write<W: Write>(
     queue: &mut dyn Inbox<Item>,
     mut writer: RecordingWriter<W>,
-    mut observer: SortieObserver,
     reserve: Option<&DiskReserve>,
 ) -> Result<Sortie> {
     let mut flush_at = Instant::now() + FLUSH_INTERVAL;
     loop {
         match queue.next(flush_at.saturating_duration_since(Instant::now())) {
-            Ok(Item::End) | Err(RecvTimeoutError::Disconnected) => {
-                let sortie = observer.finish();
-                writer.write_sortie(&sortie)?;
-                writer.finish()?;
-                return Ok(sortie);
-            }
-            Ok(item) => {
-                if let Some(entry) = entry_of(item) {
-                    observer.add(&entry);
-                    writer.write(&entry)?;
-                }
-            }
+            Ok(Item::End) | Err(RecvTimeoutError::Disconnected) => return Ok(writer.finish()?),
+            Ok(item) => entry_of(item).map_or(Ok(()), |entry| writer.write(&entry))?,
             Err(RecvTimeoutError::Timeout) => {}
         }
         if Instant::now() >= flush_at {

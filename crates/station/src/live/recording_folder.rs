@@ -4,6 +4,7 @@ use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
+use barrelman_console_server::Library;
 use barrelman_host::output::{OutputFile, is_being_written};
 use jiff::Timestamp;
 
@@ -44,6 +45,11 @@ impl DiskReserve {
             self.bytes as f64 / BYTES_PER_GB
         )
     }
+}
+
+/// The recordings of the folder, for the console; `None`: the system does not say where this program is.
+pub fn library(config: &RecordingConfig) -> Option<Library> {
+    Some(Library::new(config.folder.clone(), std::env::current_exe().ok()?))
 }
 
 /// Opens the next recording in the folder. The oldest recordings make room where the quota is used up; one that another

@@ -36,7 +36,7 @@ use super::open_link::{LinkedVehicle, open_link, take_lock};
 use super::open_vessel::open_vessel;
 use super::overlay_video::OverlayVideo;
 use super::recorder::Recorder;
-use super::recording_folder::DiskReserve;
+use super::recording_folder::{DiskReserve, library};
 use super::recording_start::recording_start;
 use super::run_loop::{LiveStepObserver, RunEnd, RunLoop};
 use super::sleep_inhibitor::SleepInhibitor;
@@ -233,7 +233,7 @@ impl Session<'_> {
                     fault_injector.clone(),
                     events.clone(),
                     outputs.reserve,
-                    profile.clone(),
+                    profile,
                 );
                 Some(Recording { path, recorder: recorder.context(context)? })
             }
@@ -271,6 +271,7 @@ impl Session<'_> {
                 relay,
                 pictures: Arc::clone(&pictures),
                 time: SessionTime::new(clock),
+                library: library(&configuration.recording),
             };
             ConsoleServer::open(settings, parts, report_panics(events.clone()))
         };

@@ -7,6 +7,7 @@ use barrelman_pilot::CommandPath;
 use barrelman_station::commands::run::build_pilot;
 use barrelman_station::config::{self, Configuration};
 use barrelman_trial::records::{Entry, RecordedInput, RecordedOutcome, RecordingStart, RecordingWriter};
+use barrelman_vocab::VehicleProfile;
 use barrelman_vocab::telemetry::{LinkState, Report};
 use barrelman_vocab::{CameraRequest, OperatorRequest, Telemetry, Timestamp, Track};
 
@@ -31,7 +32,9 @@ fn record(name: &str, made: CommandPath, stated: CommandPath) -> (PathBuf, bool)
         trial: None,
     };
     let path = empty_folder(name).join("run.mcap");
-    let mut writer = RecordingWriter::begin(fs::File::create(&path).unwrap(), &start).unwrap();
+    let mut writer =
+        RecordingWriter::begin(fs::File::create(&path).unwrap(), &start, &VehicleProfile::fotokite_pro())
+            .unwrap();
     let mut pilot = build_pilot(&configuration, made).unwrap();
     let report = |state, now: Timestamp| Telemetry { at: now, report: Report::Link(state) };
     let mut inputs = vec![

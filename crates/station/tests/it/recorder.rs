@@ -108,7 +108,7 @@ fn begin() -> (MemoryOutput, Recorder, Receiver<Event>) {
         FaultInjector::default(),
         events,
         None,
-        VehicleProfile::fotokite_pro(),
+        &VehicleProfile::fotokite_pro(),
     );
     (output, recorder.unwrap(), queue)
 }
@@ -227,7 +227,7 @@ fn an_output_that_cannot_be_written_is_refused_at_the_start() {
             FaultInjector::default(),
             events,
             None,
-            VehicleProfile::fotokite_pro()
+            &VehicleProfile::fotokite_pro()
         )
         .is_err()
     );

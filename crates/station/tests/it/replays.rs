@@ -10,6 +10,7 @@ use barrelman_station::commands::stored_video::StoredVideo;
 use barrelman_trial::records::{Entry, FrameFingerprint, RecordingStart, RecordingWriter};
 use barrelman_video::decoder::UnitDecoder;
 use barrelman_video::mode::DecodeMode;
+use barrelman_vocab::VehicleProfile;
 use barrelman_vocab::unit::{Rotation, UnitCodec};
 use barrelman_vocab::video::{Capture, CaptureQuality, ColourEncoding};
 use barrelman_vocab::{EncodedUnit, PictureSize, Timestamp, VideoFrame};
@@ -75,7 +76,7 @@ fn a_recording_of_many_pictures_that_no_step_takes_needs_little_memory() {
         trial: None,
     };
     let file = BufWriter::new(fs::File::create(&path).unwrap());
-    let mut writer = RecordingWriter::begin(file, &start).unwrap();
+    let mut writer = RecordingWriter::begin(file, &start, &VehicleProfile::fotokite_pro()).unwrap();
     let png = black_png();
     // 400 pictures of 6 MB each when decoded.
     for index in 0..400 {

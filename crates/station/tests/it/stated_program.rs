@@ -9,6 +9,7 @@ use barrelman_experiments::tracker_choice::TrackerName;
 use barrelman_experiments::world_url::WorldUrl;
 use barrelman_host::output::OutputFile;
 use barrelman_trial::records::{Entry, RecordingReader, RecordingStart, RecordingWriter};
+use barrelman_vocab::VehicleProfile;
 use barrelman_vocab::{CameraRequest, PictureSize};
 
 use crate::program::{argument, barrelman, empty_folder, failed, succeeded};
@@ -20,7 +21,8 @@ pub(crate) fn rewrite(from: &Path, to: &Path, change: impl FnOnce(&mut Recording
     let mut entries = RecordingReader::new(File::open(from).unwrap()).map(Result::unwrap);
     let Some(Entry::Start(mut start)) = entries.next() else { panic!("it begins with its start") };
     change(&mut start);
-    let mut writer = RecordingWriter::begin(File::create(to).unwrap(), &start).unwrap();
+    let mut writer =
+        RecordingWriter::begin(File::create(to).unwrap(), &start, &VehicleProfile::fotokite_pro()).unwrap();
     entries.for_each(|entry| writer.write(&entry).unwrap());
     writer.finish().unwrap();
 }

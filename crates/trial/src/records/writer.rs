@@ -9,7 +9,7 @@ use std::io::Write;
 use barrelman_pilot::Mode;
 use barrelman_vocab::profile::RegionShares;
 use barrelman_vocab::unit::UnitCodec;
-use barrelman_vocab::{EncodedUnit, Timestamp};
+use barrelman_vocab::{EncodedUnit, Timestamp, VehicleProfile};
 use foxglove::messages::{CompressedImage, CompressedVideo};
 use mcap::records::MessageHeader;
 use mcap::write::NoSeek;
@@ -20,7 +20,7 @@ use super::recorded_input::RecordedInput;
 use super::stored;
 use super::stored_sortie;
 use super::topics::Topic;
-use crate::sortie::Sortie;
+use crate::sortie::{Sortie, SortieObserver};
 
 /// A recording could not be written.
 #[derive(Debug, thiserror::Error)]
@@ -53,19 +53,21 @@ pub struct RecordingWriter<W: Write> {
     writer: mcap::Writer<NoSeek<W>>,
     channels: BTreeMap<Topic, u16>,
     unix_start_ns: u64,
-    /// The region that is drawn for other programs; `None`: nothing is drawn for them.
-    shown_region: Option<RegionShares>,
+    /// The region that is drawn for other programs.
+    region: RegionShares,
+    observer: SortieObserver,
     last_mode: Option<Mode>,
     sequence: u32,
     buffer: Vec<u8>,
 }
 
 impl<W: Write> RecordingWriter<W> {
-    /// Begins a recording with its start.
+    /// Begins a recording with its start. `profile`: of the vehicle, for the summary and for what other
+    /// programs show.
     ///
     /// # Errors
     /// If the output cannot be written.
-    pub fn begin(output: W, start: &RecordingStart) -> Result<Self, WriteError> {
+    pub fn begin(output: W, start: &RecordingStart, profile: &VehicleProfile) -> Result<Self, WriteError> {
         let mut writer = mcap::WriteOptions::new()
             .profile("")
             .library(format!("barrelman {}", start.program))
@@ -81,20 +83,15 @@ impl<W: Write> RecordingWriter<W> {
             writer,
             channels,
             unix_start_ns: start.unix_ns,
-            shown_region: None,
+            region: profile.region,
+            observer: SortieObserver::new(Some(profile.clone())),
             last_mode: None,
             sequence: 0,
             buffer: Vec::new(),
         };
+        recording.observer.begin(start);
         recording.write_message(Topic::Start, Timestamp::ZERO, &stored::RecordingStart::from(start))?;
         Ok(recording)
-    }
-
-    /// Adds what Foxglove and Lichtblick show by themselves, with a region of these shares.
-    #[must_use]
-    pub fn showing(mut self, region: RegionShares) -> Self {
-        self.shown_region = Some(region);
-        self
     }
 
     /// Adds an entry.
@@ -102,6 +99,7 @@ impl<W: Write> RecordingWriter<W> {
     /// # Errors
     /// If the output cannot be written.
     pub fn write(&mut self, entry: &Entry) -> Result<(), WriteError> {
+        self.observer.add(entry);
         match entry {
             Entry::Start(start) => {
                 self.write_message(Topic::Start, Timestamp::ZERO, &stored::RecordingStart::from(start))
@@ -110,7 +108,7 @@ impl<W: Write> RecordingWriter<W> {
             Entry::Input { step, now, input } => self.write_input(*step, *now, input),
             Entry::Outcome(outcome) => {
                 self.write_message(Topic::Outcome, outcome.at, &stored::Outcome::from(outcome))?;
-                self.shown_region.map_or(Ok(()), |region| self.show(outcome, region))
+                self.show(outcome)
             }
             Entry::Truth(truth) => {
                 self.write_message(Topic::Truth, truth.at, &stored::WorldTruth::from(truth))
@@ -170,11 +168,11 @@ impl<W: Write> RecordingWriter<W> {
         }
     }
 
-    fn show(&mut self, outcome: &RecordedOutcome, region: RegionShares) -> Result<(), WriteError> {
+    fn show(&mut self, outcome: &RecordedOutcome) -> Result<(), WriteError> {
         let at = outcome.at;
         if let Some(age) = outcome.age {
             let captured = at.minus(age);
-            let shown = foxglove_view::annotations(outcome, region, self.foxglove_time(captured));
+            let shown = foxglove_view::annotations(outcome, self.region, self.foxglove_time(captured));
             shown.map_or(Ok(()), |shown| self.write_message(Topic::Annotations, captured, &shown))?;
             let location = foxglove_view::location(outcome, self.foxglove_time(at));
             location.map_or(Ok(()), |location| self.write_message(Topic::Location, at, &location))?;
@@ -220,20 +218,14 @@ impl<W: Write> RecordingWriter<W> {
         Ok(self.writer.flush()?)
     }
 
-    /// Adds the summary of a sortie, once, at the end.
+    /// Ends the recording with its summary and the file's index. Returns the summary.
     ///
     /// # Errors
     /// If the output cannot be written.
-    pub fn write_sortie(&mut self, sortie: &Sortie) -> Result<(), WriteError> {
-        Ok(self.writer.write_metadata(&stored_sortie::metadata_of(sortie))?)
-    }
-
-    /// Ends the recording with the file's index.
-    ///
-    /// # Errors
-    /// If the output cannot be written.
-    pub fn finish(mut self) -> Result<(), WriteError> {
+    pub fn finish(mut self) -> Result<Sortie, WriteError> {
+        let sortie = self.observer.finish();
+        self.writer.write_metadata(&stored_sortie::metadata_of(&sortie))?;
         self.writer.finish()?;
-        Ok(())
+        Ok(sortie)
     }
 }

@@ -20,7 +20,7 @@ use serde::{Deserialize, Serialize};
 pub use moment::{Happening, Moment};
 pub use movements::Movements;
 
-use crate::records::{Entry, RecordedOutcome};
+use crate::records::{Entry, RecordedOutcome, RecordingStart};
 use movements::MovementCounter;
 
 /// Maximum number of moments that are kept; later ones are only counted in the figures.
@@ -119,11 +119,7 @@ impl SortieObserver {
     /// Takes the next entry.
     pub fn add(&mut self, entry: &Entry) {
         match entry {
-            Entry::Start(start) => {
-                self.unix_ns = start.unix_ns;
-                self.sortie.video.clone_from(&start.video);
-                self.sortie.link.clone_from(&start.link);
-            }
+            Entry::Start(start) => self.begin(start),
             Entry::Input { now, input, .. } => {
                 let request = input.request();
                 if let Some(what) = request.and_then(Happening::of_request) {
@@ -133,6 +129,12 @@ impl SortieObserver {
             Entry::Outcome(outcome) => self.add_outcome(outcome),
             Entry::Unit(_) | Entry::Truth(_) => {}
         }
+    }
+
+    pub(crate) fn begin(&mut self, start: &RecordingStart) {
+        self.unix_ns = start.unix_ns;
+        self.sortie.video.clone_from(&start.video);
+        self.sortie.link.clone_from(&start.link);
     }
 
     /// What happened, up to the last entry.

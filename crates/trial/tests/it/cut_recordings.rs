@@ -1,6 +1,7 @@
 //! Truncated recordings, as of a killed process.
 
 use barrelman_trial::records::{Entry, ReadError, RecordedInput, RecordingWriter};
+use barrelman_vocab::VehicleProfile;
 use barrelman_vocab::unit::UnitCodec;
 
 use crate::entries::{input, outcome, read, start, unit, written};
@@ -15,7 +16,7 @@ fn recording() -> (Vec<u8>, Vec<Entry>) {
         input(RecordedInput::Tick),
     ];
     let mut bytes = Vec::new();
-    let mut writer = RecordingWriter::begin(&mut bytes, &start()).unwrap();
+    let mut writer = RecordingWriter::begin(&mut bytes, &start(), &VehicleProfile::fotokite_pro()).unwrap();
     for pair in entries.chunks(2) {
         for entry in pair {
             writer.write(entry).unwrap();

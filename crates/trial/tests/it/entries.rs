@@ -9,6 +9,7 @@ use barrelman_trial::records::{
     RecordedTruth, RecordedVessel, RecordingReader, RecordingStart, RecordingWriter,
 };
 use barrelman_trial::target_in_picture::TargetInPicture;
+use barrelman_vocab::VehicleProfile;
 use barrelman_vocab::acceptance::Acceptance;
 use barrelman_vocab::drive_mode::DriveMode;
 use barrelman_vocab::earth::GeoPoint;
@@ -42,7 +43,7 @@ pub(crate) fn start() -> RecordingStart {
 
 pub(crate) fn written(entries: &[Entry]) -> Vec<u8> {
     let mut bytes = Vec::new();
-    let mut writer = RecordingWriter::begin(&mut bytes, &start()).unwrap();
+    let mut writer = RecordingWriter::begin(&mut bytes, &start(), &VehicleProfile::fotokite_pro()).unwrap();
     for entry in entries {
         writer.write(entry).unwrap();
     }

@@ -69,7 +69,7 @@ fn trial(profile: &VehicleProfile) -> Vec<u8> {
     }
     let mut pilot = pilot(profile);
     let mut bytes = Vec::new();
-    let mut writer = RecordingWriter::begin(&mut bytes, &start()).unwrap();
+    let mut writer = RecordingWriter::begin(&mut bytes, &start(), &VehicleProfile::fotokite_pro()).unwrap();
     let (mut step, mut wake_at) = (0, None::<Timestamp>);
     let mut record_step = |now: Timestamp, recorded: RecordedInput| {
         let outcome = pilot.step(input(&recorded), now);

@@ -8,6 +8,7 @@ use std::rc::Rc;
 use barrelman_trial::records::{
     Entry, FrameFingerprint, ReadError, RecordedInput, RecordedOutcome, RecordingStart, RecordingWriter,
 };
+use barrelman_vocab::VehicleProfile;
 use barrelman_vocab::unit::UnitCodec;
 use barrelman_vocab::video::{Capture, CaptureQuality};
 use barrelman_vocab::{
@@ -92,7 +93,7 @@ fn times_at_their_end_are_kept() {
 fn a_recording_may_start_at_any_time_of_any_clock() {
     let latest = RecordingStart { monotonic_ns: u64::MAX, unix_ns: u64::MAX, ..start() };
     let mut bytes = Vec::new();
-    let mut writer = RecordingWriter::begin(&mut bytes, &latest).unwrap();
+    let mut writer = RecordingWriter::begin(&mut bytes, &latest, &VehicleProfile::fotokite_pro()).unwrap();
     writer.write(&Entry::Outcome(outcome(1.0))).unwrap();
     writer.finish().unwrap();
     let (found, error) = read(&bytes);
@@ -143,7 +144,8 @@ impl Write for Shared {
 #[test]
 fn what_was_flushed_can_be_read_while_the_recording_goes_on() {
     let output = Shared::default();
-    let mut writer = RecordingWriter::begin(output.clone(), &start()).unwrap();
+    let mut writer =
+        RecordingWriter::begin(output.clone(), &start(), &VehicleProfile::fotokite_pro()).unwrap();
     let mut expected = vec![Entry::Start(start())];
     for entry in every_kind() {
         writer.write(&entry).unwrap();
@@ -170,7 +172,7 @@ fn an_output_that_fails_is_an_error() {
             Ok(())
         }
     }
-    assert!(RecordingWriter::begin(Full, &start()).is_err());
+    assert!(RecordingWriter::begin(Full, &start(), &VehicleProfile::fotokite_pro()).is_err());
 }
 
 proptest! {

@@ -13,7 +13,7 @@ use barrelman_vocab::{
     Track, VehicleProfile, VehicleRates,
 };
 
-use crate::entries::{outcome, read, start, written};
+use crate::entries::{outcome, read, start};
 use crate::trial_logs::rates;
 
 const TURNING: CameraCommand =
@@ -98,11 +98,11 @@ fn a_run_without_an_outcome_is_an_empty_sortie() {
 #[test]
 fn a_recording_gives_its_summary_back_without_its_messages() {
     let mut bytes = Vec::new();
-    let mut writer = RecordingWriter::begin(&mut bytes, &start()).unwrap();
+    let mut writer = RecordingWriter::begin(&mut bytes, &start(), &VehicleProfile::fotokite_pro()).unwrap();
     writer.write(&Entry::Outcome(outcome(1.0))).unwrap();
-    writer.write_sortie(&sortie()).unwrap();
-    writer.finish().unwrap();
-    assert_eq!(read_sortie(Cursor::new(&bytes)).unwrap(), Some(sortie()));
+    let sortie = writer.finish().unwrap();
+    assert_eq!(sortie.video, start().video);
+    assert_eq!(read_sortie(Cursor::new(&bytes)).unwrap(), Some(sortie));
     // A summary stands at the end: a recording that was cut has none, and any cut is survived.
     for length in (0..bytes.len()).step_by(97) {
         assert_eq!(read_sortie(Cursor::new(&bytes[..length])).unwrap(), None, "{length} bytes");
@@ -110,19 +110,17 @@ fn a_recording_gives_its_summary_back_without_its_messages() {
 }
 
 #[test]
-fn a_recording_without_a_summary_is_told() {
-    let bytes = written(&[Entry::Outcome(outcome(1.0))]);
-    assert_eq!(read_sortie(Cursor::new(&bytes)).unwrap(), None);
-    let text = b"no recording at all, but longer than the magic bytes";
-    assert_eq!(read_sortie(Cursor::new(text)).unwrap(), None);
+fn what_is_no_recording_has_no_summary() {
+    for bytes in [&b""[..], b"no recording at all, but longer than the magic bytes"] {
+        assert_eq!(read_sortie(Cursor::new(bytes)).unwrap(), None);
+    }
 }
 
 #[test]
 fn what_other_programs_show_is_left_out_by_the_reader() {
     let outcomes = [at(1_000, Mode::Idle), at(2_000, Mode::Servoing), lost(3_000, Mode::Servoing)];
     let mut bytes = Vec::new();
-    let region = VehicleProfile::fotokite_pro().region;
-    let mut writer = RecordingWriter::begin(&mut bytes, &start()).unwrap().showing(region);
+    let mut writer = RecordingWriter::begin(&mut bytes, &start(), &VehicleProfile::fotokite_pro()).unwrap();
     outcomes.iter().for_each(|outcome| writer.write(&Entry::Outcome(outcome.clone())).unwrap());
     writer.finish().unwrap();
     let (found, error) = read(&bytes);

@@ -1,0 +1,210 @@
+//! The recordings of a folder, for the page `/library`: list, film, tables, rename, delete.
+//!
+//! No name that a page sends leads out of the folder ([`RecordingName`]). A film is made by this program in a
+//! process of its own at the lowest priority, beside the recording: `NAME.export`.
+//!
+//! What must not be here: anything that a run waits for.
+
+mod name;
+
+pub(super) mod routes;
+
+use std::collections::BTreeMap;
+use std::fs::File;
+use std::io;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+use std::sync::{Mutex, PoisonError};
+
+use barrelman_host::output::is_being_written;
+use barrelman_trial::records::read_sortie;
+use barrelman_trial::sortie::Sortie;
+use serde::Serialize;
+
+use name::RecordingName;
+
+/// The file of an export that is written last.
+const FILM: &str = "annotated.mp4";
+/// The files of an export that a page may get.
+const EXPORTED: [&str; 3] = [FILM, "video.mp4", "trial.csv"];
+
+/// The recordings of a folder.
+#[derive(Debug)]
+pub struct Library {
+    folder: PathBuf,
+    /// The program, which exports.
+    program: PathBuf,
+    exports: Mutex<BTreeMap<RecordingName, Child>>,
+}
+
+/// A recording, as the page lists it.
+#[derive(Debug, Serialize)]
+struct Listed {
+    name: RecordingName,
+    bytes: u64,
+    state: RecordingState,
+    film: FilmState,
+    /// The summary; absent while it is recorded, and where the program was killed.
+    sortie: Option<Sortie>,
+}
+
+/// How far a recording is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+enum RecordingState {
+    /// A program writes it now.
+    BeingRecorded,
+    /// It was ended in order.
+    Complete,
+    /// It was cut off, or holds no summary.
+    CutOff,
+}
+
+/// Whether a recording has a film.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+enum FilmState {
+    /// Nobody asked for one.
+    None,
+    /// It is being made.
+    BeingMade,
+    /// It is there.
+    Ready,
+    /// It could not be made.
+    Failed,
+}
+
+impl Library {
+    /// The recordings of `folder`, which `program` exports.
+    pub fn new(folder: PathBuf, program: PathBuf) -> Self {
+        Self { folder, program, exports: Mutex::default() }
+    }
+
+    /// The recordings, the newest first. A folder that does not exist holds none.
+    fn list(&self) -> io::Result<Vec<Listed>> {
+        let entries = match std::fs::read_dir(&self.folder) {
+            Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(Vec::new()),
+            entries => entries?,
+        };
+        let mut found = Vec::new();
+        for entry in entries {
+            let entry = entry?;
+            let Some(name) = entry.file_name().to_str().and_then(|name| name.parse().ok()) else { continue };
+            if let Some(listed) = self.listed(name, &entry.path()) {
+                found.push((entry.metadata()?.modified()?, listed));
+            }
+        }
+        found.sort_by(|(one, listed), (other, others)| (other, &others.name).cmp(&(one, &listed.name)));
+        Ok(found.into_iter().map(|(_, listed)| listed).collect())
+    }
+
+    /// `None`: no file, or one that cannot be read.
+    fn listed(&self, name: RecordingName, path: &Path) -> Option<Listed> {
+        let metadata = path.symlink_metadata().ok().filter(std::fs::Metadata::is_file)?;
+        let (state, sortie) = if is_being_written(path) {
+            (RecordingState::BeingRecorded, None)
+        } else {
+            let sortie = File::open(path).and_then(read_sortie).ok()?;
+            let state = if sortie.is_some() { RecordingState::Complete } else { RecordingState::CutOff };
+            (state, sortie)
+        };
+        let film = self.film_state(&name);
+        Some(Listed { name, bytes: metadata.len(), state, film, sortie })
+    }
+
+    fn film_state(&self, name: &RecordingName) -> FilmState {
+        let mut exports = self.exports.lock().unwrap_or_else(PoisonError::into_inner);
+        let is_running = exports.get_mut(name).map(|child| matches!(child.try_wait(), Ok(None)));
+        let is_there = self.export_folder(name).join(FILM).is_file();
+        match (is_running, is_there) {
+            (Some(true), _) => FilmState::BeingMade,
+            (_, true) => FilmState::Ready,
+            (Some(false), false) => FilmState::Failed,
+            (None, false) => FilmState::None,
+        }
+    }
+
+    /// Begins to make the film of a recording, and its tables. A film that is made or being made stays.
+    fn make_film(&self, name: &RecordingName) -> io::Result<()> {
+        if matches!(self.film_state(name), FilmState::BeingMade | FilmState::Ready) {
+            return Ok(());
+        }
+        let mut exports = self.exports.lock().unwrap_or_else(PoisonError::into_inner);
+        let export = Command::new(&self.program)
+            .args(["export", "--annotated", "--force", "--output"])
+            .arg(self.export_folder(name))
+            .arg(self.path(name))
+            .stdin(Stdio::null())
+            .stdout(Stdio::null())
+            .stderr(Stdio::null())
+            .spawn()?;
+        let id = i32::try_from(export.id()).ok().and_then(rustix::process::Pid::from_raw);
+        // A run beside it comes first. Where the system refuses this, the export is only not as gentle.
+        let _ = rustix::process::setpriority_process(id, LEAST_PRIORITY);
+        exports.insert(name.clone(), export);
+        Ok(())
+    }
+
+    fn rename(&self, from: &RecordingName, to: &RecordingName) -> io::Result<()> {
+        self.require_finished(from)?;
+        if self.path(to).exists() || self.export_folder(to).exists() {
+            return Err(io::Error::new(io::ErrorKind::AlreadyExists, "there is a recording of this name"));
+        }
+        std::fs::rename(self.path(from), self.path(to))?;
+        if self.export_folder(from).is_dir() {
+            std::fs::rename(self.export_folder(from), self.export_folder(to))?;
+        }
+        Ok(())
+    }
+
+    fn delete(&self, name: &RecordingName) -> io::Result<()> {
+        self.require_finished(name)?;
+        std::fs::remove_file(self.path(name))?;
+        if self.export_folder(name).is_dir() {
+            std::fs::remove_dir_all(self.export_folder(name))?;
+        }
+        Ok(())
+    }
+
+    fn require_finished(&self, name: &RecordingName) -> io::Result<()> {
+        let is_busy = is_being_written(&self.path(name)) || self.film_state(name) == FilmState::BeingMade;
+        if is_busy {
+            return Err(io::Error::new(io::ErrorKind::ResourceBusy, "it is being written"));
+        }
+        Ok(())
+    }
+
+    /// The file of a recording that a page asks for: the recording itself, or a file of its export.
+    fn file(&self, name: &RecordingName, file: &str) -> Option<PathBuf> {
+        let path = match file {
+            "recording.mcap" => self.path(name),
+            _ => self.export_folder(name).join(EXPORTED.iter().find(|known| **known == file)?),
+        };
+        path.symlink_metadata().is_ok_and(|metadata| metadata.is_file()).then_some(path)
+    }
+
+    fn path(&self, name: &RecordingName) -> PathBuf {
+        self.folder.join(name.as_str())
+    }
+
+    fn export_folder(&self, name: &RecordingName) -> PathBuf {
+        self.folder.join(format!("{}.export", name.stem()))
+    }
+}
+
+impl Drop for Library {
+    /// Ends the exports: they must not outlive the program.
+    fn drop(&mut self) {
+        let exports = self.exports.get_mut().unwrap_or_else(PoisonError::into_inner);
+        for export in exports.values_mut() {
+            let _ = export.kill();
+            let _ = export.wait();
+        }
+    }
+}
+
+/// The nice value of an export.
+const LEAST_PRIORITY: i32 = 19;
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,174 @@
+//! The routes of the library.
+//!
+//! | request | answer | needs |
+//! |---|---|---|
+//! | `GET /library` | the page | |
+//! | `GET /api/v1/recordings` | the recordings, the newest first | token |
+//! | `GET /api/v1/recordings/NAME/FILE` | `recording.mcap`, `annotated.mp4`, `video.mp4`, `trial.csv`; ranges | token |
+//! | `POST /api/v1/recordings/NAME/film` | begins to make film and tables | control, disengaged |
+//! | `POST /api/v1/recordings/NAME/name` | renames: `{"to": "NAME.mcap"}` | control, disengaged |
+//! | `DELETE /api/v1/recordings/NAME` | deletes | control, disengaged |
+
+use std::io;
+use std::sync::Arc;
+
+use axum::Router;
+use axum::extract::{Path, Request, State};
+use axum::http::{HeaderMap, StatusCode, header};
+use axum::response::{IntoResponse as _, Response};
+use axum::routing::{delete, get, post};
+use barrelman_pilot::Mode;
+use serde::Deserialize;
+use tower::ServiceExt as _;
+use tower_http::services::ServeFile;
+
+use super::Library;
+use super::name::RecordingName;
+use crate::access::Role;
+use crate::files;
+use crate::routes::{json, json_body, may_enter};
+use crate::shared::Console;
+
+type Shared = State<Arc<Console>>;
+type Refusal = Box<Response>;
+
+/// The routes, without the guard of all routes.
+pub(crate) fn routes() -> Router<Arc<Console>> {
+    Router::new()
+        .route("/library", get(|| async { files::response("library.html") }))
+        .route("/api/v1/recordings", get(list))
+        .route("/api/v1/recordings/{name}", delete(remove))
+        .route("/api/v1/recordings/{name}/film", post(make_film))
+        .route("/api/v1/recordings/{name}/name", post(rename))
+        .route("/api/v1/recordings/{name}/{file}", get(file))
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct NewName {
+    to: String,
+}
+
+async fn list(State(console): Shared, headers: HeaderMap) -> Response {
+    answer(async {
+        may_enter(&console.access, &headers)?;
+        let listed = within(&console, Library::list).await?;
+        Ok(json(&listed))
+    })
+    .await
+}
+
+async fn file(
+    State(console): Shared,
+    Path((name, file)): Path<(String, String)>,
+    request: Request,
+) -> Response {
+    answer(async {
+        may_enter(&console.access, request.headers())?;
+        let name = parse(&name)?;
+        let asked = file.clone();
+        let found =
+            within(&console, move |library| Ok(library.file(&name, &asked).map(|path| (path, name)))).await?;
+        let Some((path, name)) = found else {
+            return Err(refusal(StatusCode::NOT_FOUND, format!("there is no {file} of this recording")));
+        };
+        let mut response = match ServeFile::new(path).oneshot(request).await {
+            Ok(response) => response.into_response(),
+            Err(never) => match never {},
+        };
+        let ending = file.rsplit_once('.').map_or("", |(_, ending)| ending);
+        // The stem holds no quotation mark. A name beyond ASCII is left to the browser.
+        let as_named = format!("inline; filename=\"{}.{ending}\"", name.stem());
+        if let Ok(value) = as_named.parse() {
+            response.headers_mut().insert(header::CONTENT_DISPOSITION, value);
+        }
+        Ok(response)
+    })
+    .await
+}
+
+async fn make_film(State(console): Shared, Path(name): Path<String>, headers: HeaderMap) -> Response {
+    answer(async {
+        may_change(&console, &headers)?;
+        let name = parse(&name)?;
+        within(&console, move |library| library.make_film(&name)).await?;
+        Ok(StatusCode::ACCEPTED.into_response())
+    })
+    .await
+}
+
+async fn rename(State(console): Shared, Path(name): Path<String>, request: Request) -> Response {
+    answer(async {
+        may_change(&console, request.headers())?;
+        let from = parse(&name)?;
+        let body = json_body(request).await?;
+        let NewName { to } = serde_json::from_slice(&body).map_err(|error| {
+            refusal(StatusCode::BAD_REQUEST, format!("send {{\"to\": \"NAME.mcap\"}}: {error}"))
+        })?;
+        let to = parse(&to)?;
+        within(&console, move |library| library.rename(&from, &to)).await?;
+        Ok(StatusCode::NO_CONTENT.into_response())
+    })
+    .await
+}
+
+async fn remove(State(console): Shared, Path(name): Path<String>, headers: HeaderMap) -> Response {
+    answer(async {
+        may_change(&console, &headers)?;
+        let name = parse(&name)?;
+        within(&console, move |library| library.delete(&name)).await?;
+        Ok(StatusCode::NO_CONTENT.into_response())
+    })
+    .await
+}
+
+async fn answer(work: impl Future<Output = Result<Response, Refusal>>) -> Response {
+    work.await.unwrap_or_else(|refusal| *refusal)
+}
+
+/// Whoever has the token for control, while the camera does not follow.
+fn may_change(console: &Console, headers: &HeaderMap) -> Result<(), Refusal> {
+    if may_enter(&console.access, headers)? != Role::Control {
+        return Err(refusal(StatusCode::FORBIDDEN, "this link is for watching".to_owned()));
+    }
+    let mode = console.snapshots.borrow().outcome.as_ref().map(|outcome| outcome.mode);
+    let is_engaged = match mode {
+        Some(Mode::Servoing | Mode::Holding(_) | Mode::Searching | Mode::Calibrating) => true,
+        Some(Mode::Idle | Mode::Nudging | Mode::Stopped(_)) | None => false,
+    };
+    if is_engaged {
+        return Err(refusal(StatusCode::CONFLICT, "disengage the camera first".to_owned()));
+    }
+    Ok(())
+}
+
+fn parse(name: &str) -> Result<RecordingName, Refusal> {
+    name.parse()
+        .map_err(|why| refusal(StatusCode::BAD_REQUEST, format!("{name:?} is no name of a recording: {why}")))
+}
+
+/// Works on the library's files, away from the thread of the console.
+async fn within<T: Send + 'static>(
+    console: &Console,
+    work: impl FnOnce(&Library) -> io::Result<T> + Send + 'static,
+) -> Result<T, Refusal> {
+    let Some(library) = console.library.clone() else {
+        return Err(refusal(StatusCode::NOT_FOUND, "this program has no folder of recordings".to_owned()));
+    };
+    match tokio::task::spawn_blocking(move || work(&library)).await {
+        Ok(Ok(done)) => Ok(done),
+        Ok(Err(error)) => {
+            let status = match error.kind() {
+                io::ErrorKind::NotFound => StatusCode::NOT_FOUND,
+                io::ErrorKind::AlreadyExists | io::ErrorKind::ResourceBusy => StatusCode::CONFLICT,
+                _ => StatusCode::INTERNAL_SERVER_ERROR,
+            };
+            Err(refusal(status, error.to_string()))
+        }
+        Err(error) => Err(refusal(StatusCode::INTERNAL_SERVER_ERROR, error.to_string())),
+    }
+}
+
+fn refusal(status: StatusCode, text: String) -> Refusal {
+    Box::new((status, format!("{text}\n")).into_response())
+}

@@ -1,0 +1,125 @@
+//! The library on a folder of its own.
+
+use std::os::unix::fs::symlink;
+
+use barrelman_pilot::CommandPath;
+use barrelman_trial::records::{RecordingStart, RecordingWriter};
+use barrelman_vocab::VehicleProfile;
+
+use super::*;
+
+struct Scene {
+    folder: PathBuf,
+    library: Library,
+}
+
+impl Scene {
+    /// `program`: what exports.
+    fn new(name: &str, program: &str) -> Self {
+        let folder = std::env::temp_dir().join(format!("barrelman-library-{}-{name}", std::process::id()));
+        let _ = std::fs::remove_dir_all(&folder);
+        std::fs::create_dir_all(&folder).unwrap();
+        Self { library: Library::new(folder.clone(), program.into()), folder }
+    }
+
+    fn record(&self, name: &str, is_complete: bool) {
+        let start = RecordingStart {
+            program: "0.1.0".to_owned(),
+            monotonic_ns: 0,
+            unix_ns: 0,
+            configuration: String::new(),
+            video: "sim:open".to_owned(),
+            link: String::new(),
+            live_video: true,
+            command_path: CommandPath::DryRun,
+            trial: None,
+        };
+        let file = File::create(self.folder.join(name)).unwrap();
+        let mut writer = RecordingWriter::begin(file, &start, &VehicleProfile::fotokite_pro()).unwrap();
+        writer.flush().unwrap();
+        if is_complete {
+            writer.finish().unwrap();
+        }
+    }
+
+    fn names(&self) -> Vec<(String, RecordingState)> {
+        let listed = self.library.list().unwrap();
+        listed.into_iter().map(|listed| (listed.name.as_str().to_owned(), listed.state)).collect()
+    }
+
+    fn film_when_done(&self, name: &RecordingName) -> FilmState {
+        loop {
+            match self.library.film_state(name) {
+                FilmState::BeingMade => std::thread::yield_now(),
+                done => return done,
+            }
+        }
+    }
+}
+
+impl Drop for Scene {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_dir_all(&self.folder);
+    }
+}
+
+fn name(text: &str) -> RecordingName {
+    text.parse().unwrap()
+}
+
+#[test]
+fn recordings_are_listed_and_nothing_else() {
+    let scene = Scene::new("listed", "/bin/true");
+    scene.record("a.mcap", true);
+    scene.record("b.mcap", false);
+    std::fs::write(scene.folder.join("notes.txt"), "no recording").unwrap();
+    std::fs::create_dir(scene.folder.join("folder.mcap")).unwrap();
+    symlink("/etc/hostname", scene.folder.join("link.mcap")).unwrap();
+    let expected = [("b.mcap", RecordingState::CutOff), ("a.mcap", RecordingState::Complete)];
+    assert_eq!(scene.names(), expected.map(|(name, state)| (name.to_owned(), state)));
+    assert_eq!(scene.library.file(&name("link.mcap"), "recording.mcap"), None);
+    assert_eq!(scene.library.file(&name("a.mcap"), "../../etc/passwd"), None);
+    assert!(scene.library.file(&name("a.mcap"), "recording.mcap").is_some());
+}
+
+#[test]
+fn a_folder_that_does_not_exist_holds_no_recordings() {
+    let library = Library::new("/nowhere/at/all".into(), "/bin/true".into());
+    assert!(library.list().unwrap().is_empty());
+}
+
+#[test]
+fn a_recording_is_renamed_and_deleted_with_its_film() {
+    let scene = Scene::new("renamed", "/bin/true");
+    scene.record("a.mcap", true);
+    scene.record("c.mcap", true);
+    std::fs::create_dir(scene.folder.join("a.export")).unwrap();
+    std::fs::write(scene.folder.join("a.export").join(FILM), "film").unwrap();
+    assert!(scene.library.rename(&name("a.mcap"), &name("c.mcap")).is_err());
+    scene.library.rename(&name("a.mcap"), &name("b.mcap")).unwrap();
+    assert_eq!(scene.library.film_state(&name("b.mcap")), FilmState::Ready);
+    assert!(scene.library.file(&name("b.mcap"), FILM).is_some());
+    scene.library.delete(&name("b.mcap")).unwrap();
+    assert!(!scene.folder.join("b.export").exists());
+    assert_eq!(scene.names().len(), 1);
+}
+
+#[test]
+fn a_recording_that_is_being_written_stays() {
+    let scene = Scene::new("written", "/bin/true");
+    let mut output = barrelman_host::output::OutputFile::open(&scene.folder.join("now.mcap"), false).unwrap();
+    std::io::Write::write_all(&mut output, b"begun").unwrap();
+    assert_eq!(scene.names(), [("now.mcap".to_owned(), RecordingState::BeingRecorded)]);
+    assert!(scene.library.delete(&name("now.mcap")).is_err());
+}
+
+#[test]
+fn a_film_that_is_not_made_is_told() {
+    let scene = Scene::new("films", "/bin/true");
+    scene.record("a.mcap", true);
+    assert_eq!(scene.library.film_state(&name("a.mcap")), FilmState::None);
+    scene.library.make_film(&name("a.mcap")).unwrap();
+    assert_eq!(scene.film_when_done(&name("a.mcap")), FilmState::Failed);
+    let missing = Scene::new("programs", "/nowhere/at/all");
+    assert!(missing.library.make_film(&name("a.mcap")).is_err());
+}

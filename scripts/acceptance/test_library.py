@@ -1,0 +1,99 @@
+"""The page of the recordings: a sortie is recorded, found in the list, watched again, renamed and deleted."""
+
+import json
+import pathlib
+import time
+
+import pytest
+from selenium.webdriver.common.by import By
+
+from client import DISENGAGE, ENGAGE, Program
+from conftest import Check
+from machine import wait_until
+from page import Page
+from process import end, run
+
+WORLD = "sim:arena1?seed=3&size=640x360"
+
+
+def recordings(program: Program) -> dict[str, dict[str, object]]:
+    status, body, _ = program.ask("GET", "/api/v1/recordings")
+    assert status == 200, body
+    return {recording["name"]: recording for recording in json.loads(body)}
+
+
+@pytest.fixture(scope="module")
+def sorties(barrelman: pathlib.Path, tmp_path_factory: pytest.TempPathFactory) -> pathlib.Path:
+    """A folder with a recording, and a configuration that names the folder."""
+    folder = tmp_path_factory.mktemp("sorties")
+    (folder / "config.toml").write_text(f'[recording]\nfolder = "{folder}"\n')
+    command = [barrelman, "demo", "arena1", "--seconds", "6", "--record", folder / "first.mcap"]
+    done = run([*command, "--listen", "127.0.0.1:0"], timeout=60)
+    assert done.returncode == 0, done.stderr
+    return folder
+
+
+@pytest.fixture
+def program(barrelman: pathlib.Path, sorties: pathlib.Path) -> Program:
+    return Program(barrelman, "run", sorties / "config.toml", "--video", WORLD, "--link", "sim:")
+
+
+def test_sortie_is_watched_again(program: Program, folder: pathlib.Path, check: Check) -> None:
+    listed = recordings(program)
+    current = next(name for name in listed if name.startswith("run-"))
+    check("the present sortie is told", listed[current]["state"] == "being-recorded", listed[current])
+    with Page(program.url, folder) as page:
+        page.ready()
+        # The cookie of the console is the one of the library.
+        page.driver.get(f"http://{program.host}/library#first.mcap")
+        driver = page.driver
+
+        def text(name: str) -> str:
+            return str(driver.find_element(By.ID, name).text)
+
+        wait_until(lambda: text("name") == "first.mcap", "the chosen recording")
+        check("the summary is there", "Engaged" in text("summary"), text("summary"))
+        driver.find_element(By.ID, "make-film").click()
+        wait_until(lambda: recordings(program)["first.mcap"]["film"] == "ready", "the film")
+        film = driver.find_element(By.ID, "film")
+        wait_until(lambda: page.script("return arguments[0].readyState >= 2", film), "the first picture")
+        length = page.script("return arguments[0].duration", film)
+        check("the film is as long as the sortie", 4.0 < length < 7.0, length)
+        began = time.monotonic()
+        page.script("arguments[0].currentTime = 3", film)
+        wait_until(lambda: page.script("return !arguments[0].seeking", film), "the place in the film")
+        check(
+            "the film seeks",
+            page.script("return arguments[0].currentTime", film) == pytest.approx(3, abs=0.1),
+        )
+        check("and soon", time.monotonic() - began < 2.0, time.monotonic() - began)
+        driver.save_screenshot(str(folder / "library.png"))
+        ticks = driver.find_elements(By.CSS_SELECTOR, "#ticks button")
+        check("the moments are ticks on the time bar", len(ticks) >= 1, len(ticks))
+        errors = [entry for entry in driver.get_log("browser") if entry["level"] == "SEVERE"]
+        check("no error on the page", not errors, errors)
+    end(program.child)
+
+
+def test_recording_is_renamed_and_deleted_while_disengaged_alone(
+    program: Program, sorties: pathlib.Path, check: Check
+) -> None:
+    (sorties / "second.mcap").write_bytes((sorties / "first.mcap").read_bytes())
+
+    def ask(method: str, path: str, body: object = None) -> int:
+        return program.ask(method, f"/api/v1/recordings/{path}", body)[0]
+
+    check("a name leads nowhere else", ask("DELETE", "..%2Fsecond.mcap") == 400)
+    check("an unknown recording is none", ask("DELETE", "third.mcap") == 404)
+    check("a name is not taken twice", ask("POST", "second.mcap/name", {"to": "first.mcap"}) == 409)
+    check("it is renamed", ask("POST", "second.mcap/name", {"to": "Übung 2.mcap"}) == 204)
+    check("to that name", (sorties / "Übung 2.mcap").exists())
+    program.wait(lambda status: status["track"]["state"] == "tracking", "the boat")
+    program.request(ENGAGE)
+    program.wait(lambda status: status["mode"]["name"] == "servoing", "the engagement")
+    check("it is not deleted while the camera follows", ask("DELETE", "%C3%9Cbung%202.mcap") == 409)
+    program.request(DISENGAGE)
+    program.wait(lambda status: status["mode"]["name"] == "idle", "the rest")
+    check("it is deleted", ask("DELETE", "%C3%9Cbung%202.mcap") == 204)
+    check("for good", not (sorties / "Übung 2.mcap").exists())
+    end(program.child)
