@@ -83,7 +83,7 @@ impl ConsoleServer {
                         }
                     }
                     () = watch_seats(&console) => {}
-                    _ = ended => {}
+                    _ = ended => console.end().await,
                 }
             });
             // Dropping the runtime closes all connections.

@@ -1,8 +1,10 @@
 //! What all tasks of a console share: the session's facts, and the sending and receiving ends of what the loop publishes.
 
 use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Duration;
 
 use tokio::sync::watch;
+use tokio::time::timeout;
 
 use barrelman_vocab::LawId;
 
@@ -20,6 +22,9 @@ use crate::snapshot::{EventLog, Level, SharedSnapshot};
 
 /// Rate of a nudge that the page shows, rad/s.
 const NUDGE_RATE: f64 = barrelman_pilot::NUDGE_RATE_RAD_PER_S;
+
+/// How long the end of the program waits for pages that take nothing.
+const FAREWELL: Duration = Duration::from_millis(300);
 
 /// What does not change in a session, for the page.
 #[derive(Debug, Clone)]
@@ -69,6 +74,8 @@ pub(super) struct Console {
     pub(super) library: Option<Arc<Library>>,
     pub(super) seats: Mutex<Seats>,
     pub(super) seat_changes: watch::Sender<ControlSeat>,
+    /// Whether the program ends.
+    pub(super) ending: watch::Sender<bool>,
 }
 
 impl Console {
@@ -87,6 +94,7 @@ impl Console {
             library: parts.library.map(Arc::new),
             seats: Mutex::default(),
             seat_changes: watch::Sender::new(ControlSeat::default()),
+            ending: watch::Sender::new(false),
         }
     }
 
@@ -102,6 +110,14 @@ impl Console {
             self.gateway.set_console_lost(false);
         }
         self.seat_changes.send_replace(state);
+    }
+
+    /// Tells all pages that the program ends, and waits until they are disconnected: a page that hears nothing more would take the
+    /// end for a lost connection.
+    pub(super) async fn end(&self) {
+        let mut seats = self.seat_changes.subscribe();
+        self.ending.send_replace(true);
+        let _ = timeout(FAREWELL, seats.wait_for(|seats| seats.clients.is_empty())).await;
     }
 
     /// Frees the seat of a page that was lost for too long, and does what the session says for that case.

@@ -184,6 +184,7 @@ async fn write(
     let mut writer = Writer { sink };
     let mut snapshots = console.snapshots.clone();
     let mut seats = console.seat_changes.subscribe();
+    let mut ending = console.ending.subscribe();
     writer.send_json(&ServerMessage::Hello(Box::new(console.hello(id, role)))).await?;
     let (events, mut later_events) = console.events.subscribe();
     writer.send_json(&ServerMessage::Events { events }).await?;
@@ -202,50 +203,60 @@ async fn write(
                 changed.map_err(|_| Closed)?;
                 let seat = seats.borrow_and_update().clone();
                 if !seat.clients.contains(&id) {
-                    return dismiss(&mut writer).await;
+                    return dismiss(&mut writer, CloseCode::Again, "too many pages are open").await;
                 }
                 writer.send_json(&ServerMessage::Control(seat)).await?;
             }
-            changed = newest(&mut snapshots, snapshot_at) => {
-                changed.map_err(|_| Closed)?;
+            () = ends(&mut ending) => {
+                return dismiss(&mut writer, CloseCode::Away, "the program ends").await;
+            }
+            () = newest(&mut snapshots, snapshot_at) => {
                 snapshot_at = Instant::now() + SNAPSHOT_INTERVAL;
                 let status = status_of(&snapshots.borrow_and_update(), console.relay.codec());
                 writer.send_json(&ServerMessage::Snapshot(Box::new(status))).await?;
             }
             event = next_event(&mut later_events) => {
-                writer.send_json(&ServerMessage::Event(event.ok_or(Closed)?)).await?;
+                writer.send_json(&ServerMessage::Event(event)).await?;
             }
             changed = paths.changed() => {
                 changed.map_err(|_| Closed)?;
                 video = VideoFeed::begin(*paths.borrow_and_update(), console);
             }
-            message = video.next() => writer.send(Message::Binary(message.ok_or(Closed)?)).await?,
+            message = video.next() => match message {
+                Some(message) => writer.send(Message::Binary(message)).await?,
+                None => video = VideoFeed::None,
+            },
         }
     }
 }
 
-/// Tells a page that it has to go.
-async fn dismiss(writer: &mut Writer) -> Result<(), Closed> {
-    let frame = CloseFrame { code: CloseCode::Again, reason: "too many pages are open".into() };
+/// Waits until the program ends.
+async fn ends(ending: &mut watch::Receiver<bool>) {
+    let _ = ending.wait_for(|is_ending| *is_ending).await;
+}
+
+/// Tells a page why its connection ends.
+async fn dismiss(writer: &mut Writer, code: CloseCode, reason: &'static str) -> Result<(), Closed> {
+    let frame = CloseFrame { code, reason: reason.into() };
     let _ = writer.send(Message::Close(Some(frame))).await;
     Err(Closed)
 }
 
-async fn newest(
-    snapshots: &mut watch::Receiver<SharedSnapshot>,
-    not_before: Instant,
-) -> Result<(), watch::error::RecvError> {
+/// Waits for the newest snapshot. After the run there is none; the page stays connected until it is told of the program's end.
+async fn newest(snapshots: &mut watch::Receiver<SharedSnapshot>, not_before: Instant) {
     sleep_until(not_before).await;
-    snapshots.changed().await
+    if snapshots.changed().await.is_err() {
+        std::future::pending().await
+    }
 }
 
-/// The next event; events that came too fast for this page are left out.
-async fn next_event(events: &mut broadcast::Receiver<EventEntry>) -> Option<EventEntry> {
+/// The next event; events that came too fast for this page are left out. Waits for ever after the run.
+async fn next_event(events: &mut broadcast::Receiver<EventEntry>) -> EventEntry {
     loop {
         match events.recv().await {
-            Ok(event) => return Some(event),
+            Ok(event) => return event,
             Err(RecvError::Lagged(_)) => {}
-            Err(RecvError::Closed) => return None,
+            Err(RecvError::Closed) => std::future::pending().await,
         }
     }
 }

@@ -400,6 +400,22 @@ fn with_too_many_pages_the_one_that_was_silent_longest_is_told_to_go() {
 }
 
 #[test]
+fn every_page_is_told_of_the_end_of_the_program() {
+    block_on(async {
+        let session = InMemory::new(LIVE);
+        let mut pages = [
+            Page::open(&session, CONTROL_TOKEN, "control").await,
+            Page::open(&session, WATCH_TOKEN, "watch").await,
+        ];
+        session.console.end().await;
+        for page in &mut pages {
+            assert_eq!(page.end().await, Received::Close(1001, "the program ends".to_owned()));
+        }
+        assert!(session.console.with_seats(|seats| seats.state()).clients.is_empty());
+    });
+}
+
+#[test]
 fn events_and_snapshots_follow_each_other() {
     let mut session = InMemory::new(LIVE);
     block_on(async {
