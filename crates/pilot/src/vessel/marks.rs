@@ -3,7 +3,8 @@
 //! A mark is a line of sight from the camera at the time of its video frame; where height and tilt are known, it is the
 //! point at which that line meets the water. The camera's model turns it back into a pixel of every later frame.
 //!
-//! A mark is not seen again. The uncertainty of its point grows: people drift, and the kite sways. The operator moves the mark of a
+//! A mark is not seen again. A place, an area and home stay where they were marked, as uncertain as they were then. The uncertainty of a
+//! person's place grows: people drift. The operator moves the mark of a
 //! person to where the person is; that tells how the person drifts, and the mark drifts on at that velocity ([`Drift`]).
 
 use core::time::Duration;
@@ -29,8 +30,6 @@ const MARK_STD_DEV_M: f64 = 0.8;
 const DRIFT_AFTER: Duration = Duration::from_secs(2);
 /// Largest drift that is believed, m/s: a fast tidal current.
 const MAX_DRIFT_M_PER_S: f64 = 1.5;
-/// The same of a place: the camera's own motion.
-const PLACE_DRIFT_M_PER_S: f64 = 0.03;
 /// The standard deviation grows no further than this, metres.
 const MAX_STD_DEV_M: f64 = 5.0;
 /// Radius of a forbidden area, metres.
@@ -114,11 +113,10 @@ impl Drift {
 }
 
 impl Mark {
-    /// Standard deviation of the place at `now`, metres; `None` without a place on the water.
+    /// Standard deviation of the place at `now`, metres, which grows for a person alone; `None` without a place on the water.
     pub fn std_dev_m(&self, now: Timestamp) -> Option<f64> {
-        let drift = self
-            .drift
-            .map_or(PLACE_DRIFT_M_PER_S, |drift| libm::hypot(PERSON_DRIFT_M_PER_S, drift.std_dev_m_per_s()));
+        let drift =
+            self.drift.map_or(0.0, |drift| libm::hypot(PERSON_DRIFT_M_PER_S, drift.std_dev_m_per_s()));
         let grown = drift * now.since(self.marked).as_secs_f64();
         let fixed = self.water?.covariance.max_std_dev_m();
         Some(libm::sqrt(fixed * fixed + grown * grown).min(MAX_STD_DEV_M))

@@ -4,7 +4,7 @@ use core::time::Duration;
 
 use barrelman_pilot::on_earth::NotOnEarth;
 use barrelman_pilot::vessel::guiding::NoWater;
-use barrelman_pilot::vessel::{GuidanceBasis, GuidanceLaw, VesselHold, VesselStop};
+use barrelman_pilot::vessel::{GuidanceBasis, GuidanceLaw, Mark, VesselHold, VesselStop};
 use barrelman_pilot::{CommandPath, Input, Notice, Outcome, Pilot, Refusal, VesselMode, VesselSettings};
 use barrelman_vocab::earth::GeoPoint;
 use barrelman_vocab::telemetry::{LinkState, Report};
@@ -476,6 +476,20 @@ fn a_boat_guided_in_the_picture_does_not_start_by_itself_long_after_its_destinat
     assert_eq!(after(300), (stopped, stopped));
     let held = VesselMode::Holding(VesselHold::NoPlace);
     assert_eq!(after(90), (held, VesselMode::Guided), "after a short wait it goes on");
+}
+
+#[test]
+fn the_place_of_a_person_gets_less_certain_and_that_of_everything_else_does_not() {
+    let mut bench = Bench::new();
+    bench.see_water().see(INSIDE);
+    let kinds = [MarkKind::Person, MarkKind::Place, MarkKind::WayPoint, MarkKind::Forbidden, MarkKind::Home];
+    for (kind, u) in kinds.into_iter().zip([260.0, 290.0, 320.0, 350.0, 380.0]) {
+        bench.mark(kind, PixelPoint { u, v: 300.0 });
+    }
+    let marks = bench.see(INSIDE).vessel.marks;
+    let grows = |mark: &Mark| mark.std_dev_m(at(60_000)) > mark.std_dev_m(at(1_000));
+    let growing: Vec<_> = marks.iter().filter(|mark| grows(mark)).map(|mark| mark.kind).collect();
+    assert_eq!((marks.iter().count(), growing), (kinds.len(), vec![MarkKind::Person]));
 }
 
 #[test]
