@@ -37,34 +37,41 @@ export async function mayEnter() {
   return response && (response.ok || response.status !== 401);
 }
 
-/** Logs in with a token. @param {string} token @returns {Promise<boolean>} */
+/** Logs in with a token; `null` where the program cannot be reached. @param {string} token @returns {Promise<boolean | null>} */
 async function logIn(token) {
   const headers = { Authorization: `Bearer ${token}` };
   const response = await fetch("/api/v1/login", { method: "POST", headers }).catch(() => null);
-  return response !== null && response.ok;
+  return response && response.ok;
 }
 
-/** Uses the token of the page's address, and removes it from there. Returns whether the page may go on. */
+/**
+ * Uses the token of the page's address, and removes it from there.
+ * @returns {Promise<"open" | "none" | "wrong">} whether the page may go on; otherwise whether it came with a token
+ */
 export async function enter() {
   // A link that is opened in a tab with this page changes its address, and loads nothing.
   addEventListener("hashchange", () => {
     if (TOKEN_IN_LINK.test(location.hash)) location.reload();
   });
   const found = TOKEN_IN_LINK.exec(location.hash);
+  let isWrong = false;
   if (found) {
     history.replaceState(null, "", location.pathname + location.search);
-    await logIn(decodeURIComponent(found[1]));
+    isWrong = (await logIn(decodeURIComponent(found[1]))) === false;
   }
   await chooseName();
   for (;;) {
     const isPermitted = await mayEnter();
-    if (isPermitted !== null) return isPermitted;
+    if (isPermitted !== null) return isPermitted ? "open" : isWrong ? "wrong" : "none";
     await new Promise((resolve) => setTimeout(resolve, 500));
   }
 }
 
-/** Asks for a token until one is accepted. @param {Record<string, any>} words */
-export function askForToken(words) {
+/** Asks for a token until one is accepted. @param {Record<string, any>} words @param {"none" | "wrong"} why */
+export function askForToken(words, why) {
+  const title = document.title;
+  document.title = words.entryPage;
+  document.getElementById("entry-error").textContent = why === "wrong" ? words.linkWrong : "";
   const panel = document.getElementById("entry");
   for (const part of document.querySelectorAll("main, header")) part.hidden = true;
   panel.hidden = false;
@@ -78,6 +85,7 @@ export function askForToken(words) {
       if (await logIn(found ? decodeURIComponent(found[1]) : text)) {
         for (const part of document.querySelectorAll("main, header")) part.hidden = false;
         panel.hidden = true;
+        document.title = title;
         resolve(undefined);
       } else {
         document.getElementById("entry-error").textContent = words.entryWrong;

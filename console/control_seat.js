@@ -8,11 +8,21 @@ const at = (id) => document.getElementById(id);
 
 export class ControlSeat {
   #own = null;
-  #mayControl = false;
+  #mayControl = true;
   #holder = undefined;
-  /** Who asked for the control when it was told last. @type {number[]} */
-  #asking = [];
   isControlling = false;
+  /** Whether this page asked for the control and waits. */
+  hasAsked = false;
+
+  /** Whether the page's link permits the control. */
+  get mayControl() {
+    return this.#mayControl;
+  }
+
+  /** Why this page, which does not control, may not do something. */
+  get whyNot() {
+    return this.#mayControl ? words.reasons.watcher : words.reasons.watchLink;
+  }
 
   /** @param {import("./link.js").Link} link */
   constructor(link) {
@@ -48,18 +58,16 @@ export class ControlSeat {
       : seat.holder === null ? words.nobodyControls
       : seat.holder_connected ? words.youWatch(seat.holder) : words.holderLost(seat.holder);
     at("seat").textContent = text;
-    at("control").hidden = this.isControlling || !this.#mayControl;
+    this.hasAsked = !this.isControlling && seat.asking.includes(this.#own);
+    at("ask-control").textContent = this.hasAsked ? words.askedControl : words.askControl;
     const asking = this.isControlling ? seat.asking.filter((client) => client !== this.#own) : [];
-    // The button may be out of view.
-    for (const client of asking) if (!this.#asking.includes(client)) toast(words.asks(client));
-    this.#asking = asking;
     at("asking").replaceChildren(...asking.map((client) => {
-      const [row, button] = [document.createElement("p"), document.createElement("button")];
-      row.textContent = words.asks(client);
+      const [row, button, text] = ["p", "button", "span"].map((name) => document.createElement(name));
+      text.textContent = words.asks(client);
       button.textContent = words.giveControl(client);
       button.dataset.give = client;
       button.addEventListener("click", () => this.give(client));
-      row.append(button);
+      row.append(text, button);
       return row;
     }));
   }

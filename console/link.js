@@ -11,6 +11,8 @@ const LONGEST_WAIT_MS = 2000;
 const ENDING = new Set(["stop", "stop-vessel", "disengage"]);
 /** The program closes the socket with this code where too many pages are open. */
 const TRY_AGAIN_LATER = 1013;
+/** The program closes the socket with this code at its end. */
+const GOING_AWAY = 1001;
 
 export class Link extends EventTarget {
   #socket = null;
@@ -20,6 +22,10 @@ export class Link extends EventTarget {
   #heard = 0;
   #video = "none";
   isUp = false;
+  /** Whether the page was connected before. */
+  wasUp = false;
+  /** Whether the program said that it ends. */
+  isEnded = false;
   /** Whether the program closed the connection because too many pages are open. */
   isDismissed = false;
   /** Whether this page commands a boat: the program then wants to hear the page some times a second. */
@@ -56,6 +62,7 @@ export class Link extends EventTarget {
     socket.onclose = ({ code }) => {
       if (socket !== this.#socket) return;
       this.isDismissed = code === TRY_AGAIN_LATER;
+      this.isEnded = code === GOING_AWAY || (this.isEnded && !this.isUp);
       this.#setUp(false);
       this.#socket = null;
       if (!this.isDismissed) this.#retry();
@@ -74,9 +81,8 @@ export class Link extends EventTarget {
   #setUp(isUp) {
     if (this.isUp === isUp) return;
     this.isUp = isUp;
-    if (!isUp) {
-      this.#endWaiting();
-    }
+    if (isUp) [this.wasUp, this.isEnded] = [true, false];
+    else this.#endWaiting();
     this.dispatchEvent(new CustomEvent("up", { detail: isUp }));
   }
 

@@ -5,8 +5,9 @@ const EDGE = "#000000";
 const COLOURS = { person: "#ff5ec4", place: "#5dd4ff", "way-point": "#5dd4ff", forbidden: "#ff6a4d", home: "#b8ff5d" };
 const SIGNS = { person: "P", place: "×", "way-point": "◆", forbidden: "!", home: "H" };
 const RAD = Math.PI / 180;
-/** Side of the map, CSS pixels. */
+/** Side of the map, CSS pixels, and as a share of the picture's width at most. */
 const MAP_PX = 168;
+const MAP_SHARE = 0.3;
 
 /** Strokes a path twice, so that it shows on any background. */
 function stroke(pen, colour, width, dash = []) {
@@ -44,8 +45,15 @@ function atBorder([x, y], [width, height], margin) {
   return share < 1 ? [cx + share * (x - cx), cy + share * (y - cy)] : [x, y];
 }
 
+/** The ring around a mark that is chosen, or dragged. */
+export function ringOfMark(pen, [x, y], unit) {
+  pen.beginPath();
+  pen.arc(x, y, 19 * unit, 0, 2 * Math.PI);
+  stroke(pen, LINE, 2 * unit);
+}
+
 /** The marks with their circles, and the line from the boat to its destination. */
-export function drawMarks(pen, view, { vessel, track }, unit) {
+export function drawMarks(pen, view, { vessel, track }, chosen, unit) {
   if (!vessel) return;
   for (const mark of vessel.marks) {
     const colour = COLOURS[mark.kind];
@@ -64,18 +72,21 @@ export function drawMarks(pen, view, { vessel, track }, unit) {
     pen.beginPath();
     pen.arc(...at, (mark.destination ? 15 : 11) * unit, 0, 2 * Math.PI);
     stroke(pen, colour, (mark.destination ? 3 : 1.5) * unit);
+    if (mark.id === chosen) ringOfMark(pen, at, unit);
     sign(pen, SIGNS[mark.kind], at, colour, unit);
   }
 }
 
 /** The water from above: what the camera sees, the marks, and the boat with its course. Ahead is up. */
-export function drawMap(pen, view, { vessel }, unit) {
+export function drawMap(pen, view, { vessel, track }, unit) {
   const boat = vessel?.progress;
   const points = [...(vessel?.footprint ?? []), ...(vessel?.marks ?? []).map((mark) => mark.water_m).filter(Boolean)];
   if (boat) points.push(boat.boat_m);
   if (!vessel?.marks.some((mark) => mark.water_m) || points.length < 2) return;
-  const side = MAP_PX * unit;
-  const [left, top] = [view.canvas[0] - side - 8 * unit, 32 * unit];
+  const side = Math.min(MAP_PX * unit, MAP_SHARE * view.canvas[0]);
+  // On the side where the boat is not.
+  const isBoatRight = track.centre && view.toCanvas(track.centre)[0] > view.canvas[0] / 2;
+  const [left, top] = [isBoatRight ? 8 * unit : view.canvas[0] - side - 8 * unit, 8 * unit];
   points.push([0, 0]);
   const range = (axis) => [Math.min(...points.map((point) => point[axis])), Math.max(...points.map((point) => point[axis]))];
   const [[minX, maxX], [minY, maxY]] = [range(0), range(1)];

@@ -3,14 +3,23 @@
 // Stops that the vehicle's own reports caused.
 const fromVehicle = new Set(["control-lost", "vehicle-restarted", "vehicle-silent", "battery-low"]);
 
+/** The place of a person is asked for again when its standard deviation is larger, metres: after some seconds. */
+const PERSON_STD_DEV_M = 2;
+
+/** The line for a page that does not control. */
+const ofWatcher = ({ mayControl, hasAsked }) => (!mayControl ? "watchLink" : hasAsked ? "asked" : "watch");
+
 /**
  * @param {object} state
  * @returns {string} the key of a line in `words.next`, or of an alarm that says itself what to do
  */
-export function nextAction({ isConnected, isStopOverdue, isControlling, snapshot }) {
+export function nextAction({ loss, isConnected, isStopOverdue, seat, snapshot }) {
+  if (loss === "ended") return "ended";
   if (isStopOverdue) return "stopUnacknowledged";
-  if (!isConnected || !snapshot) return "connect";
-  if (!isControlling) return "watch";
+  if (loss === "hangs") return "hangs";
+  if (loss !== null) return "connect";
+  if (!isConnected || !snapshot) return "connecting";
+  if (!seat.isControlling) return ofWatcher(seat);
   const { mode, track, video, link, alarms, drive } = snapshot;
   if (drive?.paused) return "paused";
   if (alarms.includes("camera-turns")) return "camera-turns";
@@ -29,8 +38,14 @@ export function nextAction({ isConnected, isStopOverdue, isControlling, snapshot
   if (track.state === "unseeded") return "select";
   if (track.state === "lost") return snapshot.search_refusal ? "reselect" : "search";
   if (mode.name === "stopped") return fromVehicle.has(mode.cause) ? "stoppedByVehicle" : "stopped";
+  if (isPersonOld(snapshot)) return "person";
   if (mode.cause === "dry-run") return "dryRun";
   if (alarms.includes("end-stop")) return "endStop";
   if (mode.name === "idle") return "engage";
   return track.state === "coasting" ? "hidden" : "follow";
+}
+
+/** Whether it is not known well any more where a person is. */
+function isPersonOld({ vessel }) {
+  return Boolean(vessel?.marks.some(({ kind, std_dev_m: deviation }) => kind === "person" && deviation > PERSON_STD_DEV_M));
 }

@@ -4,6 +4,9 @@ import { drawMap, drawMarks } from "./marks.js";
 
 export const LAYERS = ["region", "box", "heading", "trail", "p", "command", "advice", "marks", "map"];
 
+/** Width of the canvas from which the map is drawn for the operator, CSS pixels. */
+const MAP_FROM_PX = 700;
+
 const LINE = "#ffffff";
 const EDGE = "#000000";
 const WARM = "#ffb000";
@@ -45,16 +48,20 @@ function arrow(pen, [x, y], [dx, dy], colour, isHollow, unit) {
   }
 }
 
+/** How long the trail is. */
+const TRAIL_NS = 5e9;
+
 /** The trail of the target over the last seconds. */
 export class Trail {
   #points = [];
 
-  add(snapshot) {
-    const { centre, captured_ns: captured } = snapshot.track;
-    if (!centre || captured === this.#points.at(-1)?.captured) return;
-    if (captured < this.#points.at(-1)?.captured) this.#points = [];
-    this.#points.push({ centre, captured });
-    while (captured - this.#points[0].captured > 5e9) this.#points.shift();
+  /** Adds where the target is. The trail gets older also while the target is lost. */
+  add({ track: { centre, captured_ns: captured }, video }) {
+    const isNew = centre && captured !== this.#points.at(-1)?.captured;
+    if (isNew && captured < this.#points.at(-1)?.captured) this.#points = [];
+    if (isNew) this.#points.push({ centre, captured });
+    const now = Math.max(video.captured_ns ?? 0, captured ?? 0);
+    while (this.#points.length && now - this.#points[0].captured > TRAIL_NS) this.#points.shift();
   }
 
   clear() {
@@ -72,7 +79,10 @@ export class Trail {
   }
 }
 
-function drawRegion(pen, view, snapshot, unit) {
+/** P from which the calm ellipse gets brighter: the boat is near its border. */
+const NEAR_P = 0.6;
+
+function drawRegion(pen, view, snapshot, isCalm, unit) {
   const { region, percept } = snapshot;
   if (!region) return;
   const [width, height] = view.picture;
@@ -81,6 +91,13 @@ function drawRegion(pen, view, snapshot, unit) {
   pen.beginPath();
   pen.ellipse(cx, cy, a, b, 0, 0, 2 * Math.PI);
   const isOutside = percept && percept.p > 1;
+  if (isCalm) {
+    const nearness = Math.min(1, Math.max(0, ((percept?.p ?? 0) - NEAR_P) / (1 - NEAR_P)));
+    [pen.strokeStyle, pen.lineWidth, pen.globalAlpha] = [isOutside ? WARM : LINE, (1 + nearness) * unit, 0.3 + 0.6 * nearness];
+    pen.stroke();
+    pen.globalAlpha = 1;
+    return;
+  }
   stroke(pen, isOutside ? WARM : LINE, (isOutside ? 3 : 2) * unit);
   pen.beginPath();
   for (const [sx, sy] of [[1, 1], [1, -1], [-1, 1], [-1, -1]]) {
@@ -119,13 +136,18 @@ function drawCommand(pen, view, pair, isHollow, unit) {
   if (pair.tilt) arrow(pen, [cx, cy], [0, -length(pair.tilt)], colour, isHollow, unit);
 }
 
-/** Draws the layers that are switched on. `label`: the text beside the box. */
-export function drawOverlay(pen, view, snapshot, trail, shown, label, unit) {
+/**
+ * Draws the layers that are switched on.
+ * @param {{trail: Trail, layers: Set<string>, isCalm: boolean, chosenMark: number | null, label: string, unit: number}} options `label`:
+ *   the text beside the box
+ */
+export function drawOverlay(pen, view, snapshot, { trail, layers: shown, isCalm, chosenMark, label, unit }) {
   const { track } = snapshot;
-  if (shown.has("region")) drawRegion(pen, view, snapshot, unit);
+  if (shown.has("region")) drawRegion(pen, view, snapshot, isCalm, unit);
   if (shown.has("trail")) trail.draw(pen, view, unit);
-  if (shown.has("marks")) drawMarks(pen, view, snapshot, unit);
-  if (shown.has("map")) drawMap(pen, view, snapshot, unit);
+  if (shown.has("marks")) drawMarks(pen, view, snapshot, chosenMark, unit);
+  // In a small picture the map would cover too much.
+  if (shown.has("map") && (!isCalm || view.canvas[0] >= MAP_FROM_PX * unit)) drawMap(pen, view, snapshot, unit);
   if (track.box && shown.has("box")) drawBox(pen, view, track, unit);
   if (track.heading_deg !== null && track.centre && shown.has("heading")) {
     const reach = (0.5 * (track.axes?.[0] ?? 40) + 24) * view.scale;

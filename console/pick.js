@@ -46,6 +46,7 @@ async function openConsole(link) {
 }
 
 at("hint").textContent = words.pickHint;
-if (!(await enter())) await askForToken(words);
+const entry = await enter();
+if (entry !== "open") await askForToken(words, entry);
 const answer = await fetch("/api/v1/frame");
 stage.show(await createImageBitmap(await answer.blob()), 0, { captured: 0, snapshot: null });

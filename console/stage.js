@@ -1,12 +1,14 @@
 // The canvas: the picture with its overlay, zoom and pan, and the box that the operator draws.
 
 import { View, boxBetween } from "./geometry.js";
+import { MIN_BOX_PX, firstBox, steppedBox } from "./key_box.js";
+import { ringOfMark } from "./marks.js";
 import { Trail, drawOverlay } from "./overlay.js";
 
 /** How long a picture stays frozen, ms. The program keeps video frames for 1.5 s after their capture. */
 export const FROZEN_MS = 1300;
-const MIN_BOX_PX = 4;
-const KEY_STEP_PX = 8;
+/** A pointer that moved less is a tap, CSS pixels. */
+const TAP_PX = 12;
 
 export class Stage extends EventTarget {
   #canvas;
@@ -21,7 +23,10 @@ export class Stage extends EventTarget {
   view = new View();
   trail = new Trail();
   layers = new Set();
-  isFreezeWanted = false;
+  /** Whether little is drawn: for who looks at the boat, not at the law. */
+  isCalm = false;
+  /** Number of the mark that was tapped last. @type {number | null} */
+  chosenMark = null;
   /** Whether the next point is a mark, not a box. */
   isMarking = false;
   /** A box that stays: left, top, width, height. @type {number[] | null} */
@@ -60,6 +65,16 @@ export class Stage extends EventTarget {
     this.redraw();
   }
 
+  get hasPicture() {
+    return this.#shown !== null;
+  }
+
+  /** Whether the box lies in the lower half of what is shown. */
+  get isBoxLow() {
+    const centre = this.#shown?.snapshot?.track.centre;
+    return Boolean(centre && this.view.canvas && this.view.toCanvas(centre)[1] > this.view.canvas[1] / 2);
+  }
+
   get isFrozen() {
     return this.#frozenAt !== null;
   }
@@ -85,7 +100,7 @@ export class Stage extends EventTarget {
     if (!this.isFrozen) return;
     if (this.frozenShare === 0) {
       this.unfreeze();
-      if (this.#drag?.from) this.#say("old");
+      if (this.#drag?.from && !this.#drag.mark) this.#say("old");
     }
     this.#change();
   }
@@ -147,7 +162,7 @@ export class Stage extends EventTarget {
         const mark = this.isMarking || this.isFrozen ? null : this.#markAt(this.#at(event));
         if (!mark) this.freeze();
         const from = this.view.toPicture(this.#at(event));
-        this.#drag = mark ? { mark, to: from } : { from, to: from, captured: this.#shown.captured };
+        this.#drag = { mark, from, to: from, captured: this.#shown.captured };
       }
       event.preventDefault();
     });
@@ -168,9 +183,11 @@ export class Stage extends EventTarget {
       if (this.#pinch) {
         if (this.#pointers.size === 0) this.#pinch = null;
       } else if (drag?.mark) {
-        // A mark that is tapped and not dragged stays.
-        const isMoved = Math.hypot(...drag.to.map((value, axis) => value - drag.mark.at[axis])) * this.view.scale > 12;
-        if (isDone && isMoved) this.dispatchEvent(new CustomEvent("move-mark", { detail: { id: drag.mark.id, at: drag.to, captured_ns: this.#shown.captured } }));
+        const isMoved = Math.hypot(...drag.to.map((value, axis) => value - drag.from[axis])) * this.view.scale > TAP_PX * (window.devicePixelRatio || 1);
+        const detail = { mark: drag.mark, id: drag.mark.id, at: drag.to, captured_ns: drag.captured };
+        // While it is dragged the picture goes on: the mark is on the newest one. A tap is on the mark as it was shown.
+        if (isDone && isMoved) this.dispatchEvent(new CustomEvent("move-mark", { detail: { ...detail, captured_ns: this.#shown.captured } }));
+        else if (isDone) this.dispatchEvent(new CustomEvent("tap-mark", { detail }));
       } else if (drag?.from) {
         // After the end of the freeze, the box was finished on the newest picture.
         const captured = this.isFrozen ? drag.captured : this.#shown.captured;
@@ -213,31 +230,17 @@ export class Stage extends EventTarget {
   /** A box by keyboard, on the live picture. */
   #onKey(event) {
     if (!this.#shown || !this.view.picture) return;
-    const [width, height] = this.view.picture;
-    const steps = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
-    if (event.key === "Enter") {
-      if (this.#keyBox && this.isMarking) {
-        const [u, v, w, h] = this.#keyBox;
-        this.#mark([u + w / 2, v + h / 2], this.#shown.captured);
-      } else if (this.#keyBox) {
-        this.#select(this.#keyBox, this.#shown.captured);
-        this.#keyBox = null;
-      } else if (this.isMarking) {
-        this.#keyBox = boxBetween([width / 2 - 12, height / 2 - 12], [width / 2 + 12, height / 2 + 12], [width, height]);
-      } else {
-        const [w, h] = [width / 8, height / 8];
-        const [u, v] = this.#shown.snapshot?.track.centre ?? [width / 2, height / 2];
-        this.#keyBox = boxBetween([u - w / 2, v - h / 2], [u + w / 2, v + h / 2], [width, height]);
-      }
-    } else if (event.key === "Escape" && (this.#keyBox || this.isMarking)) {
-      this.setMarking(false);
-    } else if (steps[event.key] && this.#keyBox) {
-      const [dx, dy] = steps[event.key].map((step) => step * KEY_STEP_PX);
-      const [u, v, w, h] = this.#keyBox;
-      this.#keyBox = event.shiftKey
-        ? [u, v, Math.max(MIN_BOX_PX, w + dx), Math.max(MIN_BOX_PX, h + dy)]
-        : [Math.min(width - w, Math.max(0, u + dx)), Math.min(height - h, Math.max(0, v + dy)), w, h];
-    } else return;
+    const box = this.#keyBox;
+    const stepped = box && steppedBox(box, event.key, event.shiftKey, this.view.picture);
+    if (event.key === "Enter" && !box) {
+      this.#keyBox = firstBox(this.view.picture, this.#shown.snapshot?.track.centre, this.isMarking);
+    } else if (event.key === "Enter") {
+      this.#keyBox = null;
+      if (this.isMarking) this.#mark([box[0] + box[2] / 2, box[1] + box[3] / 2], this.#shown.captured);
+      else this.#select(box, this.#shown.captured);
+    } else if (event.key === "Escape" && (box || this.isMarking)) this.setMarking(false);
+    else if (stepped) this.#keyBox = stepped;
+    else return;
     event.preventDefault();
     event.stopPropagation();
     this.redraw();
@@ -273,15 +276,10 @@ export class Stage extends EventTarget {
     pen.imageSmoothingEnabled = this.view.scale < 3;
     pen.drawImage(this.#picture, x, y, picture[0] * this.view.scale, picture[1] * this.view.scale);
     const { snapshot } = this.#shown;
-    if (snapshot) drawOverlay(pen, this.view, snapshot, this.trail, this.layers, this.label(snapshot), unit);
-    if (this.#drag?.mark) {
-      const [x, y] = this.view.toCanvas(this.#drag.to);
-      pen.beginPath();
-      pen.arc(x, y, 15 * unit, 0, 2 * Math.PI);
-      [pen.strokeStyle, pen.lineWidth] = ["#fff", 3 * unit];
-      pen.stroke();
-    }
-    const isDrawing = this.#drag?.from && !this.isMarking;
+    const { trail, layers, isCalm, chosenMark } = this;
+    if (snapshot) drawOverlay(pen, this.view, snapshot, { trail, layers, isCalm, chosenMark, label: this.label(snapshot), unit });
+    if (this.#drag?.mark) ringOfMark(pen, this.view.toCanvas(this.#drag.to), unit);
+    const isDrawing = this.#drag?.from && !this.#drag.mark && !this.isMarking;
     const box = this.#keyBox ?? (isDrawing ? boxBetween(this.#drag.from, this.#drag.to, picture) : this.kept);
     if (box) {
       const corner = this.view.toCanvas([box[0], box[1]]);

@@ -1,9 +1,22 @@
 // Strips over the last two minutes: P, commands, confidence, delay. Drawn at most five times a second.
 
+import { fixed } from "./numbers.js";
+
 const SPAN_MS = 120_000;
 const TOP_P = 2.5;
-const TOP_RATE = 0.4;
+/** Both ways together, rad/s. */
+const TOP_RATE = 0.8;
 const TOP_DELAY_MS = 500;
+
+/** The strips, from the top. `range`: what a strip's height stands for; `map`: a value as a share of the height. */
+function rowsOf(words, colour) {
+  return [
+    { name: words.p, range: `0 – ${TOP_P}`, digits: 2, share: 0.4, lines: [["schemaP", colour("--dim"), 1.5, [4, 4]], ["p", colour("--accent"), 2.5, []]], map: (v) => Math.min(v, TOP_P) / TOP_P, mark: 1 / TOP_P },
+    { name: words.command, range: `±${TOP_RATE / 2}`, digits: 2, share: 0.24, lines: [["pan", colour("--accent"), 2, []], ["tilt", colour("--warm"), 2, [6, 3]]], map: (v) => 0.5 + v / TOP_RATE, mark: 0.5 },
+    { name: words.confidence, range: "0 – 1", digits: 2, share: 0.18, lines: [["confidence", colour("--good"), 2, []]], map: (v) => v, mark: null },
+    { name: words.delay, range: `0 – ${TOP_DELAY_MS}`, digits: 0, share: 0.18, lines: [["delay", colour("--ink"), 2, []]], map: (v) => Math.min(v, TOP_DELAY_MS) / TOP_DELAY_MS, mark: null },
+  ];
+}
 
 export class Strips {
   #samples = [];
@@ -40,12 +53,7 @@ export class Strips {
     const colour = (name) => style.getPropertyValue(name).trim();
     const pen = canvas.getContext("2d");
     pen.clearRect(0, 0, width, height);
-    const rows = [
-      { name: this.words.p, share: 0.4, lines: [["schemaP", colour("--dim"), 1.5, [4, 4]], ["p", colour("--accent"), 2.5, []]], map: (v) => Math.min(v, TOP_P) / TOP_P, mark: 1 / TOP_P },
-      { name: this.words.command, share: 0.24, lines: [["pan", colour("--accent"), 2, []], ["tilt", colour("--warm"), 2, [6, 3]]], map: (v) => 0.5 + v / TOP_RATE / 2, mark: 0.5 },
-      { name: this.words.confidence, share: 0.18, lines: [["confidence", colour("--good"), 2, []]], map: (v) => v, mark: null },
-      { name: this.words.delay, share: 0.18, lines: [["delay", colour("--ink"), 2, []]], map: (v) => Math.min(v, TOP_DELAY_MS) / TOP_DELAY_MS, mark: null },
-    ];
+    const rows = rowsOf(this.words, colour);
     const now = performance.now();
     const x = (at) => width * (1 - (now - at) / SPAN_MS);
     let top = 0;
@@ -87,7 +95,19 @@ export class Strips {
       pen.setLineDash([]);
       pen.fillStyle = colour("--dim");
       pen.font = `${12 * unit}px system-ui, sans-serif`;
-      pen.fillText(row.name, 4 * unit, top + 13 * unit);
+      pen.fillText(`${row.name}: ${row.range}`, 4 * unit, top + 13 * unit);
+      // The newest values, each in the colour of its curve.
+      let right = width - 4 * unit;
+      pen.textAlign = "right";
+      pen.font = `700 ${13 * unit}px system-ui, sans-serif`;
+      for (const [key, ink] of [...row.lines].reverse()) {
+        const value = this.#samples.at(-1)?.[key] ?? null;
+        const text = value === null ? "–" : fixed(value, row.digits);
+        pen.fillStyle = ink;
+        pen.fillText(text, right, top + 14 * unit);
+        right -= pen.measureText(text).width + 10 * unit;
+      }
+      pen.textAlign = "start";
       top += rowHeight;
     }
   }

@@ -21,6 +21,8 @@ export class Video extends EventTarget {
   /** Time of capture of the drawn picture, ns, and their number. */
   captured = 0;
   drawn = 0;
+  /** When a picture was drawn last, ms of the page; null before the first. @type {number | null} */
+  drawnAt = null;
 
   /** @param {import("./link.js").Link} link @param {(image: any, quarters: number, snapshot: object) => void} draw */
   constructor(link, draw) {
@@ -93,7 +95,7 @@ export class Video extends EventTarget {
     for (const picture of passed) picture.image.close();
     const programMs = this.#sessionMs(now);
     if (programMs !== null) this.#delay.add(now, programMs - captured / 1e6);
-    [this.captured, this.drawn] = [captured, this.drawn + 1];
+    [this.captured, this.drawn, this.drawnAt] = [captured, this.drawn + 1, now];
     this.dispatchEvent(new Event("drawn"));
   }
 }

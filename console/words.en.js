@@ -1,40 +1,54 @@
 // All words of the page, in English. Another language is another file of the same keys (words.xx.js, chosen by ?lang=xx).
+import { fixed } from "./numbers.js";
 import states from "./states.en.js";
 
 const placeText = ({ latitude_deg, longitude_deg }) =>
-  `${Math.abs(latitude_deg).toFixed(5)}° ${latitude_deg < 0 ? "S" : "N"}, ${Math.abs(longitude_deg).toFixed(5)}° ${longitude_deg < 0 ? "W" : "E"}`;
+  `${fixed(Math.abs(latitude_deg), 5)}° ${latitude_deg < 0 ? "S" : "N"}, ${fixed(Math.abs(longitude_deg), 5)}° ${longitude_deg < 0 ? "W" : "E"}`;
 
 export default {
   // Laws, causes and alarms: the program's own words
   ...states,
   // Buttons and labels
+  expert: "Expert", operate: "Operate", fullScreen: "Full screen", fullScreenEnd: "Window",
   keys: "Keys ?", theme: "Night", themeDay: "Day", sound: "Sound off", soundOn: "Sound on",
   stage: "Picture", picture: "Picture of the camera. Drag a box around the boat. Enter starts a box by keyboard.",
   frozen: "Frozen: draw the box ", freeze: "Freeze", unfreeze: "Go on", reject: "Not that one", deselect: "Forget",
-  mark: "Mark", marking: "Tap the point", markKind: "What is marked", unmarkAll: "Clear",
+  mark: "Mark", marking: "Tap the point", markKind: "What is marked", unmark: "Remove", unmarkAll: "Clear",
+  stillThere: "The person is still there: the place is renewed.",
   markKinds: { person: "Person", place: "Place", "way-point": "Way-point", forbidden: "Keep out", home: "Home" },
   guide: "Go", guideInPicture: "Go in the picture", stopBoat: "Stop boat", nextMark: "Next", goHome: "Home",
-  search: "Search", netYawZero: "Tether untwisted",
+  search: "Search", netYawZero: "Untwisted",
   tools: "Selection and zoom", zoomIn: "Zoom in", zoomOut: "Zoom out", zoomReset: "Fit", overlays: "Show",
-  command: "Command", stop: "STOP", stopping: "STOPPING", stopKey: "Space", engage: "Engage", disengage: "Disengage",
+  command: "Command", byHand: "By hand, boat, control", stop: "STOP", stopping: "STOPPING", stopKey: "Space", engage: "Engage", disengage: "Disengage",
   nudge: "Turn camera", nudgeUp: "Tilt the camera up", nudgeDown: "Tilt the camera down",
   nudgeLeft: "Pan the camera left", nudgeRight: "Pan the camera right",
   drive: "Drive boat", helmAhead: "Boat ahead", helmAstern: "Boat astern", helmLeft: "Boat left", helmRight: "Boat right",
   pause: "Pause", resume: "Resume", helmsman: "Helmsman", law: "Camera law",
-  takeControl: "Take control", askControl: "Ask for control", giveControl: (page) => `Give control to page ${page}`,
+  takeControl: "Take control", askControl: "Ask for control", askedControl: "Asked: waiting", giveControl: (page) => `Give control to page ${page}`,
   figures: "Figures", strips: "The last two minutes: P, camera commands, confidence, delay", events: "Events",
-  alarms: "Alarms", keysTitle: "Keys", close: "Close", cancel: "Cancel",
+  alarmList: "Alarms", keysTitle: "Keys", close: "Close", cancel: "Cancel",
   takeTitle: "Take the control from the other page?",
-  entry: "Access", entryTitle: "A token is needed", token: "Token or link", open: "Open",
+  entry: "Access", entryPage: "Barrelman: access", entryTitle: "A token is needed", token: "Token or link", open: "Open",
   entryText: "Open the link that the program printed at its start, or paste the link or its token here.",
+  linkWrong: "The token of the link that was opened is not known. The program makes new tokens at each start: open the link that it printed last.",
   entryWrong: "This token is not known. The program makes new tokens at each start.",
   // The page on which a box is drawn in one picture
   pickHint: "Drag a box around the whole boat. The wheel zooms.", pickTake: "Track this",
   pickBox: (box) => `Box ${box.join(",")}`, pickDone: "The program goes on with this box. This page can be closed.", pickDoneConsole: "The run begins with this box. The console opens here.",
   // State
-  connecting: "Connecting.", connectionLost: "CONNECTION LOST - retrying. The camera can be stopped at the ground station.",
-  hangs: "THE PROGRAM HANGS - what stands here is old. The link rests the camera; look at the ground station.",
-  dismissed: "TOO MANY PAGES ARE OPEN - this one was disconnected. Close others, then reload.",
+  connecting: "CONNECTING", ended: "ENDED", lastKnown: (s) => `last known, ${s} s ago`,
+  losses: {
+    lost: "CONNECTION LOST - retrying. The camera can be stopped at the ground station.",
+    hangs: "THE PROGRAM HANGS - what stands here is old. The link rests the camera; look at the ground station.",
+    dismissed: "TOO MANY PAGES ARE OPEN - this one was disconnected. Close others, then reload.",
+    ended: "The program has ended; the camera rests.",
+    endedUnknown: "The program has ended. The camera may be turning: look at the ground station.",
+  },
+  // Across the picture
+  notices: {
+    connecting: "Connecting to the program", waiting: "Waiting for the first picture", old: "The last picture", ended: "The video has ended",
+    videoConnecting: "Connecting to the video", lost: (reason) => `No picture: the video is lost${reason ? `: ${reason}` : ""}`, none: (s) => `No video for ${s} s`,
+  },
   youControl: "You control", youWatch: (page) => `Page ${page} controls; you watch`, nobodyControls: "Nobody controls",
   mayWatch: "You watch (watch link)", holderLost: (page) => `Page ${page} controls, but is not connected`,
   took: (page) => `Page ${page} took the control.`, gotControl: "You have the control.",
@@ -43,9 +57,14 @@ export default {
     calibrating: "CALIBRATING", stopped: "STOPPED" },
   tracks: { unseeded: "nothing selected", tracking: "tracking", coasting: "coasting", lost: "lost", confirming: "confirming" },
   next: {
+    connecting: "Wait: the page connects to the program.",
     connect: "Wait for the connection, or stop at the ground station.",
+    hangs: "The program hangs: stop the camera at the ground station.",
+    ended: "Start the program again to go on: the page connects by itself.",
     stopUnacknowledged: "Stop was not acknowledged: use the ground station's own stop.",
     watch: "You watch. Only Stop works here. Take the control to do more.",
+    watchLink: "You watch with the watch link. Only Stop works here.",
+    asked: "You asked for the control: wait until it is given, or press Take control.",
     video: "Wait for video: check the camera and the network.",
     late: "The video is late: the camera rests. Check the network, or restart the camera's stream.",
     link: "The link is down: check the cable or the ground station.",
@@ -60,6 +79,7 @@ export default {
     unwind: "The tether is wound up: disengage, and turn the camera back by hand.",
     confirm: "Wait: the selection is being confirmed.",
     endStop: "The camera is near its end stop: move the kite.",
+    person: "Drag the mark onto the person, or tap the mark: still there.",
     engage: "Check the box, then press Engage.",
     stopped: "Stopped. Engage to follow again, or Disengage.",
     stoppedByVehicle: "The vehicle ended the following. Check the vehicle, then Engage again, or Disengage.",
@@ -71,13 +91,14 @@ export default {
   reasons: {
     tap: "Drag a box around the boat, from corner to corner.", small: "The box is too small: zoom in, and draw again.",
     old: "The picture moves again: finish the box on the moving boat.", noPicture: "There is no picture yet.",
-    notConnected: "Not connected.", noAnswer: "No answer: look whether it was done.", watcher: "You watch: take the control first.",
+    notConnected: "Not connected.", noAnswer: "No answer: look whether it was done.", watcher: "You watch: take the control first.", watchLink: "You watch with the watch link.", controls: "You control.",
     law: "Disengage before changing the law.", nudge: "Disengage before turning the camera by hand.",
     nudgeDryRun: "A dry run does not move the camera.", nudgeLink: "The link is not up.",
     nudgeControl: "The vehicle does not accept commands.", nudgeFlight: "The vehicle has an emergency or lands.",
     nudgeVideo: "There is no video.",
     noBoat: "No boat is connected.", nothingMarked: "Mark a place or a person first.", noHome: "Mark home first.",
     engaged: "The camera is engaged.", disengaged: "The camera is disengaged.", boatStopped: "The boat is stopped.",
+    guided: "The boat goes already.", notLost: "The boat is not lost.", notTwisted: "The tether is not twisted by half a turn.",
     nothingFollowed: "Nothing is followed.", unacknowledged: "STOP NOT ACKNOWLEDGED: use the ground station's own stop.",
   },
   layers: {
@@ -97,8 +118,8 @@ export default {
   videos: { connecting: "connecting", up: "up", lost: "lost, reconnecting", ended: "ended" },
   recordings: { off: "off", recording: "on", failed: "FAILED" },
   seconds: (s) => `${s} s`, ago: (s) => `for ${s} s`,
-  workText: (work) => `${work.moves} ${work.moves === 1 ? "move" : "moves"}, ${work.travel_rad.toFixed(2)} rad, ${Math.round(100 * work.rest_share)} % at rest`,
-  boatText: (drive) => `${drive.speed_m_per_s.toFixed(1)} m/s, ${drive.helm === "page" ? "you steer" : drive.helm}`,
+  workText: (work) => `${work.moves} ${work.moves === 1 ? "move" : "moves"}, ${fixed(work.travel_rad, 2)} rad, ${Math.round(100 * work.rest_share)} % at rest`,
+  boatText: (drive) => `${fixed(drive.speed_m_per_s, 1)} m/s, ${drive.helm === "page" ? "you steer" : drive.helm}`,
   boatMode: (vessel) => {
     const doing = { "getting-way": "getting under way", avoiding: "going around a circle", blocked: "no way past the circles", holding: "at the mark", "standing-off": "waiting before the person", "no-fix": "boat near the horizon" }[vessel.guidance];
     const how = vessel.mode === "guided" ? `${doing ? `: ${doing}` : ""}${vessel.basis === "picture" ? " (by the picture: no distances)" : ""}` : "";
@@ -106,30 +127,30 @@ export default {
   },
   vesselText: ({ progress, throttle, rudder, marks }, drive) => {
     const speed = progress ?? drive;
-    const goal = progress && marks.some(({ destination }) => destination) ? `, ${progress.distance_m.toFixed(1)} m to go` : "";
+    const goal = progress && marks.some(({ destination }) => destination) ? `, ${fixed(progress.distance_m, 1)} m to go` : "";
     const side = Math.round(100 * Math.abs(rudder)) ? ` ${rudder < 0 ? "\u2190" : "\u2192"} ${Math.round(100 * Math.abs(rudder))}` : "";
     const helm = throttle || rudder ? `, ${throttle < 0 ? "\u2193" : "\u2191"} ${Math.round(100 * Math.abs(throttle))}${side} %` : "";
-    return `${speed ? `${speed.speed_m_per_s.toFixed(1)} m/s` : "speed not known"}${goal}${helm}`;
+    return `${speed ? `${fixed(speed.speed_m_per_s, 1)} m/s` : "speed not known"}${goal}${helm}`;
   },
   netYawText: (degrees) => (degrees === 0 ? "0°" : `${Math.abs(degrees)}° to the ${degrees > 0 ? "right" : "left"}`),
   distanceText: ({ distance_m, std_dev_m, direction_deg }) => {
-    const side = Math.round(direction_deg) === 0 ? "ahead" : `${Math.abs(direction_deg).toFixed(0)}° ${direction_deg > 0 ? "right" : "left"}`;
-    return `${distance_m.toFixed(0)} m ± ${Math.max(1, 2 * std_dev_m).toFixed(0)} m, ${side}`;
+    const side = Math.round(direction_deg) === 0 ? "ahead" : `${fixed(Math.abs(direction_deg), 0)}° ${direction_deg > 0 ? "right" : "left"}`;
+    return `${fixed(distance_m, 0)} m ± ${fixed(Math.max(1, 2 * std_dev_m), 0)} m, ${side}`;
   },
   placeText,
   noHeading: "latitude and longitude not known: the kite does not report where north is for the camera",
   positionText: (position, height) => placeText(position)
-    + (height === null ? "" : `, ${height.toFixed(0)} m up`) + (position.heading_deg === null ? "" : `, heading ${position.heading_deg.toFixed(0)}°`),
-  slowText: (pace) => `${Math.round(100 * pace)} % of real time; try --size 640x360`,
+    + (height === null ? "" : `, ${fixed(height, 0)} m up`) + (position.heading_deg === null ? "" : `, heading ${fixed(position.heading_deg, 0)}°`),
+  slowText: (pace, size) => `${Math.round(100 * pace)} % of real time${size && size[0] > 640 ? "; try --size 640x360" : ""}`,
   turns: { pan: "pan", tilt: "tilt", left: "left", right: "right", up: "up", down: "down", rest: "at rest" },
-  videoText: (state, fps, dropped) => `${state}, ${fps.toFixed(0)} frames/s, ${dropped} dropped`,
-  strip: { p: "P", command: "pan (+ right), tilt (+ up), rad/s", confidence: "confidence", delay: "delay ms" },
+  videoText: (state, fps, dropped) => `${state}, ${fixed(fps, 0)} frames/s, ${dropped} dropped`,
+  strip: { p: "P", command: "pan (+ right), tilt (+ up), rad/s", confidence: "confidence", delay: "delay, ms" },
   answers: { superseded: "Replaced by a later request", refused: "Refused" },
   keyList: [
     ["Space", "Stop the camera and the boat"], ["e", "Engage"], ["r", "Disengage: the camera rests"],
     ["w a s d", "Turn the camera by hand, while disengaged: tilt up, pan left, tilt down, pan right"], ["Arrows", "Drive the boat by hand; a gamepad's left stick does, too"],
     ["t", "Mark a point: then tap it, or Enter, arrows, Enter on the picture"], ["g", "The boat goes to the mark"], ["b", "Stop the boat alone"], ["c", "The next mark"], ["y", "The boat goes home"],
-    ["f", "Freeze the picture"], ["Enter, on a switch of the overlay", "Switch it"], ["x", "Not that one"], ["l", "Search for a boat that is lost"], ["Enter, on the picture", "Draw a box by keyboard: arrows move, Shift+arrows resize, Enter selects, Escape cancels"],
+    ["u, on a mark that was tapped", "Remove the mark"], ["z", "Freeze the picture"], ["f", "Full screen"], ["v", "Operate or Expert"], ["Enter, on a switch of the overlay", "Switch it"], ["x", "Not that one"], ["l", "Search for a boat that is lost"], ["Enter, on the picture", "Draw a box by keyboard: arrows move, Shift+arrows resize, Enter selects, Escape cancels"],
     ["+ - 0", "Zoom in, out, whole picture"], ["p", "Pause or resume the simulated world"], ["h", "Give the helm back"],
     ["n", "Night or day"], ["m", "Sound"], ["?", "These keys"],
   ],

@@ -12,6 +12,8 @@ if (wanted && /^[a-z]{2}$/.test(wanted) && wanted !== "en") {
   }
 }
 
+export { fixed } from "./numbers.js";
+
 export const words = table;
 
 /** Words of the program as a sentence's beginning: they begin in lower case. */

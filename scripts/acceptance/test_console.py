@@ -233,6 +233,7 @@ class TestDemo:
 
     def test_law_is_switched_while_disengaged(self, demo: Program, demo_page: Page) -> None:
         demo_page.disengage()
+        demo_page.click("level")
         Select(demo_page.element("law")).select_by_value("eco")
         demo.wait(lambda status: status["law"] == "eco", "the law")
 
