@@ -1,4 +1,4 @@
-"""A page whose messages from the program are changed on their way, so that every state can be seen at will."""
+"""A page whose messages from the program are changed on their way, so that every state can be seen."""
 
 import pathlib
 from typing import Any

@@ -5,13 +5,14 @@ One demo serves the page; its messages are changed on their way to the page, so 
 
 import pathlib
 from collections.abc import Iterator
-from typing import Any, NamedTuple
+from typing import Any
 
 import pytest
 from selenium.webdriver.common.keys import Keys
 
 from altered import AlteredPage
 from client import Program
+from console_states import BOX, OTHER, PERSON, PERSON_AT, STATES, State, mode
 from machine import wait_until
 from page import Page
 
@@ -23,83 +24,6 @@ Rectangles = dict[str, list[float]]
 def size_of(size: tuple[int, int]) -> str:
     return f"{size[0]}x{size[1]}"
 
-
-def mode(name: str, cause: str | None = None) -> dict[str, Any]:
-    return {"name": name, "cause": cause, "engaged": name in ("servoing", "holding")}
-
-
-BOX = {
-    "state": "tracking",
-    "confirming": False,
-    "box": [400.0, 200.0, 60.0, 40.0],
-    "centre": [430.0, 220.0],
-    "lost_s": None,
-}
-PERSON = {
-    "id": 7,
-    "kind": "person",
-    "destination": True,
-    "at": [300.0, 300.0],
-    "ring": [],
-    "water_m": [0.0, 40.0],
-    "on_earth": None,
-    "std_dev_m": 3.5,
-    "radius_m": 2.0,
-}
-ALARMS = ["camera-turns", "boat-moves", "no-video", "stale-video", "link-down", "end-stop", "battery-low"]
-
-
-class State(NamedTuple):
-    """What the program tells, and what the page's data then say. `press`: a button that is pressed first."""
-
-    snapshot: dict[str, Any]
-    shown: str
-    more: dict[str, Any] = {}  # noqa: RUF012
-    press: str | None = None
-
-
-# The number of the other page.
-OTHER = 4711
-STATES = {
-    "disengaged": State({"mode": mode("idle"), "track": BOX}, "d.mode === 'idle' && d.next === 'engage'"),
-    "engaged": State({"mode": mode("servoing"), "track": BOX}, "d.mode === 'servoing'"),
-    "nudging": State({"mode": mode("nudging"), "track": BOX}, "d.next === 'nudge'"),
-    "holding": State(
-        {"mode": mode("holding", "no-control"), "track": {**BOX, "state": "coasting"}}, "d.mode === 'holding'"
-    ),
-    "searching": State({"mode": mode("searching"), "track": {"state": "lost"}}, "d.next === 'searching'"),
-    "stopped": State({"mode": mode("stopped", "suspended"), "track": BOX}, "d.mode === 'stopped'"),
-    "lost": State(
-        {
-            "mode": mode("holding", "track-lost"),
-            "track": {"state": "lost", "box": None, "centre": None, "lost_s": 12.0},
-            "alarms": ["track-lost"],
-        },
-        "d.track === 'lost'",
-    ),
-    "alarms present": State(
-        {"mode": mode("servoing"), "track": BOX, "alarms": ALARMS, "video": {"reason": "0.9 s late for 12 s"}},
-        "d.next === 'camera-turns'",
-    ),
-    "tether wound": State({"net_yaw_deg": 400.0, "alarms": ["net-yaw"]}, "document.querySelector('#alarms li')"),
-    "a person to be renewed": State(
-        {"mode": mode("servoing"), "track": BOX, "vessel": {"marks": [PERSON], "mode": "guided"}},
-        "d.next === 'person'",
-    ),
-    "a boat that says much": State(
-        {"vessel": {"mode": "holding", "says": "x y " * 29, "go_again": True, "guidance": "blocked"}},
-        "d.boat === 'holding'",
-    ),
-    "another page asks": State({}, "document.querySelector('[data-give]')", {"control": {"asking": [OTHER]}}),
-    "another page controls": State({}, "d.next === 'watch'", {"control": {"holder": OTHER}}),
-    "a watch link": State(
-        {}, "d.next === 'watchLink'", {"hello": {"may_control": False}, "control": {"holder": OTHER}}
-    ),
-    "marking": State({"track": BOX}, "d.marking === 'yes'", press="mark"),
-    "paused": State({"drive": {"paused": True}}, "d.next === 'paused'"),
-    "stale video": State({"mode": mode("servoing"), "track": BOX}, "d.stale === 'yes'", {"drops": "video"}),
-    "connection lost": State({"mode": mode("servoing")}, "d.old === 'yes'", {"drops": "all"}),
-}
 
 RECTANGLES = """
 const all = {};
@@ -180,13 +104,13 @@ def test_controls_do_not_overlap(page: AlteredPage, size: tuple[int, int]) -> No
     """Mode, advice, picture, Stop, Engage and the pad of the boat are whole in view, under nothing else."""
     show(page, size, "operate")
     covered = page.script("""
-        const names = ['mode', 'next-action', 'picture', 'stop', 'engage', 'disengage', 'helm-up', 'helm-down'];
+        const names = ['mode', 'next-action', 'picture', 'stop', 'engage', 'disengage', 'helm-up'];
         return names.filter((name) => {
           const element = document.getElementById(name);
           const { left, top, right, bottom } = element.getBoundingClientRect();
-          if (name.startsWith('helm') && top >= innerHeight / 2 && innerHeight > innerWidth) return false;
           const isWhole = left >= 0 && top >= 0 && right <= innerWidth && bottom <= innerHeight;
-          const points = [[left + 9, top + 9], [right - 9, bottom - 9], [(left + right) / 2, (top + bottom) / 2]];
+          const middle = [(left + right) / 2, (top + bottom) / 2];
+          const points = [[left + 9, top + 9], [right - 9, bottom - 9], middle];
           const isFree = ([x, y]) => element.contains(document.elementFromPoint(x, y));
           return !isWhole || !points.every(isFree);
         });""")
@@ -209,7 +133,8 @@ def test_every_advice_and_mode_fits_its_room(page: AlteredPage, size: tuple[int,
             if (!isWhole(advice)) found.push(text);
           }
           for (const name of Object.keys(words.modes)) {
-            for (const cause of name === 'holding' || name === 'stopped' ? Object.keys(words.causes) : [null]) {
+            const isCaused = name === 'holding' || name === 'stopped';
+            for (const cause of isCaused ? Object.keys(words.causes) : [null]) {
               showMode({ mode: { name, cause }, track: { confirming: false } }, null, 0);
               if (!isWhole(mode)) found.push(`${name}: ${cause}`);
             }
@@ -305,15 +230,20 @@ def test_old_place_of_a_person_is_renewed_by_one_tap(page: AlteredPage) -> None:
     page.script("""
         window.sent = [];
         const send = WebSocket.prototype.send;
-        WebSocket.prototype.send = function (data) { window.sent.push(JSON.parse(data)); send.call(this, data); };""")
-    page.drag([*PERSON["at"], 0, 0], page.size() or ())
+        WebSocket.prototype.send = function (data) {
+          window.sent.push(JSON.parse(data));
+          send.call(this, data);
+        };""")
+    page.drag([*PERSON_AT, 0, 0], page.size() or ())
 
     def moves() -> Any:
-        sent = page.script("return window.sent.filter(({ type }) => type === 'request').map((m) => m.request)")
+        sent = page.script(
+            "return window.sent.filter(({ type }) => type === 'request').map((m) => m.request)"
+        )
         return [request for request in sent if request["kind"] == "move-mark"]
 
     request = wait_until(moves, "the request")[0]
-    u, v = PERSON["at"]
+    u, v = PERSON_AT
     assert (request["id"], request["at"]) == (PERSON["id"], {"u": u, "v": v})
 
 
@@ -367,7 +297,11 @@ def test_no_figure_is_minus_zero(page: AlteredPage) -> None:
     }
     page.alter({"snapshot": tiny}, "d.pan === '-0.001'")
     text = page.script("return document.body.innerText.replaceAll('\\u2212', '-')")
-    assert not [word for word in text.split() if word.rstrip("°%,").strip("+").replace(".", "") in ("-0", "-00", "-000")]
+    assert not [
+        word
+        for word in text.split()
+        if word.rstrip("°%,").strip("+").replace(".", "") in ("-0", "-00", "-000")
+    ]
 
 
 def test_wrong_token_of_a_link_is_said_to_be_wrong(barrelman: pathlib.Path, tmp_path: pathlib.Path) -> None:
