@@ -89,8 +89,9 @@ function showLoss() {
   if (loss !== null && loss !== "ended") sounds.play("alarm");
 }
 
-/** Whether the camera may have turned when the program was heard last. */
-const isRestUnknown = () => Boolean(snapshot?.alarms.some((alarm) => alarm === "camera-turns" || alarm === "camera-may-turn"));
+/** Alarms with which the last zeros may not have reached the camera. */
+const MAY_TURN = new Set(["camera-turns", "camera-may-turn", "link-down"]);
+const isRestUnknown = () => Boolean(snapshot?.alarms.some((alarm) => MAY_TURN.has(alarm)));
 
 let lastMode = null;
 link.addEventListener("snapshot", ({ detail }) => {
