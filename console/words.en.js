@@ -154,7 +154,7 @@ export default {
     ["+ - 0", "Zoom in, out, whole picture"], ["p", "Pause or resume the simulated world"], ["h", "Give the helm back"],
     ["n", "Night or day"], ["m", "Sound"], ["?", "These keys"],
   ],
-  libraryTitle: "Recordings", toConsole: "To the console", libraryList: "Recordings, the newest first", libraryDetail: "The chosen recording",
+  libraryTitle: "Recordings", toLibrary: "Library", toConsole: "To the console", libraryList: "Recordings, the newest first", libraryDetail: "The chosen recording",
   libraryNone: "There is no recording yet: `barrelman run` makes one of each sortie.", libraryLost: "The program does not answer.",
   makeFilm: "Make the film", momentsTitle: "Moments", speed: "Speed", stepBack: "One picture back", stepOn: "One picture on",
   newName: "Name", rename: "Rename", deleteRecording: "Delete", deleteTitle: "Delete this recording and its film for good?",
