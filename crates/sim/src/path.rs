@@ -41,6 +41,13 @@ impl Path {
         if points.len() < 2 { Err(InvalidPath) } else { Ok(Self { points, lengths }) }
     }
 
+    /// The path with a leg from its end to its start.
+    #[must_use]
+    pub fn closed(&self) -> Self {
+        let points = self.points.iter().chain(self.points.first()).copied();
+        Self::from_way_points(points).unwrap_or_else(|_| self.clone())
+    }
+
     /// Way-points, metres.
     pub fn points(&self) -> &[(f64, f64)] {
         &self.points

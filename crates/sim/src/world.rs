@@ -61,7 +61,8 @@ pub struct World {
     /// Steers the boat instead of the helmsman.
     helm_override: Option<HelmCommand>,
     tick: u64,
-    last_tick: u64,
+    /// `None`: the world has no end.
+    last_tick: Option<u64>,
 }
 
 #[derive(Debug, Clone)]
@@ -123,8 +124,21 @@ impl World {
             camera,
             helm_override: None,
             tick: 0,
-            last_tick: (scenario.max_s * f64::from(TICKS_PER_SECOND)) as u64,
+            last_tick: Some((scenario.max_s * f64::from(TICKS_PER_SECOND)) as u64),
         })
+    }
+
+    /// The same world without an end: neither the scenario's time nor a target at the end of its path ends it. A helmsman
+    /// goes round or waits ([`Helmsman::without_end`]); another target rests at the end of its path.
+    #[must_use]
+    pub fn without_end(self) -> Self {
+        let target = match self.target {
+            MovingTarget::Pursuit { .. } => self.target,
+            MovingTarget::Boat { boat, helmsman } => {
+                MovingTarget::Boat { boat, helmsman: helmsman.without_end() }
+            }
+        };
+        Self { target, last_tick: None, ..self }
     }
 
     /// The camera's tilt at the start of a scenario's trials without random offsets.
@@ -216,11 +230,12 @@ impl World {
 
     /// Whether the trial is over. A boat whose helm is overridden does not arrive.
     pub fn is_over(&self) -> bool {
+        let Some(last_tick) = self.last_tick else { return false };
         let arrived = match &self.target {
             MovingTarget::Pursuit { pursuit, .. } => pursuit.is_over(),
             MovingTarget::Boat { helmsman, .. } => self.helm_override.is_none() && helmsman.has_arrived(),
         };
-        arrived || self.tick >= self.last_tick
+        arrived || self.tick >= last_tick
     }
 
     /// The sea, if there is one.

@@ -26,6 +26,4 @@ pub struct DriveState {
     pub helm: &'static str,
     /// Whether the boat is in the newest picture.
     pub in_picture: Option<bool>,
-    /// Whether the drive is over.
-    pub over: bool,
 }

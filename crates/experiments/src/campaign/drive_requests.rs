@@ -1,5 +1,6 @@
 //! Trials in which the boat is steered by the requests of a stored drive.
 
+use barrelman_sim::World;
 use barrelman_trial::campaign::{FrameSource, Simulation, StepObserver};
 use barrelman_trial::logs::TrialLog;
 use barrelman_vocab::OperatorRequest;
@@ -29,6 +30,11 @@ impl DriveRequests {
         }
     }
 
+    /// Duration of the drive, seconds.
+    pub(super) fn duration_s(&self) -> f64 {
+        World::time_of(self.last_tick).as_secs_f64()
+    }
+
     /// Runs a trial from its start to the last tick of the drive.
     pub(super) fn run(
         &self,
@@ -46,7 +52,7 @@ impl DriveRequests {
             while let Some((_, request)) = requests.next_if(|(at, _)| *at <= tick) {
                 simulation.request(*request, observer);
             }
-            if tick >= self.last_tick || simulation.is_over() {
+            if tick >= self.last_tick {
                 return simulation.into_log();
             }
             simulation.tick(&mut camera, observer);

@@ -220,8 +220,9 @@ impl CampaignPlan {
     #[must_use]
     pub fn with_drive(mut self, drive_requests: DriveRequests) -> Self {
         self.settings.drive = Some(drive_requests.hash());
+        let duration_s = drive_requests.duration_s();
         self.drive_requests = Some(drive_requests);
-        self.with_max_duration(drive::MAX_DRIVE_S)
+        self.with_max_duration(duration_s)
     }
 
     /// The plan with another maximum duration of a trial. A trial ends earlier where the target reaches the end of its
@@ -327,6 +328,8 @@ impl CampaignPlan {
         let Ok(world) = World::new(&scenario, seed) else {
             bail!("the way-points of {} make no path in trial {seed}", scenario.name);
         };
+        // A drive ends where its file says so.
+        let world = if self.drive_requests.is_some() { world.without_end() } else { world };
         Ok((scenario, world))
     }
 

@@ -38,7 +38,8 @@ impl<'a> Drive<'a> {
     pub fn new(setup: &'a DriveSetup, threads: &'a RenderThreads) -> Result<Self> {
         let (scenario, seed) = (&setup.loaded.scenario, setup.url.seed);
         let world = World::new(scenario, seed)
-            .map_err(|_| anyhow!("the way-points of {} make no path with seed {seed}", scenario.name))?;
+            .map_err(|_| anyhow!("the way-points of {} make no path with seed {seed}", scenario.name))?
+            .without_end();
         let settings = PilotSettings { profile: setup.profile.clone(), law: setup.law.settings() };
         let pilot = Pilot::new(settings, TrackerSettings::new(setup.tracker).build()?).keeping_frames();
         let simd = Simd::at_most(SimdLevel::Avx512);
@@ -86,11 +87,6 @@ impl<'a> Drive<'a> {
     pub fn helm(&self) -> Option<HelmCommand> {
         let vessel = self.outcome().map(|outcome| &outcome.vessel).filter(|vessel| vessel.is_commanded());
         vessel.map(|vessel| HelmCommand::of(vessel.command))
-    }
-
-    /// Whether the drive is over.
-    pub fn is_over(&self) -> bool {
-        self.simulation.is_over()
     }
 
     /// Passes a request to the pilot, before the next tick.

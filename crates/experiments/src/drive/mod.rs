@@ -18,5 +18,5 @@ mod stored;
 pub use hash::DriveHasher;
 pub(crate) use lockstep::simulated_vessel;
 pub use lockstep::{Drive, DriveObserver};
-pub use setup::{DriveSetup, MAX_DRIVE_S};
+pub use setup::DriveSetup;
 pub use stored::{DriveWriter, StoredDrive};

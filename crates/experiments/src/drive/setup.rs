@@ -9,9 +9,6 @@ use crate::scenario::{self, LoadedScenario, ScenarioOverrides};
 use crate::tracker_choice::TrackerName;
 use crate::world_url::WorldUrl;
 
-/// Maximum duration of a drive, seconds. It replaces the scenario's limit for trials.
-pub const MAX_DRIVE_S: f64 = 3600.0;
-
 /// Everything that determines a drive, except its inputs.
 #[derive(Debug, Clone)]
 pub struct DriveSetup {
@@ -43,8 +40,7 @@ impl DriveSetup {
     /// The scenario does not exist or has a mistake.
     pub fn new(url: WorldUrl, tracker: TrackerName, law: LawChoice, encoded: bool) -> Result<Self> {
         let overrides = ScenarioOverrides { size: url.size, ..ScenarioOverrides::default() };
-        let mut loaded = scenario::load(&url.scenario, &overrides)?;
-        loaded.scenario.max_s = MAX_DRIVE_S;
+        let loaded = scenario::load(&url.scenario, &overrides)?;
         let profile = loaded.profile()?;
         Ok(Self { url, loaded, profile, tracker, law, encoded, hands_on: false })
     }

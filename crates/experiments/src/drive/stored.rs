@@ -18,13 +18,15 @@ use barrelman_sim::tick::TICKS_PER_SECOND;
 use barrelman_vocab::{OperatorRequest, PictureSize};
 use serde::{Deserialize, Serialize};
 
-use super::setup::{DriveSetup, MAX_DRIVE_S};
+use super::setup::DriveSetup;
 use crate::law_choice::{LawChoice, LawKeys};
 use crate::tracker_choice::TrackerName;
 use crate::world_url::WorldUrl;
 use barrelman_host::input;
 use barrelman_host::output::OutputFile;
 
+/// Maximum duration of a stored drive, seconds: a day.
+const MAX_DRIVE_S: f64 = 86_400.0;
 /// The last tick that a drive can have.
 const MAX_TICK: u64 = MAX_DRIVE_S as u64 * TICKS_PER_SECOND as u64;
 

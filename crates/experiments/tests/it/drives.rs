@@ -175,8 +175,9 @@ fn a_tick_beyond_the_longest_drive_is_refused_by_its_line() {
     let header = std::fs::read_to_string(&path).unwrap();
     std::fs::remove_file(&path).unwrap();
     let parse = |line: &str| StoredDrive::parse(&format!("{header}{line}\n"));
-    // An hour of 120 ticks a second.
-    for (tick, is_read) in [("0", true), ("432000", true), ("432001", false), ("18446744073709551615", false)]
+    // A day of 120 ticks a second.
+    for (tick, is_read) in
+        [("0", true), ("10368000", true), ("10368001", false), ("18446744073709551615", false)]
     {
         for line in [
             format!(r#"{{"tick":{tick},"request":{{"kind":"engage"}}}}"#),

@@ -9,3 +9,4 @@
 
 mod drives;
 mod scenarios;
+mod worlds_without_end;

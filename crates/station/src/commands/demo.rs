@@ -73,7 +73,7 @@ fn drive(
             tracing::info!("stopped: {cause}");
             ExitCode::SUCCESS
         }
-        DriveEnd::TimeIsUp | DriveEnd::Over => ExitCode::SUCCESS,
+        DriveEnd::TimeIsUp => ExitCode::SUCCESS,
         DriveEnd::Failed(why) => {
             tracing::error!("{why}");
             ExitCode::FAILURE

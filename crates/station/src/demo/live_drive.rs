@@ -29,8 +29,6 @@ pub enum DriveEnd {
     Quit(QuitCause),
     /// The duration of the session is over.
     TimeIsUp,
-    /// The scenario is over.
-    Over,
     /// A thread failed.
     Failed(String),
 }
@@ -66,9 +64,6 @@ impl LiveDrive<'_> {
             if until.is_some_and(|until| until <= now) {
                 return Ok(DriveEnd::TimeIsUp);
             }
-            if self.drive.is_over() {
-                return Ok(DriveEnd::Over);
-            }
             let due = if self.is_paused { now.plus(POLL_INTERVAL) } else { pacing.due(tick, now) };
             match events.recv_timeout(due.since(now)) {
                 Ok(event) => {
@@ -83,14 +78,14 @@ impl LiveDrive<'_> {
                 }
             }
             if self.is_paused {
-                self.publish_state(pacing.pace(), false);
+                self.publish_state(pacing.pace());
                 pacing.resume(tick, self.clock.now());
                 continue;
             }
             self.drive.tick(&mut self.observers);
             self.time.set(self.drive.world().now());
             if tick.is_multiple_of(STATE_TICKS) {
-                self.publish_state(pacing.pace(), false);
+                self.publish_state(pacing.pace());
                 if !self.is_slow_told
                     && let Some(message) = pacing.slow_message()
                 {
@@ -187,8 +182,8 @@ impl LiveDrive<'_> {
         Ok(())
     }
 
-    fn publish_state(&mut self, pace: f64, over: bool) {
-        let (state, now) = (self.state(pace, over), self.drive.world().now());
+    fn publish_state(&mut self, pace: f64) {
+        let (state, now) = (self.state(pace), self.drive.world().now());
         let camera = self.drive.world().camera_pose();
         if let Some(console) = &mut self.observers.console {
             console.publisher.set_camera(camera.tilt, camera.position.z);
@@ -196,7 +191,7 @@ impl LiveDrive<'_> {
         }
     }
 
-    fn state(&self, pace: f64, over: bool) -> DriveState {
+    fn state(&self, pace: f64) -> DriveState {
         let (world, helm) = (self.drive.world(), self.drive.helm());
         let (pan, tilt) = world.camera_rates();
         DriveState {
@@ -214,7 +209,6 @@ impl LiveDrive<'_> {
                 None => "helmsman",
             },
             in_picture: self.observers.is_in_picture,
-            over,
         }
     }
 
@@ -222,8 +216,8 @@ impl LiveDrive<'_> {
     ///
     /// # Errors
     /// If a file cannot be written.
-    pub(super) fn finish(mut self, over: bool) -> Result<()> {
-        self.publish_state(1.0, over);
+    pub(super) fn finish(mut self) -> Result<()> {
+        self.publish_state(1.0);
         let (tick, hash) = (self.drive.world().tick(), self.observers.hash.hex());
         if let Some(recorder) = self.observers.recorder {
             recorder.finish()?;

@@ -54,7 +54,7 @@ pub fn replay(record: Option<OutputFile>, path: &Path) -> Result<ReplayedDrive> 
         while let Some((_, request)) = requests.next_if(|(at, _)| *at <= tick) {
             drive.request(request, &mut observers);
         }
-        if tick >= last_tick || drive.is_over() {
+        if tick >= last_tick {
             break;
         }
         if tick.is_multiple_of(u64::from(TICKS_PER_SECOND)) {

@@ -50,8 +50,7 @@ impl DriveSession {
     /// # Errors
     /// If the world, a thread or the console cannot be started, or a file cannot be written.
     pub fn run(self) -> Result<DriveEnd> {
-        let Self { mut setup, console, mut record, mut store, max_duration, clock } = self;
-        let has_one_drive = record.is_some() || store.is_some();
+        let Self { setup, console, mut record, mut store, max_duration, clock } = self;
         let recording = record.as_ref().map(|file| file.path().display().to_string());
         let recording = recording.map_or(RecordingState::Off, RecordingState::On);
         let threads = RenderThreads::new()?;
@@ -81,7 +80,7 @@ impl DriveSession {
         print_keys(&setup)?;
 
         let until = max_duration.map(|duration| clock.now().plus(duration));
-        let end = loop {
+        let end = {
             let drive = Drive::new(&setup, &threads)?;
             publisher.begin_drive(drive.world().now());
             publisher.set_video(VideoSourceState::Up, drive.world().now());
@@ -108,12 +107,8 @@ impl DriveSession {
                 is_slow_told: false,
             };
             let end = live.run(&queue, until)?;
-            live.finish(matches!(end, DriveEnd::Over))?;
-            if !matches!(end, DriveEnd::Over) || has_one_drive {
-                break end;
-            }
-            setup.url.seed = setup.url.seed.wrapping_add(1);
-            tracing::info!("the drive is over; the next drive has seed {}", setup.url.seed);
+            live.finish()?;
+            end
         };
         drop(server);
         drop(terminal);

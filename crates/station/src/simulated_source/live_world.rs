@@ -61,6 +61,12 @@ impl LiveWorld {
         self.boat.clone()
     }
 
+    /// The same world without an end ([`World::without_end`]).
+    #[must_use]
+    pub fn without_end(self) -> Self {
+        Self { world: self.world.without_end(), ..self }
+    }
+
     /// Sets the vehicle profile. The rates on the link have its signs.
     #[must_use]
     pub fn with_profile(self, profile: &VehicleProfile) -> Self {
