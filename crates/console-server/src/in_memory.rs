@@ -65,6 +65,7 @@ impl InMemory {
                 source: "rtsp://camera/main".to_owned(),
                 link: None,
                 vehicle: "fotokite-pro".to_owned(),
+                scenarios: Vec::new(),
             },
             gateway: Arc::new(Gateway::new(|| {})),
             snapshots: publisher.subscribe(),

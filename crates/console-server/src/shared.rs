@@ -6,6 +6,7 @@ use std::time::Duration;
 use tokio::sync::watch;
 use tokio::time::timeout;
 
+use barrelman_experiments::scenario::ScenarioChoice;
 use barrelman_vocab::LawId;
 
 use super::access::{Access, Role};
@@ -37,6 +38,8 @@ pub struct SessionFacts {
     pub link: Option<String>,
     /// Name of the vehicle profile.
     pub vehicle: String,
+    /// The scenarios that a new drive can have; empty: the world is not simulated.
+    pub scenarios: Vec<ScenarioChoice>,
 }
 
 /// What a console is made of.
@@ -150,6 +153,7 @@ impl Console {
             source: self.facts.source.clone(),
             link: self.facts.link.clone(),
             vehicle: self.facts.vehicle.clone(),
+            scenarios: self.facts.scenarios.clone(),
             laws: vec![LawId::MinimumEnergy, LawId::TimeFuel, LawId::Eco, LawId::Intermittent, LawId::Schema],
             nudge_rate: NUDGE_RATE,
             on_console_lost: if self.on_lost == OnConsoleLost::Stop { "stop" } else { "stay" },

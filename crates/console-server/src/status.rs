@@ -47,6 +47,7 @@ pub(super) fn status_of(snapshot: &Snapshot, codec: Option<EncodedVideo>) -> Sta
         work: work_of(&snapshot.work),
         alarms: snapshot.alarms.iter().map(|alarm| alarm.key()).collect(),
         stops_taken: snapshot.stops_taken,
+        world: snapshot.world.clone(),
         drive: snapshot.drive.clone(),
     }
 }

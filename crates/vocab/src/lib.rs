@@ -46,7 +46,7 @@ pub use link_command::LinkCommand;
 pub use named::Named;
 pub use profile::{VehicleProfile, VehicleRates};
 pub use request::{
-    CameraRequest, DrawnMark, DrawnSelection, MarkKind, MovedMark, Nudge, OperatorRequest, Request,
+    CameraRequest, DrawnMark, DrawnSelection, MarkKind, MovedMark, NewDrive, Nudge, OperatorRequest, Request,
     SeatRequest, VesselRequest, VesselStopper, WorldRequest,
 };
 pub use stop_cause::StopCause;

@@ -28,7 +28,7 @@ mod form;
 pub use camera::{CameraRequest, DrawnSelection, Nudge};
 pub use seat::SeatRequest;
 pub use vessel::{DrawnMark, MarkKind, MovedMark, VesselRequest, VesselStopper};
-pub use world::WorldRequest;
+pub use world::{NewDrive, WorldRequest};
 
 use crate::stop_cause::StopCause;
 
@@ -46,7 +46,7 @@ pub enum OperatorRequest {
 }
 
 /// A request of a page or of another program.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub enum Request {
     /// To the pilot.
     Operator(OperatorRequest),

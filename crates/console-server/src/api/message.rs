@@ -3,6 +3,8 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use barrelman_experiments::scenario::ScenarioChoice;
+
 use super::snapshot::{ControlSeat, StatusSnapshot};
 use crate::snapshot::EventEntry;
 use barrelman_vocab::{LawId, Request};
@@ -22,7 +24,7 @@ pub enum VideoPath {
 }
 
 /// A message to the program. Text, JSON, at most 4096 bytes.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "type", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum ClientMessage {
     /// A request. Answered by `answer` with the same `id`.
@@ -85,12 +87,14 @@ pub struct Hello {
     pub version: &'static str,
     /// `run` or `demo`.
     pub command: &'static str,
-    /// Where the video comes from, without passwords.
+    /// Where the video comes from, without passwords; of a simulated world, the first one.
     pub source: String,
     /// Where commands go, without passwords; `null`: a dry run.
     pub link: Option<String>,
     /// The vehicle profile.
     pub vehicle: String,
+    /// The scenarios that a new drive can have; empty: the world is not simulated.
+    pub scenarios: Vec<ScenarioChoice>,
     /// The laws that can be chosen.
     pub laws: Vec<LawId>,
     /// Rate of a nudge, rad/s.
@@ -124,7 +128,7 @@ pub enum AnswerKind {
 }
 
 /// The body of `POST /api/v1/requests`.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RequestBody {
     /// Number of the request, returned in the answer.

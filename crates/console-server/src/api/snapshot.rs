@@ -5,7 +5,7 @@ use serde::Serialize;
 
 use super::place::PlaceStatus;
 use super::vessel::VesselStatus;
-use crate::snapshot::DriveState;
+use crate::snapshot::{DriveState, WorldState};
 use barrelman_vocab::LawId;
 
 /// A value of each camera axis, rad/s.
@@ -70,7 +70,9 @@ pub struct StatusSnapshot {
     pub alarms: Vec<&'static str>,
     /// How many presses of Stop have been taken so far; a press is acknowledged when this reaches its number.
     pub stops_taken: u64,
-    /// The simulated boat and world; `null` in a live run.
+    /// The simulated world; `null`: the world is not simulated.
+    pub world: Option<WorldState>,
+    /// The boat and the time of a demo; `null` in a live run.
     pub drive: Option<DriveState>,
 }
 

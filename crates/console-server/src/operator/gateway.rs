@@ -17,7 +17,7 @@ use super::stop_latch::StopLatch;
 const CAPACITY: usize = 64;
 
 /// What an operator can request of a session.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub enum SessionRequest {
     /// A request to the pilot.
     Pilot(OperatorRequest),

@@ -1,7 +1,7 @@
 //! Requests of pages and programs, with the answers of a scripted session.
 
 use super::super::in_memory::{InMemory, LIVE, block_on};
-use barrelman_vocab::{LawId, MarkKind, Timestamp, WorldRequest};
+use barrelman_vocab::{LawId, MarkKind, NewDrive, Timestamp, WorldRequest};
 
 use super::*;
 use crate::operator::AnswerSlot;
@@ -85,6 +85,11 @@ fn each_request_reaches_the_session_in_its_own_words() {
     );
     check(r#"{"kind":"pause"}"#, SessionRequest::World(WorldRequest::Pause));
     check(r#"{"kind":"resume"}"#, SessionRequest::World(WorldRequest::Resume));
+    let wanted = NewDrive { scenario: "rescue".to_owned(), seed: u64::MAX };
+    check(
+        r#"{"kind":"new-drive","scenario":"rescue","seed":18446744073709551615}"#,
+        SessionRequest::World(WorldRequest::NewDrive(wanted)),
+    );
 }
 
 #[test]
@@ -175,7 +180,7 @@ fn check_from(from: Who, request: impl Into<Request>, reason: &str) {
         Program => (CONTROL, None),
         ViewingProgram => (WATCH, None),
     };
-    let (answer, given) = session.request(role, client, request);
+    let (answer, given) = session.request(role, client, request.clone());
     let expected = if reason.is_empty() { AnswerKind::Accepted } else { AnswerKind::Refused };
     assert_eq!(answer, expected, "{from:?} {request:?}: {given:?}");
     assert!(given.unwrap_or_default().contains(reason), "{from:?} {request:?}");
@@ -187,7 +192,7 @@ fn check_from(from: Who, request: impl Into<Request>, reason: &str) {
 fn a_session_is_commanded_from_the_control_seat_only() {
     let bounds = PixelBox { u: 1.0, v: 2.0, w: 3.0, h: 4.0 };
     let captured_ns = Timestamp::from_nanos(5);
-    let requests: [Request; 11] = [
+    let requests: [Request; 12] = [
         CameraRequest::Engage.into(),
         CameraRequest::Disengage.into(),
         CameraRequest::Reject.into(),
@@ -199,13 +204,14 @@ fn a_session_is_commanded_from_the_control_seat_only() {
         VesselRequest::ReleaseVessel.into(),
         WorldRequest::Pause.into(),
         WorldRequest::Resume.into(),
+        WorldRequest::NewDrive(NewDrive { scenario: "rescue".to_owned(), seed: 7 }).into(),
     ];
     for request in requests {
-        check_from(Holder, request, "");
-        check_from(Other, request, "another page is in control: ask for the control, or take it");
-        check_from(Viewer, request, "this token may only watch and stop");
-        check_from(Dropped, request, "another page is in control");
-        check_from(Program, request, "a page is in control");
+        check_from(Holder, request.clone(), "");
+        check_from(Other, request.clone(), "another page is in control: ask for the control, or take it");
+        check_from(Viewer, request.clone(), "this token may only watch and stop");
+        check_from(Dropped, request.clone(), "another page is in control");
+        check_from(Program, request.clone(), "a page is in control");
         check_from(ViewingProgram, request, "this token may only watch and stop");
     }
 }

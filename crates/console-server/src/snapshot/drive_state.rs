@@ -1,20 +1,25 @@
-//! The simulated boat and world of a demo.
+//! A simulated world, and the boat and the time of a demo.
 
 use schemars::JsonSchema;
 use serde::Serialize;
 
-/// The state of the simulated world.
+/// A simulated world.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
-pub struct DriveState {
+pub struct WorldState {
     /// The scenario.
     pub scenario: String,
     /// The seed.
     pub seed: u64,
+}
+
+/// The state of a demo.
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+pub struct DriveState {
     /// Ticks since the drive's start, 120 a second.
     pub tick: u64,
     /// Time since the drive's start, seconds.
     pub time_s: f64,
-    /// Whether the drive is paused.
+    /// Whether the time of the world stands still.
     pub paused: bool,
     /// Simulated seconds per second.
     pub pace: f64,

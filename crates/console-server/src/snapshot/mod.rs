@@ -33,7 +33,7 @@ use barrelman_vocab::{LawId, PictureSize, Timestamp, VehicleRates};
 pub use alarm::Alarm;
 pub use boat_on_water::BoatOnWater;
 pub use camera_work::{CameraWork, WorkFigures};
-pub use drive_state::DriveState;
+pub use drive_state::{DriveState, WorldState};
 pub use event_log::{EventEntry, EventLog, Level};
 pub use publisher::{Publisher, link_state_text};
 pub use vehicle::{LinkStatus, VehiclePosition, VehicleSnapshot};
@@ -72,7 +72,9 @@ pub struct Snapshot {
     pub stops_taken: u64,
     /// Steps, and turns of a live run's loop without one.
     pub beats: u64,
-    /// The simulated boat and world of a demo.
+    /// The simulated world, where the vehicle is a simulator.
+    pub world: Option<WorldState>,
+    /// The boat and the time of a demo.
     pub drive: Option<DriveState>,
 }
 

@@ -24,7 +24,7 @@ use super::step_time::StepTime;
 use super::text_rate::TextRate;
 use super::timing_text::timing_text;
 use super::vehicle::{LinkStatus, VehicleSnapshot};
-use super::{DriveState, RecordingState, SharedSnapshot, Snapshot, VideoSourceState};
+use super::{DriveState, RecordingState, SharedSnapshot, Snapshot, VideoSourceState, WorldState};
 use barrelman_pilot::Mode;
 use barrelman_pilot::net_yaw::NetYawLevel;
 use barrelman_pilot::vessel::gate::Said;
@@ -135,9 +135,29 @@ impl Publisher {
         self.state.vessel.link = link;
     }
 
-    /// A drive begins: its times do not follow those of the drive before.
-    pub fn begin_drive(&mut self, now: Timestamp) {
-        self.frames = FrameRate::default();
+    /// The simulated world at the start of a session.
+    pub fn set_world(&mut self, world: WorldState, now: Timestamp) {
+        self.state.world = Some(world);
+        self.publish(now);
+    }
+
+    /// Another simulated world takes the place of the one before.
+    pub fn begin_world(&mut self, world: WorldState, now: Timestamp) {
+        let text = format!(
+            "new drive: {}, seed {}: the camera is disengaged, and nothing is marked",
+            world.scenario, world.seed
+        );
+        self.events.add(now, Level::Info, "new-drive", text);
+        self.set_world(world, now);
+    }
+
+    /// A drive with a pilot of its own begins: its times and figures do not follow those of the drive before.
+    pub fn begin_drive(&mut self, profile: &VehicleProfile, now: Timestamp) {
+        (self.frames, self.boat) = (FrameRate::default(), BoatFinder::new(profile));
+        self.work = CameraWorkMeter::new(profile);
+        let (low, high) = profile.camera.tilt_stops;
+        self.tilt_stops = (low.radians(), high.radians());
+        (self.state.outcome, self.state.boat) = (None, None);
         self.publish(now);
     }
 

@@ -4,6 +4,7 @@
 //! used. An error shows the line of the mistake.
 
 mod built_in;
+mod choice;
 mod load;
 mod loaded;
 mod printed;
@@ -15,6 +16,7 @@ pub mod error;
 mod range;
 
 pub use built_in::{BUILT_IN, BUILT_IN_PATHS, BuiltIn};
+pub use choice::{ScenarioChoice, choices, require_choice};
 pub use error::ScenarioError;
 pub use load::load;
 pub use loaded::{LoadedScenario, ScenarioOverrides};

@@ -4,29 +4,25 @@
 //! stored drive replays bit for bit.
 
 use std::io::{Write as _, stdout};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::ExitCode;
 use std::time::Duration;
 
 use anyhow::Result;
 use barrelman_console_server::ConsoleSettings;
-use barrelman_vocab::PictureSize;
+use barrelman_vocab::NewDrive;
 
 use super::practice;
 use crate::cli::DemoArgs;
+use crate::demo::drive_files::{DriveFiles, OpenFiles};
+use crate::demo::drive_plan::DrivePlan;
 use crate::demo::live_drive::DriveEnd;
 use crate::demo::replay;
-use crate::demo::session::DriveSession;
-use barrelman_experiments::drive::DriveSetup;
+use crate::demo::session::{DriveSession, SessionEnd};
 use barrelman_experiments::law_choice::LawChoice;
-use barrelman_experiments::scenario::{self, ScenarioOverrides};
-use barrelman_experiments::world_url::WorldUrl;
 use barrelman_host::clock::Clock;
 use barrelman_host::output::OutputFile;
 use barrelman_host::program::identity;
-
-/// Default limit of the picture's width, pixels: pictures are rendered on the CPU.
-const MAX_WIDTH: u32 = 960;
 
 /// Runs the command.
 ///
@@ -36,38 +32,33 @@ pub fn run(args: &DemoArgs, clock: Clock) -> Result<ExitCode> {
     if args.clip || args.draw_only {
         return practice::run(args, clock);
     }
-    let open =
-        |path: &Option<PathBuf>| path.as_deref().map(|path| OutputFile::open(path, args.force)).transpose();
-    let (record, store) = (open(&args.record)?, open(&args.store)?);
+    let files = DriveFiles { record: args.record.clone(), store: args.store.clone(), force: args.force };
+    let first_files = files.open(1)?;
     match &args.replay {
-        Some(path) => replay_drive(record, path),
-        None => drive(args, record, store, clock),
+        Some(path) => replay_drive(first_files.record, path),
+        None => drive(args, files, first_files, clock),
     }
 }
 
 /// Runs drives in the browser until the session is ended.
-fn drive(
-    args: &DemoArgs,
-    record: Option<OutputFile>,
-    store: Option<OutputFile>,
-    clock: Clock,
-) -> Result<ExitCode> {
-    let mut url = WorldUrl {
-        scenario: args.scenario.clone().unwrap_or_else(|| "open".to_owned()),
-        seed: args.seed,
+fn drive(args: &DemoArgs, files: DriveFiles, first_files: OpenFiles, clock: Clock) -> Result<ExitCode> {
+    let scenario = args.scenario.clone().unwrap_or_else(|| "open".to_owned());
+    let plan = DrivePlan {
+        first: NewDrive { scenario, seed: args.seed },
         size: args.size,
+        tracker: args.tracker,
+        law: args.law.resolve(LawChoice::OPTIMAL)?,
+        encoded: args.record.is_some(),
+        hands_on: args.hands_on,
     };
-    url.size = Some(picture_size(&url)?);
-    let setup =
-        DriveSetup::new(url, args.tracker, args.law.resolve(LawChoice::OPTIMAL)?, args.record.is_some())?;
-    let setup = DriveSetup { hands_on: args.hands_on, ..setup };
     let options = &args.console;
     let console =
         ConsoleSettings::without_tokens_on_loopback(options.listen, options.console_token_file.as_deref())?;
     let console = ConsoleSettings { on_lost: options.on_console_lost.unwrap_or_default(), ..console };
     let max_duration = args.seconds.map(Duration::from_secs_f64);
-    let end = DriveSession { setup, console, record, store, max_duration, clock }.run()?;
-    print_outputs(args)?;
+    let session = DriveSession { plan, files: files.clone(), first_files, console, max_duration, clock };
+    let SessionEnd { end, drives } = session.run()?;
+    print_outputs(&files, drives)?;
     Ok(match end {
         DriveEnd::Quit(cause) => {
             tracing::info!("stopped: {cause}");
@@ -81,20 +72,10 @@ fn drive(
     })
 }
 
-/// The size of the pictures: the given size, else the scenario's, limited to `MAX_WIDTH`.
-fn picture_size(url: &WorldUrl) -> Result<PictureSize> {
-    if let Some(size) = url.size {
-        return Ok(size);
-    }
-    let own = scenario::load(&url.scenario, &ScenarioOverrides::default())?.scenario.camera.optics.picture;
-    let height = (own.height * MAX_WIDTH / own.width.max(1)) & !1;
-    Ok(if own.width > MAX_WIDTH { PictureSize::new(MAX_WIDTH, height) } else { own })
-}
-
 /// Prints what was written, and the commands that use it.
-fn print_outputs(args: &DemoArgs) -> Result<()> {
+fn print_outputs(files: &DriveFiles, drives: u32) -> Result<()> {
     let mut out = stdout();
-    for path in args.record.iter() {
+    for path in files.recordings(drives) {
         writeln!(
             out,
             "{}: the recording; try\n  barrelman replay {} --compare",
@@ -102,7 +83,7 @@ fn print_outputs(args: &DemoArgs) -> Result<()> {
             path.display()
         )?;
     }
-    for path in args.store.iter() {
+    for path in files.stored(drives) {
         let path = path.display();
         writeln!(
             out,

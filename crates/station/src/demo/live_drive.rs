@@ -6,13 +6,16 @@ use std::time::Duration;
 
 use anyhow::Result;
 use barrelman_console_server::SessionTime;
-use barrelman_console_server::operator::{Answer, Gateway, SessionRequest, Submitted};
+use barrelman_console_server::operator::{Answer, AnswerSlot, Gateway, SessionRequest, Submitted};
 use barrelman_console_server::snapshot::DriveState;
 use barrelman_experiments::drive::{Drive, DriveSetup, DriveWriter};
+use barrelman_experiments::scenario;
 use barrelman_host::clock::Clock;
 use barrelman_pilot::VesselMode;
-use barrelman_vocab::{CameraRequest, OperatorRequest, StopCause, Timestamp, WorldRequest};
+use barrelman_vocab::{CameraRequest, NewDrive, OperatorRequest, StopCause, Timestamp, WorldRequest};
 
+use super::drive_files::{DriveFiles, OpenFiles};
+use super::drive_plan::DrivePlan;
 use super::observers::DriveObservers;
 use super::pacing::Pacing;
 use crate::live::event::{Event, QuitCause};
@@ -33,6 +36,24 @@ pub enum DriveEnd {
     Failed(String),
 }
 
+/// What follows a drive.
+pub(super) enum Next {
+    /// The end of the session.
+    End(DriveEnd),
+    /// Another drive.
+    Drive(Box<NextDrive>),
+}
+
+/// A drive that was asked for.
+pub(super) struct NextDrive {
+    /// Its setup.
+    pub(super) setup: DriveSetup,
+    /// Its files.
+    pub(super) files: OpenFiles,
+    /// Where the answer goes when it has begun.
+    pub(super) answer: AnswerSlot,
+}
+
 /// A drive that is paced by the clock.
 pub(super) struct LiveDrive<'a> {
     pub(super) drive: Drive<'a>,
@@ -41,6 +62,12 @@ pub(super) struct LiveDrive<'a> {
     pub(super) store: Option<DriveWriter>,
     pub(super) gateway: &'a Gateway,
     pub(super) setup: &'a DriveSetup,
+    /// What the drives of the session have in common.
+    pub(super) plan: &'a DrivePlan,
+    /// The files of the drives of the session.
+    pub(super) files: &'a DriveFiles,
+    /// The number of the drive, from 1.
+    pub(super) number: u32,
     pub(super) clock: Clock,
     pub(super) time: SessionTime,
     pub(super) is_paused: bool,
@@ -53,28 +80,32 @@ impl LiveDrive<'_> {
     ///
     /// # Errors
     /// If an input cannot be stored.
-    pub(super) fn run(&mut self, events: &Receiver<Event>, until: Option<Timestamp>) -> Result<DriveEnd> {
-        if !self.setup.hands_on {
+    pub(super) fn run(&mut self, events: &Receiver<Event>, until: Option<Timestamp>) -> Result<Next> {
+        // A new drive is a stop: the operator engages.
+        if !self.setup.hands_on && self.number == 1 {
             self.request(CameraRequest::Engage.into())?;
         }
         let mut pacing = Pacing::new(0, self.clock.now());
         loop {
-            self.take_requests()?;
+            if let Some(next) = self.take_requests()? {
+                return Ok(Next::Drive(next));
+            }
             let (tick, now) = (self.drive.world().tick(), self.clock.now());
             if until.is_some_and(|until| until <= now) {
-                return Ok(DriveEnd::TimeIsUp);
+                return Ok(Next::End(DriveEnd::TimeIsUp));
             }
             let due = if self.is_paused { now.plus(POLL_INTERVAL) } else { pacing.due(tick, now) };
             match events.recv_timeout(due.since(now)) {
                 Ok(event) => {
                     if let Some(end) = self.on_event(event) {
-                        return Ok(end);
+                        return Ok(Next::End(end));
                     }
                     continue;
                 }
                 Err(RecvTimeoutError::Timeout) => {}
                 Err(RecvTimeoutError::Disconnected) => {
-                    return Ok(DriveEnd::Failed("all threads have ended".to_owned()));
+                    let why = "all threads have ended".to_owned();
+                    return Ok(Next::End(DriveEnd::Failed(why)));
                 }
             }
             if self.is_paused {
@@ -115,8 +146,8 @@ impl LiveDrive<'_> {
         None
     }
 
-    /// Takes a pressed stop, and all requests that wait.
-    fn take_requests(&mut self) -> Result<()> {
+    /// Takes a pressed stop, and the requests that wait. Returns the drive that follows, if one was asked for.
+    fn take_requests(&mut self) -> Result<Option<Box<NextDrive>>> {
         let (is_lost, now) = (self.gateway.is_console_lost(), self.drive.world().now());
         if let Some(console) = &mut self.observers.console {
             console.publisher.set_console_lost(is_lost, now);
@@ -127,13 +158,17 @@ impl LiveDrive<'_> {
         }
         loop {
             self.take_stop()?;
-            let Some(Submitted { request, answer }) = self.gateway.next_request() else { return Ok(()) };
+            let Some(Submitted { request, answer }) = self.gateway.next_request() else { return Ok(None) };
             match request {
-                SessionRequest::World(request) => {
-                    self.is_paused = match request {
-                        WorldRequest::Pause => true,
-                        WorldRequest::Resume => false,
-                    };
+                SessionRequest::World(WorldRequest::NewDrive(wanted)) => match self.prepare(&wanted) {
+                    Ok((setup, files)) => {
+                        self.request(OperatorRequest::Stop(StopCause::Operator))?;
+                        return Ok(Some(Box::new(NextDrive { setup, files, answer })));
+                    }
+                    Err(error) => answer.give(Answer::Refused(format!("{error:#}"))),
+                },
+                SessionRequest::World(request @ (WorldRequest::Pause | WorldRequest::Resume)) => {
+                    self.is_paused = request == WorldRequest::Pause;
                     answer.give(Answer::ACCEPTED);
                 }
                 SessionRequest::Pilot(request) => {
@@ -147,6 +182,15 @@ impl LiveDrive<'_> {
                 }
             }
         }
+    }
+
+    /// Everything that another drive needs.
+    ///
+    /// # Errors
+    /// The drive cannot begin: this one goes on.
+    fn prepare(&self, wanted: &NewDrive) -> Result<(DriveSetup, OpenFiles)> {
+        scenario::require_choice(&wanted.scenario, &self.plan.choices()?)?;
+        Ok((self.plan.setup(wanted)?, self.files.open(self.number + 1)?))
     }
 
     /// Takes a pressed stop. The requests that were made before it are superseded. A stop that would change nothing is
@@ -195,8 +239,6 @@ impl LiveDrive<'_> {
         let (world, helm) = (self.drive.world(), self.drive.helm());
         let (pan, tilt) = world.camera_rates();
         DriveState {
-            scenario: self.setup.url.scenario.clone(),
-            seed: self.setup.url.seed,
             tick: world.tick(),
             time_s: world.now().as_secs_f64(),
             paused: self.is_paused,

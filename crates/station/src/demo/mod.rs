@@ -11,6 +11,9 @@ pub mod session;
 pub mod live_drive;
 pub mod pacing;
 
+pub mod drive_files;
+pub mod drive_plan;
+
 mod observers;
 mod recording;
 

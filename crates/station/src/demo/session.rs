@@ -6,17 +6,20 @@ use std::sync::mpsc::sync_channel;
 use std::time::Duration;
 
 use anyhow::Result;
-use barrelman_console_server::operator::{Answers, Gateway};
-use barrelman_console_server::snapshot::{LinkStatus, Publisher, RecordingState, VideoSourceState};
+use barrelman_console_server::operator::{Answer, AnswerSlot, Answers, Gateway};
+use barrelman_console_server::snapshot::{
+    LinkStatus, Publisher, RecordingState, VideoSourceState, WorldState,
+};
 use barrelman_console_server::{
     ConsoleParts, ConsoleServer, ConsoleSettings, PictureSlot, SessionFacts, SessionTime, VideoRelay,
 };
 use barrelman_experiments::drive::{Drive, DriveSetup, DriveWriter};
 use barrelman_experiments::render_threads::RenderThreads;
 use barrelman_host::clock::Clock;
-use barrelman_host::output::OutputFile;
 
-use super::live_drive::{DriveEnd, LiveDrive};
+use super::drive_files::{DriveFiles, OpenFiles};
+use super::drive_plan::DrivePlan;
+use super::live_drive::{DriveEnd, LiveDrive, Next, NextDrive};
 use super::observers::{ConsoleObserver, DriveObservers};
 use super::recording;
 use crate::config::RecordingConfig;
@@ -30,34 +33,43 @@ const EVENTS: usize = 64;
 
 /// What a session needs.
 pub struct DriveSession {
-    /// The first drive. Each further drive has the next seed.
-    pub setup: DriveSetup,
+    /// What the drives have in common.
+    pub plan: DrivePlan,
+    /// The names of the files of the drives.
+    pub files: DriveFiles,
+    /// The open files of the first drive.
+    pub first_files: OpenFiles,
     /// The console.
     pub console: ConsoleSettings,
-    /// The recording. A session that is recorded or stored has one drive.
-    pub record: Option<OutputFile>,
-    /// The stored drive.
-    pub store: Option<OutputFile>,
     /// How long the session lasts at most.
     pub max_duration: Option<Duration>,
     /// The program's clock.
     pub clock: Clock,
 }
 
+/// How a session ended.
+#[derive(Debug)]
+pub struct SessionEnd {
+    /// The end of the last drive.
+    pub end: DriveEnd,
+    /// How many drives there were.
+    pub drives: u32,
+}
+
 impl DriveSession {
-    /// Runs drives until the session is ended.
+    /// Runs drives until the session is ended. Only a request begins a new drive.
     ///
     /// # Errors
     /// If the world, a thread or the console cannot be started, or a file cannot be written.
-    pub fn run(self) -> Result<DriveEnd> {
-        let Self { setup, console, mut record, mut store, max_duration, clock } = self;
-        let recording = record.as_ref().map(|file| file.path().display().to_string());
-        let recording = recording.map_or(RecordingState::Off, RecordingState::On);
+    pub fn run(self) -> Result<SessionEnd> {
+        let Self { plan, files, first_files, console, max_duration, clock } = self;
+        let mut setup = plan.setup(&plan.first)?;
         let threads = RenderThreads::new()?;
         let (events, queue) = sync_channel(EVENTS);
         let gateway = Arc::new(Gateway::new(wake_by(events.clone())));
         let terminal =
             Terminal::watch(Arc::clone(&gateway), events.clone(), clock, FaultInjector::default())?;
+        let recording = recording_state(&first_files);
         let mut publisher = Publisher::new(&setup.profile, LinkStatus::Simulated, recording);
         let (relay, pictures) = (Arc::new(VideoRelay::default()), Arc::new(PictureSlot::default()));
         let time = SessionTime::new(clock);
@@ -67,6 +79,7 @@ impl DriveSession {
                 source: setup.url.to_string(),
                 link: Some("the simulated camera".to_owned()),
                 vehicle: setup.profile.name.clone(),
+                scenarios: plan.choices()?,
             },
             gateway: Arc::clone(&gateway),
             snapshots: publisher.subscribe(),
@@ -80,10 +93,23 @@ impl DriveSession {
         print_keys(&setup)?;
 
         let until = max_duration.map(|duration| clock.now().plus(duration));
-        let end = {
+        let (mut number, mut open, mut answer) = (1, first_files, None::<AnswerSlot>);
+        let end = loop {
             let drive = Drive::new(&setup, &threads)?;
-            publisher.begin_drive(drive.world().now());
-            publisher.set_video(VideoSourceState::Up, drive.world().now());
+            let now = drive.world().now();
+            gateway.refuse_waiting();
+            time.set(now);
+            publisher.set_recording(recording_state(&open), now);
+            publisher.begin_drive(&setup.profile, now);
+            publisher.set_video(VideoSourceState::Up, now);
+            let world = WorldState { scenario: setup.url.scenario.clone(), seed: setup.url.seed };
+            match answer.take() {
+                None => publisher.set_world(world, now),
+                Some(answer) => {
+                    publisher.begin_world(world, now);
+                    answer.give(Answer::ACCEPTED);
+                }
+            }
             let console = ConsoleObserver {
                 publisher: &mut publisher,
                 pictures: &pictures,
@@ -94,26 +120,43 @@ impl DriveSession {
             let mut live = LiveDrive {
                 drive,
                 observers: DriveObservers {
-                    recorder: recording::begin(record.take(), &setup)?,
+                    recorder: recording::begin(open.record, &setup)?,
                     console: Some(console),
                     ..DriveObservers::default()
                 },
-                store: store.take().map(|file| DriveWriter::begin(file, &setup)).transpose()?,
+                store: open.store.map(|file| DriveWriter::begin(file, &setup)).transpose()?,
                 gateway: &gateway,
                 setup: &setup,
+                plan: &plan,
+                files: &files,
+                number,
                 clock,
                 time: time.clone(),
                 is_paused: false,
                 is_slow_told: false,
             };
-            let end = live.run(&queue, until)?;
+            let next = live.run(&queue, until)?;
             live.finish()?;
-            end
+            match next {
+                Next::End(end) => break end,
+                Next::Drive(next) => {
+                    let NextDrive { setup: next_setup, files: next_files, answer: next_answer } = *next;
+                    (setup, open, answer) = (next_setup, next_files, Some(next_answer));
+                    number += 1;
+                    tracing::info!("new drive: {}", setup.url);
+                }
+            }
         };
         drop(server);
         drop(terminal);
-        Ok(end)
+        Ok(SessionEnd { end, drives: number })
     }
+}
+
+/// The state of the recording of a drive with these files.
+fn recording_state(files: &OpenFiles) -> RecordingState {
+    let recording = files.record.as_ref().map(|file| file.path().display().to_string());
+    recording.map_or(RecordingState::Off, RecordingState::On)
 }
 
 /// Prints what the keys do.

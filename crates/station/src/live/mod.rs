@@ -14,6 +14,8 @@ pub mod session;
 pub mod event;
 pub mod run_loop;
 
+mod new_drive;
+
 pub mod calibration;
 mod killed_together;
 mod open_link;

@@ -13,7 +13,7 @@ use std::sync::mpsc::RecvTimeoutError;
 use std::time::Duration;
 
 use barrelman_console_server::PictureSlot;
-use barrelman_console_server::operator::{Answer, Answers, Gateway, SessionRequest, Submitted};
+use barrelman_console_server::operator::{Answers, Gateway, SessionRequest, Submitted};
 use barrelman_console_server::snapshot::{
     Alarm, Publisher, RecordingState, VideoSourceState, link_state_text,
 };
@@ -31,6 +31,7 @@ use super::status_line::{StatusLine, StatusOutput};
 use crate::config::lens::misfit;
 use crate::link::vessel_link::VesselLink;
 use crate::link::{LinkReport, VehicleLink};
+use crate::simulated_source::WorldSwitch;
 
 /// The alarms that are also logged: a run without a page must tell them, too.
 const UNASKED: [Alarm; 2] = [Alarm::CameraTurns, Alarm::BoatMoves];
@@ -94,6 +95,8 @@ pub struct RunLoop<'a> {
     pub link: Option<&'a dyn VehicleLink>,
     /// The link to the boat; `None`: no boat is commanded.
     pub boat: Option<&'a dyn VesselLink>,
+    /// What begins another simulated world; `None`: the world is not simulated.
+    pub worlds: Option<WorldSwitch>,
     /// The recording, if there is one.
     pub recorder: Option<Box<dyn LiveStepObserver + 'a>>,
     /// The status line.
@@ -108,7 +111,7 @@ pub struct RunLoop<'a> {
 
 /// The state of the loop between events.
 #[derive(Default)]
-struct LoopState {
+pub(super) struct LoopState {
     /// The pilot's deadline.
     wake_at: Option<Timestamp>,
     /// Whether the operator knows that the link to the boat is lost.
@@ -211,9 +214,7 @@ impl RunLoop<'_> {
                     self.take_control_back(request, &outcome);
                     state.answers.on_request_step(&request, answer, &outcome);
                 }
-                SessionRequest::World(_) => {
-                    answer.give(Answer::Refused("there is no simulated boat to steer here".to_owned()));
-                }
+                SessionRequest::World(request) => answer.give(self.world_answer(state, &request)),
             }
         }
     }
@@ -374,7 +375,7 @@ impl RunLoop<'_> {
     }
 
     /// Steps the pilot, sends the rates, and informs the observers, in this order.
-    fn step(&mut self, state: &mut LoopState, input: Input<'_>) -> Outcome {
+    pub(super) fn step(&mut self, state: &mut LoopState, input: Input<'_>) -> Outcome {
         let begun = self.events.now();
         let outcome = self.pilot.step(input, begun);
         // The vehicle boundary: the only place of a live run that applies the vehicle's own signs.

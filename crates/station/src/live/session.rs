@@ -13,7 +13,7 @@ use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 
 use anyhow::{Context as _, Result};
 use barrelman_console_server::operator::Gateway;
-use barrelman_console_server::snapshot::{LinkStatus, Publisher, RecordingState};
+use barrelman_console_server::snapshot::{LinkStatus, Publisher, RecordingState, WorldState};
 use barrelman_console_server::{
     ConsoleParts, ConsoleServer, ConsoleSettings, PictureSlot, SessionFacts, SessionTime, VideoRelay,
 };
@@ -51,6 +51,7 @@ use crate::config::vessel::SIMULATED;
 use crate::link::vessel_link::{Boat, VesselLink};
 use crate::link::{Link, LinkUrl, VehicleLink};
 use crate::secrets;
+use crate::simulated_source::LiveWorld;
 use crate::tracking_camera::{CameraParts, TrackingCameraSetup, TrackingCameraThread};
 
 /// Capacity of the event queue. The loop processes thousands of events a second; hundreds arrive.
@@ -220,6 +221,12 @@ impl Session<'_> {
         let mut publisher = Publisher::new(profile, link_status, recording);
         publisher.set_vessel_link(LinkStatus::Link(LinkState::Opening));
         let address = source.address();
+        let worlds = source.world().map(LiveWorld::switch).transpose()?;
+        if let Some(worlds) = &worlds {
+            let first = worlds.first();
+            let world = WorldState { scenario: first.scenario.clone(), seed: first.seed };
+            publisher.set_world(world, clock.now());
+        }
         let is_recorded = outputs.record.is_some();
         let recording = match outputs.record {
             Some(file) => {
@@ -261,6 +268,7 @@ impl Session<'_> {
             source: address,
             link: link_url.as_ref().map(ToString::to_string),
             vehicle: profile.name.clone(),
+            scenarios: worlds.as_ref().map(|worlds| worlds.choices().to_vec()).unwrap_or_default(),
         };
         let open_console = |(settings, relay): (ConsoleSettings, Arc<VideoRelay>)| {
             let parts = ConsoleParts {
@@ -310,6 +318,7 @@ impl Session<'_> {
             latest,
             link: parts.link.as_ref().map(|link| link as &dyn VehicleLink),
             boat: parts.boat.as_ref().map(|boat| boat as &dyn VesselLink),
+            worlds,
             recorder: parts.recording.as_ref().map(|recording| observer(recording.recorder.input())),
             status: StatusLine::new(style.interval()).naming_keys(watches_keys),
             status_output: Box::new(status_output),

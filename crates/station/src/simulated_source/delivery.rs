@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 use std::sync::mpsc::Receiver;
 
 use barrelman_video::feed::{Feed, StopSignal};
-use barrelman_video::{VideoError, VideoSink, VideoState};
+use barrelman_video::{VideoError, VideoSink};
 use barrelman_vocab::{EncodedUnit, PixelBox, Timestamp};
 
 /// A message of the thread `render`.
@@ -17,20 +17,26 @@ pub(super) enum SourceEvent {
     End,
 }
 
-/// Delivers until the world is over or the signal is raised.
-pub(super) fn deliver<S: VideoSink>(arriving: &Receiver<SourceEvent>, feed: &mut Feed<S>, stop: &StopSignal) {
+/// Delivers until the world is over or the signal is raised. Returns whether the world is over.
+pub(super) fn deliver<S: VideoSink>(
+    arriving: &Receiver<SourceEvent>,
+    feed: &mut Feed<S>,
+    stop: &StopSignal,
+) -> bool {
     let mut targets: VecDeque<(Timestamp, PixelBox)> = VecDeque::new();
     let mut is_target_reported = false;
     // The channel closes without `End` if a thread panicked.
     while let Ok(delivery) = arriving.recv() {
         let (at, unit, target) = match delivery {
             SourceEvent::Picture { at, unit, target } => (at, unit, target),
-            SourceEvent::Failed(error) => return feed.fail(error),
-            SourceEvent::End if stop.is_raised() => return,
-            SourceEvent::End => return feed.sink.on_state(VideoState::Ended),
+            SourceEvent::Failed(error) => {
+                feed.fail(error);
+                return false;
+            }
+            SourceEvent::End => return !stop.is_raised(),
         };
         if stop.wait_until(feed.clock.instant(at)) {
-            return;
+            return false;
         }
         if let Some(target) = target.filter(|_| !is_target_reported) {
             targets.push_back((unit.capture.at, target));
@@ -49,4 +55,5 @@ pub(super) fn deliver<S: VideoSink>(arriving: &Receiver<SourceEvent>, feed: &mut
             feed.sink.on_frame(frame);
         }
     }
+    false
 }

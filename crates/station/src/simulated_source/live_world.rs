@@ -1,20 +1,23 @@
 //! A simulated world before its start.
 
-use anyhow::{Result, anyhow};
+use anyhow::Result;
 use barrelman_emulators::camera_link::CameraLink;
 use barrelman_emulators::simulated_boat::SimulatedBoat;
 use barrelman_experiments::render_threads::RenderThreads;
-use barrelman_experiments::scenario::{self, ScenarioOverrides};
+use barrelman_experiments::scenario;
 use barrelman_experiments::world_url::WorldUrl;
-use barrelman_sim::{Scenario, World};
+use barrelman_sim::Scenario;
 use barrelman_vocab::VehicleProfile;
 
-/// A simulated world that has not started.
+use super::loaded_world::LoadedWorld;
+use super::next_world::{NextWorld, WorldSwitch};
+
+/// A simulated world that has not started, with what outlasts it: the link and the boat's orders.
 #[derive(Debug)]
 pub struct LiveWorld {
-    pub(super) scenario: Scenario,
-    pub(super) world: World,
-    pub(super) seed: u64,
+    pub(super) url: WorldUrl,
+    pub(super) first: LoadedWorld,
+    pub(super) next: NextWorld,
     pub(super) link: CameraLink,
     pub(super) boat: SimulatedBoat,
     pub(super) profile: VehicleProfile,
@@ -29,15 +32,10 @@ impl LiveWorld {
     /// # Errors
     /// If the scenario does not exist or has a mistake.
     pub fn load(url: &WorldUrl) -> Result<Self> {
-        let changes = ScenarioOverrides { size: url.size, ..ScenarioOverrides::default() };
-        let scenario = scenario::load(&url.scenario, &changes)?.scenario;
-        let world = World::new(&scenario, url.seed).map_err(|_| {
-            anyhow!("the way-points of {} make no path with seed {}", scenario.name, url.seed)
-        })?;
         Ok(Self {
-            scenario,
-            world,
-            seed: url.seed,
+            url: url.clone(),
+            first: LoadedWorld::load(url)?,
+            next: NextWorld::default(),
             link: CameraLink::default(),
             boat: SimulatedBoat::default(),
             profile: VehicleProfile::fotokite_pro(),
@@ -48,7 +46,16 @@ impl LiveWorld {
 
     /// The scenario.
     pub const fn scenario(&self) -> &Scenario {
-        &self.scenario
+        &self.first.scenario
+    }
+
+    /// What begins other worlds in the place of this one.
+    ///
+    /// # Errors
+    /// The scenario can no longer be read.
+    pub fn switch(&self) -> Result<WorldSwitch> {
+        let choices = scenario::choices(&self.url.scenario)?;
+        Ok(WorldSwitch { url: self.url.clone(), choices, next: self.next.clone() })
     }
 
     /// The link to the camera of the world.
@@ -64,7 +71,7 @@ impl LiveWorld {
     /// The same world without an end ([`World::without_end`]).
     #[must_use]
     pub fn without_end(self) -> Self {
-        Self { world: self.world.without_end(), ..self }
+        Self { first: self.first.without_end(), ..self }
     }
 
     /// Sets the vehicle profile. The rates on the link have its signs.

@@ -10,8 +10,13 @@
 //! world never waits. Pictures are stamped with the program's time of the tick at which they were taken. Pictures travel
 //! as encoded units like any other video: as H.264 where they are recorded or served, so that a replay sees what the
 //! pilot saw, and otherwise as plain samples.
+//!
+//! Another world can take the place of the running one ([`WorldSwitch`]): its video is a new epoch of the same stream, and
+//! link and boat stay the same.
 
 mod live_world;
+mod loaded_world;
+mod next_world;
 
 mod playback;
 
@@ -27,6 +32,8 @@ use barrelman_video::sender_clock::TimingSettings;
 use barrelman_video::{VideoError, VideoHandle, VideoSink};
 
 pub use live_world::LiveWorld;
+pub use loaded_world::LoadedWorld;
+pub use next_world::WorldSwitch;
 
 use crate::source_url::SimulatedUrl;
 

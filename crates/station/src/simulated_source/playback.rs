@@ -5,6 +5,7 @@ use std::thread;
 
 use barrelman_emulators::camera_link::{CameraLink, Pointing};
 use barrelman_emulators::simulated_boat::SimulatedBoat;
+use barrelman_experiments::render_threads::RenderThreads;
 use barrelman_host::clock::Clock;
 use barrelman_sim::World;
 use barrelman_sim::boat::HelmCommand;
@@ -16,16 +17,35 @@ use barrelman_vocab::{Timestamp, VehicleProfile, VehicleRates, VesselOrder};
 
 use super::delivery::deliver;
 use super::live_world::LiveWorld;
+use super::loaded_world::LoadedWorld;
 use super::moments::{Moment, Moments};
+use super::next_world::NextWorld;
 use super::rendering::{Rendering, RenderingSettings};
 
 /// Largest number of pictures between rendering and arrival.
 const MAX_IN_TRANSIT: usize = 128;
 
-/// Runs a world. Returns when the world is over or when the signal is raised.
+/// Runs a world, and those that take its place. Returns when a world is over or when the signal is raised.
 pub(super) fn play<S: VideoSink>(live: LiveWorld, mut feed: Feed<S>, stop: &StopSignal) {
-    let LiveWorld { scenario, world, seed, link, boat, profile, encoded, threads } = live;
+    let LiveWorld { url: _, first, next, link, boat, profile, encoded, threads } = live;
     feed.sink.on_state(VideoState::Up);
+    let _end = EndGuard { link: &link };
+    let devices = Devices { next: &next, link: &link, boat: &boat, profile: &profile };
+    let (mut world, mut epoch) = (first, 0);
+    while play_one(world, epoch, (encoded, &threads), devices, (&mut feed, stop)) {
+        let Some(following) = next.take() else { return feed.sink.on_state(VideoState::Ended) };
+        (world, epoch) = (following, epoch + 1);
+    }
+}
+
+/// Runs one world. Returns whether the world is over.
+fn play_one<S: VideoSink>(
+    LoadedWorld { scenario, world, seed }: LoadedWorld,
+    epoch: u32,
+    (encoded, threads): (bool, &RenderThreads),
+    devices: Devices<'_>,
+    (feed, stop): (&mut Feed<S>, &StopSignal),
+) -> bool {
     let clock = feed.clock;
     let start = clock.now();
     let moments = Moments::default();
@@ -34,19 +54,11 @@ pub(super) fn play<S: VideoSink>(live: LiveWorld, mut feed: Feed<S>, stop: &Stop
         camera: scenario.camera.clone(),
         seed,
         start,
+        epoch,
         encoded,
-        threads: &threads,
+        threads,
     };
-    let ticking = Ticking {
-        world,
-        camera: &scenario.camera,
-        seed,
-        link: &link,
-        boat: &boat,
-        profile: &profile,
-        clock,
-        start,
-    };
+    let ticking = Ticking { world, camera: &scenario.camera, seed, devices, clock, start };
     let (units, arriving) = sync_channel(MAX_IN_TRANSIT);
     // The feed lives outside the scope: a panic in a thread of the scope drops its sink, which reports the panic.
     thread::scope(|scope| {
@@ -55,28 +67,49 @@ pub(super) fn play<S: VideoSink>(live: LiveWorld, mut feed: Feed<S>, stop: &Stop
         let started = named("world").spawn_scoped(scope, || ticking.run(moments, stop)).and_then(|_| {
             named("render").spawn_scoped(scope, move || Rendering::new(rendering).run(moments, &units))
         });
-        if let Err(error) = started {
+        let is_over = if let Err(error) = started {
             moments.close(true);
             feed.fail(VideoError::Thread(error));
+            false
         } else {
-            deliver(&arriving, &mut feed, stop);
-        }
+            deliver(&arriving, feed, stop)
+        };
         // Releases a thread that waits for a moment or for room in the channel.
         moments.close(false);
         drop(arriving);
-    });
+        is_over
+    })
 }
 
-/// Reports the end of the world when the thread `world` ends, also by a panic.
+/// What outlasts a world.
+#[derive(Clone, Copy)]
+struct Devices<'a> {
+    next: &'a NextWorld,
+    link: &'a CameraLink,
+    boat: &'a SimulatedBoat,
+    /// The vehicle, whose signs the rates on the link have.
+    profile: &'a VehicleProfile,
+}
+
+/// Tells the link that no further world follows, also after a panic.
 struct EndGuard<'a> {
-    moments: &'a Moments,
     link: &'a CameraLink,
 }
 
 impl Drop for EndGuard<'_> {
     fn drop(&mut self) {
-        self.moments.close(thread::panicking());
         self.link.end_world();
+    }
+}
+
+/// Takes no further picture when the thread `world` ends, also by a panic.
+struct CloseGuard<'a> {
+    moments: &'a Moments,
+}
+
+impl Drop for CloseGuard<'_> {
+    fn drop(&mut self) {
+        self.moments.close(thread::panicking());
     }
 }
 
@@ -85,24 +118,25 @@ struct Ticking<'a> {
     world: World,
     camera: &'a CameraSetup,
     seed: u64,
-    link: &'a CameraLink,
-    boat: &'a SimulatedBoat,
-    /// The vehicle, whose signs the rates on the link have.
-    profile: &'a VehicleProfile,
+    devices: Devices<'a>,
     clock: Clock,
     start: Timestamp,
 }
 
 impl Ticking<'_> {
     fn run(self, moments: &Moments, stop: &StopSignal) {
-        let Self { mut world, camera, seed, link, boat, profile, clock, start } = self;
-        let _end = EndGuard { moments, link };
+        let Self { mut world, camera, seed, devices, clock, start } = self;
+        let Devices { next, link, boat, profile } = devices;
+        let _end = CloseGuard { moments };
         let mut video = VideoLink::new(camera.video, seed);
         let mut commanded = VehicleRates::REST;
         let mut ordered = VesselOrder::Released;
         loop {
             let due = start.plus(World::time_of(world.tick()).since(Timestamp::ZERO));
             if stop.wait_until(clock.instant(due)) || world.is_over() || moments.newest.is_closed() {
+                return;
+            }
+            if next.is_waiting() {
                 return;
             }
             let rates = link.read_rates(clock.now());

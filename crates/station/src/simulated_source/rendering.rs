@@ -27,6 +27,8 @@ pub(super) struct RenderingSettings<'a> {
     pub(super) seed: u64,
     /// The program's time of the world's start.
     pub(super) start: Timestamp,
+    /// The epoch of the units: the number of the world, from 0.
+    pub(super) epoch: u32,
     /// Whether pictures travel as H.264.
     pub(super) encoded: bool,
     pub(super) threads: &'a RenderThreads,
@@ -36,6 +38,7 @@ pub(super) struct RenderingSettings<'a> {
 pub(super) struct Rendering<'a> {
     camera: RenderedCamera<'a>,
     start: Timestamp,
+    epoch: u32,
     encoder: Option<H264Encoder>,
     /// The last picture, for a moment at which the video is frozen.
     last: Option<CapturedFrame>,
@@ -44,13 +47,14 @@ pub(super) struct Rendering<'a> {
 
 impl<'a> Rendering<'a> {
     pub(super) fn new(settings: RenderingSettings<'a>) -> Self {
-        let RenderingSettings { first, camera, seed, start, encoded, threads } = settings;
+        let RenderingSettings { first, camera, seed, start, epoch, encoded, threads } = settings;
         let fps = f64::from(camera.pictures_per_second);
         let encoder_settings = EncoderSettings::for_pictures(camera.frame, fps);
         let simd = Simd::at_most(SimdLevel::Avx512);
         Self {
             camera: RenderedCamera::new(&first, camera, seed, simd, threads),
             start,
+            epoch,
             encoder: encoded.then(|| H264Encoder::new(encoder_settings)),
             last: None,
             index: 0,
@@ -106,7 +110,7 @@ impl<'a> Rendering<'a> {
         let index = self.index;
         self.index += 1;
         let capture = Capture { at: taken_at, quality: CaptureQuality::Sensor };
-        let (epoch, shown, rotation) = (0, true, Rotation::None);
-        Ok(EncodedUnit { epoch, index, capture, key, shown, rotation, codec, payload })
+        let (shown, rotation) = (true, Rotation::None);
+        Ok(EncodedUnit { epoch: self.epoch, index, capture, key, shown, rotation, codec, payload })
     }
 }

@@ -17,6 +17,7 @@ mod configuration;
 mod exports;
 mod lens;
 mod live_scenes;
+mod new_drive;
 mod output_files;
 mod recorder;
 mod recording_folder;

@@ -211,6 +211,7 @@ fn run_vehicle(
         latest,
         link: Some(&link),
         boat: None,
+        worlds: None,
         recorder: Some(Box::new(&recorder)),
         status: StatusLine::new(Duration::from_millis(100)),
         status_output: Box::new(&status),

@@ -137,10 +137,28 @@ fn the_frame_rate_begins_again_with_each_drive() {
     (0..100).for_each(|index| add(&mut publisher, 5000 + 40 * index));
     // 51 frames in a window of two seconds.
     assert_eq!(publisher.newest().video.fps, 25.5);
-    publisher.begin_drive(at(0));
+    publisher.begin_drive(&VehicleProfile::fotokite_pro(), at(0));
     assert_eq!(publisher.newest().video.fps, 0.0);
     (0..=50).for_each(|index| add(&mut publisher, 40 * index));
     assert_eq!(publisher.newest().video.fps, 25.5);
+}
+
+#[test]
+fn a_new_drive_is_told_and_shows_nothing_of_the_drive_before() {
+    let mut publisher = publisher();
+    let world = |scenario: &str| WorldState { scenario: scenario.to_owned(), seed: 2 };
+    publisher.set_world(world("open"), at(0));
+    assert!(publisher.events().subscribe().0.iter().all(|entry| entry.key != "new-drive"));
+    let found = localisation(at(5000));
+    step(&mut publisher, &Outcome { mode: Mode::Servoing, track: Track::Tracking(found), ..idle(at(5000)) });
+    publisher.begin_drive(&VehicleProfile::fotokite_pro(), at(0));
+    publisher.begin_world(world("rescue"), at(0));
+    let newest = publisher.newest();
+    assert!(newest.outcome.is_none() && newest.boat.is_none());
+    assert_eq!(newest.world, Some(world("rescue")));
+    let (entries, _) = publisher.events().subscribe();
+    let told = entries.iter().find(|entry| entry.key == "new-drive").unwrap();
+    assert!(told.text.starts_with("new drive: rescue, seed 2: the camera is disengaged"), "{}", told.text);
 }
 
 /// What a test does to a publisher.

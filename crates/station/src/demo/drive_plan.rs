@@ -1,0 +1,63 @@
+//! What the drives of a session have in common, and the setup of each of them.
+
+use anyhow::{Result, anyhow};
+use barrelman_experiments::drive::DriveSetup;
+use barrelman_experiments::law_choice::LawChoice;
+use barrelman_experiments::scenario::{self, ScenarioChoice, ScenarioOverrides};
+use barrelman_experiments::tracker_choice::TrackerName;
+use barrelman_experiments::world_url::WorldUrl;
+use barrelman_sim::World;
+use barrelman_vocab::{NewDrive, PictureSize};
+
+/// Default limit of the picture's width, pixels: pictures are rendered on the CPU.
+const MAX_WIDTH: u32 = 960;
+
+/// What the drives of a session have in common.
+#[derive(Debug, Clone)]
+pub struct DrivePlan {
+    /// The first drive.
+    pub first: NewDrive,
+    /// Size of the pictures; `None`: the scenario's, limited in its width.
+    pub size: Option<PictureSize>,
+    /// The tracker.
+    pub tracker: TrackerName,
+    /// The camera law at the start of each drive.
+    pub law: LawChoice,
+    /// Whether pictures are encoded as H.264.
+    pub encoded: bool,
+    /// Whether the person selects the boat.
+    pub hands_on: bool,
+}
+
+impl DrivePlan {
+    /// The scenarios that a new drive can have.
+    ///
+    /// # Errors
+    /// The scenario of the first drive cannot be read.
+    pub fn choices(&self) -> Result<Vec<ScenarioChoice>> {
+        scenario::choices(&self.first.scenario)
+    }
+
+    /// The setup of a drive.
+    ///
+    /// # Errors
+    /// The scenario does not exist or has a mistake, or its way-points make no path with the seed.
+    pub fn setup(&self, drive: &NewDrive) -> Result<DriveSetup> {
+        let NewDrive { scenario, seed } = drive.clone();
+        let size = Some(self.picture_size(&scenario)?);
+        let setup = DriveSetup::new(WorldUrl { scenario, seed, size }, self.tracker, self.law, self.encoded)?;
+        World::new(&setup.loaded.scenario, seed)
+            .map_err(|_| anyhow!("the way-points of {} make no path with seed {seed}", drive.scenario))?;
+        Ok(DriveSetup { hands_on: self.hands_on, ..setup })
+    }
+
+    /// The size of the pictures: the given size, else the scenario's, limited to `MAX_WIDTH`.
+    fn picture_size(&self, scenario: &str) -> Result<PictureSize> {
+        if let Some(size) = self.size {
+            return Ok(size);
+        }
+        let own = scenario::load(scenario, &ScenarioOverrides::default())?.scenario.camera.optics.picture;
+        let height = (own.height * MAX_WIDTH / own.width.max(1)) & !1;
+        Ok(if own.width > MAX_WIDTH { PictureSize::new(MAX_WIDTH, height) } else { own })
+    }
+}
