@@ -27,7 +27,7 @@ export function enableControls({ snapshot, isConnected, seat, stage }) {
   show("freeze", stage.hasPicture, words.reasons.noPicture);
   setCamera(snapshot, set);
   setBoat(snapshot?.vessel ?? null, set);
-  for (const id of ["pause", "helmsman"]) set(id, true);
+  for (const id of ["pause", "helmsman", "new-drive"]) set(id, true);
   if (!snapshot) return;
   // A law that is not in the list leaves it empty. A list that the operator has open is left alone.
   const law = snapshot.law ?? "";
@@ -35,7 +35,8 @@ export function enableControls({ snapshot, isConnected, seat, stage }) {
   // What a vehicle has is known after the first step, and stays.
   if (snapshot.step === 0) return;
   at("drive").hidden = at("boat").hidden = at("marks").hidden = !snapshot.vessel;
-  at("world").hidden = !snapshot.drive;
+  at("world").hidden = !snapshot.world;
+  at("pause").hidden = !snapshot.drive;
   at("helmsman").hidden = !snapshot.vessel;
 }
 

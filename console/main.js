@@ -11,6 +11,7 @@ import { HeldControl } from "./held_controls.js";
 import { listenToKeys } from "./keys.js";
 import { Layers } from "./layers.js";
 import { Link } from "./link.js";
+import { NewDrive } from "./new_drive.js";
 import { nudgeObstacle } from "./nudge_obstacle.js";
 import { Sounds } from "./sounds.js";
 import { Stage } from "./stage.js";
@@ -49,6 +50,11 @@ async function request(wanted, done = "") {
   else if (reason || done) toast(reason || done);
 }
 
+const newDrive = new NewDrive(request);
+newDrive.addEventListener("begun", () => {
+  stage.unfreeze();
+  stage.trail.clear();
+});
 stage.label = ({ percept, track }) =>
   [percept ? `P ${fixed(percept.p, 2)}` : "", track.state === "tracking" ? "" : words.tracks[track.state]].filter(Boolean).join("  ");
 stage.addEventListener("change", () => {
@@ -97,6 +103,7 @@ let lastMode = null;
 link.addEventListener("snapshot", ({ detail }) => {
   heartbeat.onSnapshot(detail, performance.now());
   snapshot = detail;
+  newDrive.onSnapshot(snapshot);
   strips.add(snapshot, video.delay?.median ?? null);
   const { vessel } = snapshot;
   const isBoatMoving = seat.isControlling && ["by-hand", "guided", "holding"].includes(vessel?.mode);
@@ -109,6 +116,7 @@ link.addEventListener("snapshot", ({ detail }) => {
 });
 link.addEventListener("hello", ({ detail }) => {
   at("where").textContent = `${detail.command}  ${detail.source}`;
+  newDrive.onHello(detail);
   at("law").replaceChildren(...detail.laws.map((law) => new Option(sentence(words.laws[law]), law)));
   // The new list has not chosen the law in force.
   delete at("law").dataset.law;
@@ -168,6 +176,7 @@ const act = {
   search: () => request({ kind: "search" }),
   "net-yaw-zero": () => request({ kind: "net-yaw", degrees: 0 }),
   pause: () => request({ kind: snapshot?.drive?.paused ? "resume" : "pause" }),
+  "new-drive": () => newDrive.open(),
   helmsman: () => request({ kind: "release-vessel" }),
   mark: () => stage.setMarking(!stage.isMarking),
   unmark,

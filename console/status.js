@@ -90,7 +90,7 @@ export function showStatus(state) {
   const delay = isStale ? null : video.delay;
   Object.assign(root, {
     mode: mode.name, cause: mode.cause ?? "", track: track.confirming ? "confirming" : track.state, p: percept?.p.toFixed(3) ?? "",
-    stops: snapshot.stops_taken, pan: snapshot.command.pan, tilt: snapshot.command.tilt, link: snapshot.link.state,
+    stops: snapshot.stops_taken, world: snapshot.world ? `${snapshot.world.scenario} ${snapshot.world.seed}` : "", pan: snapshot.command.pan, tilt: snapshot.command.tilt, link: snapshot.link.state,
     path: video.path, drawn: video.drawn, captured: video.captured,
     delayMs: delay?.median.toFixed(1) ?? "", delayP95Ms: delay?.p95.toFixed(1) ?? "",
   });

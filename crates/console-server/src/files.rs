@@ -40,6 +40,8 @@ files![
     "main.js",
     "marks.js",
     "narrow.css",
+    "new_drive.css",
+    "new_drive.js",
     "next_action.js",
     "nudge_obstacle.js",
     "numbers.js",
