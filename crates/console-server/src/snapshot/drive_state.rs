@@ -10,6 +10,9 @@ pub struct WorldState {
     pub scenario: String,
     /// The seed.
     pub seed: u64,
+    /// True bounds of the boat in the newest picture, pixels: left, top, width, height. In a demo only, and only until
+    /// something is selected.
+    pub boat: Option<[f64; 4]>,
 }
 
 /// The state of a demo.
@@ -21,6 +24,8 @@ pub struct DriveState {
     pub time_s: f64,
     /// Whether the time of the world stands still.
     pub paused: bool,
+    /// Whether it stands still until the first selection (`demo --hands-on`).
+    pub waits: bool,
     /// Simulated seconds per second.
     pub pace: f64,
     /// The camera's actual pan and tilt rates, rad/s.

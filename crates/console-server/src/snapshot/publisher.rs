@@ -10,7 +10,7 @@ use barrelman_vocab::drive_mode::DriveMode;
 use barrelman_vocab::telemetry::{ControlState, FlightState, LinkState, Report};
 use barrelman_vocab::vehicle_text::VehicleText;
 use barrelman_vocab::{
-    Angle, HoldCause, LawId, Named as _, Telemetry, Timestamp, Track, VehicleProfile, VehicleRates,
+    Angle, HoldCause, LawId, Named as _, PixelBox, Telemetry, Timestamp, Track, VehicleProfile, VehicleRates,
 };
 use jiff::Zoned;
 use tokio::sync::watch;
@@ -139,6 +139,13 @@ impl Publisher {
     pub fn set_world(&mut self, world: WorldState, now: Timestamp) {
         self.state.world = Some(world);
         self.publish(now);
+    }
+
+    /// The true bounds of the boat in the newest picture of a demo. Published with the next state of the drive.
+    pub fn set_boat(&mut self, boat: Option<PixelBox>) {
+        if let Some(world) = &mut self.state.world {
+            world.boat = boat.map(|PixelBox { u, v, w, h }| [u, v, w, h]);
+        }
     }
 
     /// Another simulated world takes the place of the one before.

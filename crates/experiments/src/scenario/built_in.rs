@@ -19,7 +19,7 @@ macro_rules! built_in {
 }
 
 /// The built-in scenarios, in the order of the list.
-pub const BUILT_IN: [BuiltIn; 19] = built_in![
+pub const BUILT_IN: [BuiltIn; 20] = built_in![
     "lab1",
     "lab2",
     "arena1",
@@ -28,6 +28,7 @@ pub const BUILT_IN: [BuiltIn; 19] = built_in![
     "field2",
     "steep1",
     "steep2",
+    "first-drive",
     "open",
     "glint",
     "sea3",

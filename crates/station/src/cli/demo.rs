@@ -44,12 +44,13 @@ station.",
     mut_arg("law", |arg| arg.help("The camera law; default: optimal, and schema with --clip"))
 )]
 pub struct DemoArgs {
-    /// The scenario: one of `barrelman scenarios`, or the path of a .toml file; default: open.
+    /// The scenario: one of `barrelman scenarios`, or the path of a .toml file; default: open, and
+    /// first-drive with --hands-on.
     pub scenario: Option<String>,
     /// The console.
     #[command(flatten)]
     pub console: ConsoleOptions,
-    /// Begin unselected and disengaged: the operator draws the box around the boat, and engages.
+    /// Begin unselected and disengaged, and wait: the operator draws the box around the boat, and engages.
     #[arg(long, conflicts_with = "replay")]
     pub hands_on: bool,
     /// Size of the picture; the field of view stays the same. Default: the scenario's, at most 960 wide.

@@ -42,7 +42,8 @@ pub fn run(args: &DemoArgs, clock: Clock) -> Result<ExitCode> {
 
 /// Runs drives in the browser until the session is ended.
 fn drive(args: &DemoArgs, files: DriveFiles, first_files: OpenFiles, clock: Clock) -> Result<ExitCode> {
-    let scenario = args.scenario.clone().unwrap_or_else(|| "open".to_owned());
+    let usual = if args.hands_on { "first-drive" } else { "open" };
+    let scenario = args.scenario.clone().unwrap_or_else(|| usual.to_owned());
     let plan = DrivePlan {
         first: NewDrive { scenario, seed: args.seed },
         size: args.size,

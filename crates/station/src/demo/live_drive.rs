@@ -16,6 +16,7 @@ use barrelman_vocab::{CameraRequest, NewDrive, OperatorRequest, StopCause, Times
 
 use super::drive_files::{DriveFiles, OpenFiles};
 use super::drive_plan::DrivePlan;
+use super::first_selection::FirstSelection;
 use super::observers::DriveObservers;
 use super::pacing::Pacing;
 use crate::live::event::{Event, QuitCause};
@@ -71,6 +72,8 @@ pub(super) struct LiveDrive<'a> {
     pub(super) clock: Clock,
     pub(super) time: SessionTime,
     pub(super) is_paused: bool,
+    /// Whether the time waits for the first selection.
+    pub(super) first_selection: FirstSelection,
     /// Whether the user knows that the world is slower than real time.
     pub(super) is_slow_told: bool,
 }
@@ -94,7 +97,8 @@ impl LiveDrive<'_> {
             if until.is_some_and(|until| until <= now) {
                 return Ok(Next::End(DriveEnd::TimeIsUp));
             }
-            let due = if self.is_paused { now.plus(POLL_INTERVAL) } else { pacing.due(tick, now) };
+            let stands_still = self.stands_still();
+            let due = if stands_still { now.plus(POLL_INTERVAL) } else { pacing.due(tick, now) };
             match events.recv_timeout(due.since(now)) {
                 Ok(event) => {
                     if let Some(end) = self.on_event(event) {
@@ -108,12 +112,13 @@ impl LiveDrive<'_> {
                     return Ok(Next::End(DriveEnd::Failed(why)));
                 }
             }
-            if self.is_paused {
+            if stands_still {
                 self.publish_state(pacing.pace());
                 pacing.resume(tick, self.clock.now());
                 continue;
             }
             self.drive.tick(&mut self.observers);
+            self.first_selection = self.first_selection.after_steps(&mut self.observers.first_selection);
             self.time.set(self.drive.world().now());
             if tick.is_multiple_of(STATE_TICKS) {
                 self.publish_state(pacing.pace());
@@ -169,6 +174,9 @@ impl LiveDrive<'_> {
                 },
                 SessionRequest::World(request @ (WorldRequest::Pause | WorldRequest::Resume)) => {
                     self.is_paused = request == WorldRequest::Pause;
+                    if !self.is_paused {
+                        self.first_selection = FirstSelection::Over;
+                    }
                     answer.give(Answer::ACCEPTED);
                 }
                 SessionRequest::Pilot(request) => {
@@ -218,6 +226,8 @@ impl LiveDrive<'_> {
             store.add(self.drive.world().tick(), request)?;
         }
         self.drive.request(request, &mut self.observers);
+        self.first_selection = self.first_selection.after_request(&request);
+        self.first_selection = self.first_selection.after_steps(&mut self.observers.first_selection);
         let (law, now) = (self.drive.law_id(), self.drive.world().now());
         if let Some(console) = &mut self.observers.console {
             console.law = law;
@@ -226,11 +236,17 @@ impl LiveDrive<'_> {
         Ok(())
     }
 
+    /// Whether the time of the world stands still.
+    fn stands_still(&self) -> bool {
+        self.is_paused || self.first_selection.waits(&self.observers.first_selection)
+    }
+
     fn publish_state(&mut self, pace: f64) {
         let (state, now) = (self.state(pace), self.drive.world().now());
         let camera = self.drive.world().camera_pose();
         if let Some(console) = &mut self.observers.console {
             console.publisher.set_camera(camera.tilt, camera.position.z);
+            console.publisher.set_boat(self.observers.first_selection.boat());
             console.publisher.set_drive(state, now);
         }
     }
@@ -241,7 +257,8 @@ impl LiveDrive<'_> {
         DriveState {
             tick: world.tick(),
             time_s: world.now().as_secs_f64(),
-            paused: self.is_paused,
+            paused: self.stands_still(),
+            waits: !self.is_paused && self.stands_still(),
             pace,
             achieved: [pan, tilt],
             speed_m_per_s: world.target_speed_m_per_s(),

@@ -11,6 +11,8 @@ pub mod session;
 pub mod live_drive;
 pub mod pacing;
 
+mod first_selection;
+
 pub mod drive_files;
 pub mod drive_plan;
 

@@ -1,5 +1,6 @@
 //! The step observers of a drive: hash, recording, and what the console shows.
 
+use super::first_selection::SelectionWatch;
 use barrelman_console_server::operator::Answers;
 use barrelman_console_server::snapshot::Publisher;
 use barrelman_console_server::{PictureSlot, VideoRelay};
@@ -22,6 +23,8 @@ pub(super) struct DriveObservers<'a> {
     pub(super) console: Option<ConsoleObserver<'a>>,
     /// Whether the target is in the newest picture.
     pub(super) is_in_picture: Option<bool>,
+    /// What the person has to see before the first selection, and what became of a selection.
+    pub(super) first_selection: SelectionWatch,
 }
 
 /// Passes the steps of a drive on to the console.
@@ -41,6 +44,7 @@ impl StepObserver for DriveObservers<'_> {
         if let Some(recorder) = &mut self.recorder {
             recorder.on_step(now, input, outcome, rates);
         }
+        self.first_selection.on_step(input, outcome);
         if let Some(console) = &mut self.console {
             if let Input::Frame(frame) = input {
                 console.pictures.put(frame);
@@ -55,6 +59,7 @@ impl StepObserver for DriveObservers<'_> {
     fn on_truth(&mut self, truth: &Truth, target: Option<&TargetInPicture>) {
         self.hash.on_truth(truth, target);
         self.is_in_picture = Some(truth.in_picture);
+        self.first_selection.on_truth(truth, target);
     }
 }
 

@@ -19,6 +19,7 @@ use barrelman_host::clock::Clock;
 
 use super::drive_files::{DriveFiles, OpenFiles};
 use super::drive_plan::DrivePlan;
+use super::first_selection::FirstSelection;
 use super::live_drive::{DriveEnd, LiveDrive, Next, NextDrive};
 use super::observers::{ConsoleObserver, DriveObservers};
 use super::recording;
@@ -102,7 +103,7 @@ impl DriveSession {
             publisher.set_recording(recording_state(&open), now);
             publisher.begin_drive(&setup.profile, now);
             publisher.set_video(VideoSourceState::Up, now);
-            let world = WorldState { scenario: setup.url.scenario.clone(), seed: setup.url.seed };
+            let world = WorldState { scenario: setup.url.scenario.clone(), seed: setup.url.seed, boat: None };
             match answer.take() {
                 None => publisher.set_world(world, now),
                 Some(answer) => {
@@ -133,6 +134,7 @@ impl DriveSession {
                 clock,
                 time: time.clone(),
                 is_paused: false,
+                first_selection: FirstSelection::of(&setup),
                 is_slow_told: false,
             };
             let next = live.run(&queue, until)?;
@@ -162,7 +164,11 @@ fn recording_state(files: &OpenFiles) -> RecordingState {
 /// Prints what the keys do.
 fn print_keys(setup: &DriveSetup) -> Result<()> {
     let mut out = stdout();
-    let begin = if setup.hands_on { "draw a box around the boat, then engage; " } else { "" };
+    let begin = if setup.hands_on {
+        "the world waits until a box is drawn around the boat; then engage; "
+    } else {
+        ""
+    };
     writeln!(
         out,
         "{begin}arrow keys steer the boat, space stops camera and boat, e engages the camera; Ctrl-C quits"

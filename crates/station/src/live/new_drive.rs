@@ -48,7 +48,7 @@ impl RunLoop<'_> {
         worlds.begin(world);
         let NewDrive { scenario, seed } = wanted.clone();
         tracing::info!("new drive: {scenario}, seed {seed}");
-        self.publisher.begin_world(WorldState { scenario, seed }, self.events.now());
+        self.publisher.begin_world(WorldState { scenario, seed, boat: None }, self.events.now());
         Ok(())
     }
 }

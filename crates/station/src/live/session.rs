@@ -224,7 +224,7 @@ impl Session<'_> {
         let worlds = source.world().map(LiveWorld::switch).transpose()?;
         if let Some(worlds) = &worlds {
             let first = worlds.first();
-            let world = WorldState { scenario: first.scenario.clone(), seed: first.seed };
+            let world = WorldState { scenario: first.scenario.clone(), seed: first.seed, boat: None };
             publisher.set_world(world, clock.now());
         }
         let is_recorded = outputs.record.is_some();

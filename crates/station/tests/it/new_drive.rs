@@ -127,7 +127,7 @@ fn a_new_drive_stops_the_camera_first_and_then_forgets_target_and_marks() {
         VesselRequest::ReleaseVessel.into(),
     ];
     assert_eq!(run.recorded, expected);
-    assert_eq!(run.world, Some(WorldState { scenario: "open".to_owned(), seed: 4 }));
+    assert_eq!(run.world, Some(WorldState { scenario: "open".to_owned(), seed: 4, boat: None }));
     let text = "new drive: open, seed 4: the camera is disengaged, and nothing is marked";
     assert!(run.events.iter().any(|event| event == text), "{:?}", run.events);
 }

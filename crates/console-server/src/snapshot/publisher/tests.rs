@@ -146,11 +146,13 @@ fn the_frame_rate_begins_again_with_each_drive() {
 #[test]
 fn a_new_drive_is_told_and_shows_nothing_of_the_drive_before() {
     let mut publisher = publisher();
-    let world = |scenario: &str| WorldState { scenario: scenario.to_owned(), seed: 2 };
+    let world = |scenario: &str| WorldState { scenario: scenario.to_owned(), seed: 2, boat: None };
     publisher.set_world(world("open"), at(0));
     assert!(publisher.events().subscribe().0.iter().all(|entry| entry.key != "new-drive"));
+    publisher.set_boat(Some(PixelBox { u: 1.0, v: 2.0, w: 3.0, h: 4.0 }));
     let found = localisation(at(5000));
     step(&mut publisher, &Outcome { mode: Mode::Servoing, track: Track::Tracking(found), ..idle(at(5000)) });
+    assert_eq!(publisher.newest().world.as_ref().unwrap().boat, Some([1.0, 2.0, 3.0, 4.0]));
     publisher.begin_drive(&VehicleProfile::fotokite_pro(), at(0));
     publisher.begin_world(world("rescue"), at(0));
     let newest = publisher.newest();
