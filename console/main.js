@@ -8,6 +8,7 @@ import { EventList } from "./events.js";
 import { GamepadHelm } from "./gamepad.js";
 import { Heartbeat } from "./heartbeat.js";
 import { HeldControl } from "./held_controls.js";
+import { Hints } from "./hints.js";
 import { listenToKeys } from "./keys.js";
 import { Layers } from "./layers.js";
 import { Link } from "./link.js";
@@ -36,6 +37,7 @@ const strips = new Strips(at("strips"), words.strip);
 const layers = new Layers(stage, at("overlay-list"));
 const appearance = new Appearance((isExpert) => layers.show(isExpert));
 const heartbeat = new Heartbeat();
+const hints = new Hints(stage);
 let snapshot = null;
 let loss = null;
 
@@ -133,6 +135,7 @@ let wasOverdue = false;
 setInterval(() => {
   stage.tick();
   showLoss();
+  if (snapshot) hints.tick(snapshot);
   show();
   if (stopper.isOverdue && !wasOverdue) {
     toast(words.reasons.unacknowledged, true);
@@ -177,6 +180,7 @@ const act = {
   "net-yaw-zero": () => request({ kind: "net-yaw", degrees: 0 }),
   pause: () => request({ kind: snapshot?.drive?.paused ? "resume" : "pause" }),
   "new-drive": () => newDrive.open(),
+  "hints-again": () => hints.again(),
   helmsman: () => request({ kind: "release-vessel" }),
   mark: () => stage.setMarking(!stage.isMarking),
   unmark,

@@ -28,6 +28,13 @@ export default {
   newDrive: "New drive", beginDrive: "Begin", scenario: "Scenario", seed: "Seed",
   newDriveText: "Another world takes the place of this one. The camera stops, and the marks go.",
   worldText: (command, { scenario, seed }) => `${command}  sim:${scenario}, seed ${seed}`,
+  thisIsTheBoat: "This is the boat: drag a box around it.",
+  hintClose: "Got it", hintsAgain: "Show the hints again",
+  hints: {
+    select: "Drag a box around the boat, from corner to corner. The camera follows what is in the box.",
+    drive: "The arrow keys drive the boat; so do the buttons under Drive boat.",
+    rescue: "Mark a person: press Mark, tap the person, then press Go. The boat goes there.",
+  },
   figures: "Figures", strips: "The last two minutes: P, camera commands, confidence, delay", events: "Events",
   alarmList: "Alarms", keysTitle: "Keys", close: "Close", cancel: "Cancel",
   takeTitle: "Take the control from the other page?",

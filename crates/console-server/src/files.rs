@@ -28,6 +28,8 @@ files![
     "heartbeat.js",
     "held.js",
     "held_controls.js",
+    "hints.css",
+    "hints.js",
     "index.html",
     "key_box.js",
     "keys.js",
