@@ -77,7 +77,7 @@ export class Hints {
     const { clientWidth: width } = at("picture");
     // The text stands above the box, or below it, and within the picture.
     pointer.classList.toggle("below", top < 60);
-    pointer.classList.toggle("to-left", left > 0.6 * width);
+    pointer.classList.toggle("to-left", left + pointer.firstElementChild.offsetWidth > width);
   }
 
   /** The hint moves to the upper edge while the boat is at the lower one. */
@@ -85,7 +85,7 @@ export class Hints {
     const bounds = track.bounds ?? world?.boat;
     const box = bounds ? this.#onPage(bounds) : null;
     const { offsetTop, clientHeight } = at("picture");
-    const isLow = box !== null && box[3] > offsetTop + clientHeight - at("hint").offsetHeight - 24;
+    const isLow = box !== null && (box[1] + box[3]) / 2 > offsetTop + clientHeight / 2 + 10;
     at("hint").classList.toggle("high", isLow);
   }
 }

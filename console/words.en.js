@@ -31,7 +31,7 @@ export default {
   thisIsTheBoat: "This is the boat: drag a box around it.",
   hintClose: "Got it", hintsAgain: "Show the hints again",
   hints: {
-    select: "Drag a box around the boat, from corner to corner. The camera follows what is in the box.",
+    select: "Drag a box around the boat: the camera follows what is in it.",
     drive: "The arrow keys drive the boat; so do the buttons under Drive boat.",
     rescue: "Mark a person: press Mark, tap the person, then press Go. The boat goes there.",
   },
