@@ -47,7 +47,8 @@ STOP, ENGAGE, DISENGAGE, DESELECT = (
     Request("disengage"),
     Request("deselect"),
 )
-GUIDE, PAUSE, ASK_CONTROL = Request("guide"), Request("pause"), Request("ask-control")
+GUIDE, ASK_CONTROL = Request("guide"), Request("ask-control")
+PAUSE, RESUME = Request("pause"), Request("resume")
 UNKNOWN = Request("fly")
 
 
@@ -130,6 +131,10 @@ class Program:
         """Makes a request as a program, and returns its answer."""
         code, body, _ = self.ask("POST", REQUESTS, request.body, token=token)
         return json.loads(body) if code == 200 else {"answer": f"HTTP {code}", "reason": body.decode()}
+
+    def resume(self) -> None:
+        """Lets the world go on that waits for the first box. Before the world has begun, nothing is taken."""
+        wait_until(lambda: self.request(RESUME)["answer"] == "accepted", "a world that goes on")
 
     def wait(self, condition: Callable[[Any], Any], what: str, seconds: float = PATIENCE_S) -> Any:
         """Waits for a state."""

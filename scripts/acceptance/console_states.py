@@ -83,7 +83,7 @@ STATES = {
         {}, "d.next === 'watchLink'", {"hello": {"may_control": False}, "control": {"holder": OTHER}}
     ),
     "marking": State({"track": BOX}, "d.marking === 'yes'", press="mark"),
-    "paused": State({"drive": {"paused": True}}, "d.next === 'paused'"),
+    "paused": State({"drive": {"paused": True, "waits": False}}, "d.next === 'paused'"),
     "stale video": State({"mode": mode("servoing"), "track": BOX}, "d.stale === 'yes'", {"drops": "video"}),
     "connection lost": State({"mode": mode("servoing")}, "d.old === 'yes'", {"drops": "all"}),
 }

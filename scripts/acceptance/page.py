@@ -119,8 +119,8 @@ class Page:
 
     def ready(self) -> Data:
         return self.wait(
-            lambda data: data.get("connected") == "yes" and int(data.get("drawn", 0)) > 3,
-            "the first pictures",
+            lambda data: data.get("connected") == "yes" and int(data.get("drawn", 0)) > 0,
+            "the first picture",
         )
 
     def element(self, name: str) -> WebElement:

@@ -82,6 +82,7 @@ def demo(barrelman: pathlib.Path, store: pathlib.Path) -> Iterator[Program]:
     with Program(
         barrelman, "demo", "open", "--hands-on", "--law", "schema", "--size", SIZE, "--store", store
     ) as program:
+        program.resume()
         yield program
 
 

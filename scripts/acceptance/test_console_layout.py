@@ -29,7 +29,7 @@ RECTANGLES = """
 const all = {};
 const shown = 'button, select, summary, #mode, #next-action, #seat, #picture, #boat-mode, #stage';
 for (const element of document.querySelectorAll(shown)) {
-  if (element.closest('dialog, #asking, #entry') || !element.checkVisibility()) continue;
+  if (element.closest('dialog, #asking, #entry, #hint') || !element.checkVisibility()) continue;
   const { x, y, width, height } = element.getBoundingClientRect();
   all[element.id || element.parentElement.id] = [x, y, width, height];
 }
@@ -40,11 +40,10 @@ return all;
 @pytest.fixture(scope="module")
 def page(barrelman: pathlib.Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[AlteredPage]:
     options = ["demo", "open", "--hands-on", "--size", "640x360"]
-    with (
-        Program(barrelman, *options) as program,
-        AlteredPage(program, tmp_path_factory.mktemp("layout")) as page,
-    ):
-        yield page
+    with Program(barrelman, *options) as program:
+        program.resume()
+        with AlteredPage(program, tmp_path_factory.mktemp("layout")) as page:
+            yield page
 
 
 def show(page: AlteredPage, size: tuple[int, int], level: str) -> None:

@@ -113,7 +113,7 @@ def test_new_drive_of_a_demo_stops_forgets_the_marks_and_repeats(
     check("a file is no scenario", "there is no scenario" in refused.get("reason", ""), refused)
     with started(program, tmp_path) as page:
         page.wait(lambda data: data["controlling"] == "yes", "the control")
-        page.driver.find_element(By.TAG_NAME, "body").send_keys("v")
+        page.driver.find_element(By.TAG_NAME, "body").send_keys("k")
         page.script("""
             const list = document.getElementById('scenario');
             list.value = 'arena2';
