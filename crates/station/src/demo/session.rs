@@ -98,7 +98,6 @@ impl DriveSession {
         let end = loop {
             let drive = Drive::new(&setup, &threads)?;
             let now = drive.world().now();
-            gateway.refuse_waiting();
             time.set(now);
             publisher.set_recording(recording_state(&open), now);
             publisher.begin_drive(&setup.profile, now);
@@ -107,6 +106,8 @@ impl DriveSession {
             match answer.take() {
                 None => publisher.set_world(world, now),
                 Some(answer) => {
+                    // They were made for the world before.
+                    gateway.refuse_waiting();
                     publisher.begin_world(world, now);
                     answer.give(Answer::ACCEPTED);
                 }
