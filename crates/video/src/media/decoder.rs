@@ -18,8 +18,11 @@ use crate::codec::pending::Pending;
 use crate::codec::pool::PicturePool;
 use crate::error::DecodeError;
 
-/// Longest time to decode a unit: 30 pictures.
-const ANSWER_TIMEOUT: Duration = Duration::from_secs(1);
+/// Longest time to decode a unit of live video: 30 pictures.
+const LIVE_ANSWER_TIMEOUT: Duration = Duration::from_secs(1);
+
+/// The same for a file, which nobody waits for: a large picture on a busy machine takes its time.
+const FILE_ANSWER_TIMEOUT: Duration = Duration::from_secs(30);
 
 /// Maximum number of units whose pictures are still in the decoder. No format holds back more than 16
 /// pictures.
@@ -162,7 +165,8 @@ impl MediaDecoder {
         out: &mut PictureOut<'_>,
     ) -> Result<Option<String>, Failure> {
         process.send(message, payload)?;
-        let deadline = Instant::now() + ANSWER_TIMEOUT;
+        let timeout = if self.settings.is_live { LIVE_ANSWER_TIMEOUT } else { FILE_ANSWER_TIMEOUT };
+        let deadline = Instant::now() + timeout;
         loop {
             let Some((answer, length)) = process.channel().receive(deadline)? else {
                 return Err(Failure::Channel(ChannelError::Stopped));
