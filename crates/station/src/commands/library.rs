@@ -37,7 +37,9 @@ pub fn run(args: &LibraryArgs) -> Result<ExitCode> {
         None => recordings_folder(args)?,
     };
     let mut out = stdout().lock();
-    if !path.is_dir() {
+    // `run` makes its folder with the first recording.
+    let is_to_come = args.path.is_none() && !path.exists();
+    if !path.is_dir() && !is_to_come {
         let listed =
             read(&path).with_context(|| format!("{} is no recording that can be read", path.display()))?;
         if args.json {
@@ -48,7 +50,7 @@ pub fn run(args: &LibraryArgs) -> Result<ExitCode> {
         }
         return Ok(ExitCode::SUCCESS);
     }
-    let recordings = recordings_in(&path)?;
+    let recordings = if is_to_come { Vec::new() } else { recordings_in(&path)? };
     if args.json {
         writeln!(out, "{}", serde_json::to_string_pretty(&recordings)?)?;
         return Ok(ExitCode::SUCCESS);
