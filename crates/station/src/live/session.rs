@@ -357,8 +357,7 @@ impl OpenParts {
         if let Some(Recording { path, recorder }) = self.recording
             && let Some(sortie) = recorder.finish()
         {
-            // A closed output does not keep a run from its end.
-            let _ = write!(stdout(), "{}", SortieText { sortie: &sortie, path: &path, is_cut: false });
+            SortieText { sortie: &sortie, path: &path, is_cut: false }.print();
         }
         if let Some(Err(error)) = self.overlay.map(OverlayVideo::finish) {
             tracing::error!("{error:#}");

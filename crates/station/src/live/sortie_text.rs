@@ -1,7 +1,10 @@
 //! What a sortie was like, in words.
 
 use std::fmt;
+use std::io::{Write as _, stdout};
 use std::path::Path;
+use std::sync::mpsc::channel;
+use std::time::Duration;
 
 use barrelman_trial::sortie::{Happening, Moment, Sortie, Spells};
 use barrelman_vocab::{HoldCause, Named as _, StopCause};
@@ -16,6 +19,24 @@ pub struct SortieText<'a> {
     pub path: &'a Path,
     /// Whether the recording was cut off.
     pub is_cut: bool,
+}
+
+/// How long a run waits at its end for an output that nobody reads.
+const PRINT_TIMEOUT: Duration = Duration::from_millis(500);
+
+impl SortieText<'_> {
+    /// Prints the text. An output that is closed, or that nobody reads, does not keep a run from its end.
+    pub fn print(&self) {
+        let text = self.to_string();
+        let (printed, is_printed) = channel();
+        let printing = std::thread::Builder::new().name("sortie".to_owned()).spawn(move || {
+            let _ = stdout().write_all(text.as_bytes());
+            let _ = printed.send(());
+        });
+        if printing.is_ok() {
+            let _ = is_printed.recv_timeout(PRINT_TIMEOUT);
+        }
+    }
 }
 
 impl fmt::Display for SortieText<'_> {
