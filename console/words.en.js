@@ -176,7 +176,7 @@ export default {
     ["Length", length(sortie.length_s)],
     ["Engaged", sortie.engaged_s > 0 ? `${length(sortie.engaged_s)}, the boat known for ${((100 * sortie.followed_s) / sortie.engaged_s).toFixed(1)} %` : "never"],
     ["Boat lost", sortie.losses.count > 0 ? `${sortie.losses.count} times, ${length(sortie.losses.total_s)} in all, ${length(sortie.losses.longest_s)} the longest` : "never"],
-    ["Camera", `${sortie.camera.moves} movements, ${sortie.camera.travel_rad.toFixed(2)} rad${sortie.schema ? ` (the motor schema: about ${sortie.schema.moves}, ${sortie.schema.travel_rad.toFixed(2)} rad)` : ""}`],
+    ["Camera", `${sortie.camera.moves} movements, ${sortie.camera.travel_rad.toFixed(2)} rad (the motor schema: about ${sortie.schema.moves}, ${sortie.schema.travel_rad.toFixed(2)} rad)`],
     ["Video", sortie.video],
     ["Link", sortie.link || "dry run"],
   ],

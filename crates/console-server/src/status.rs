@@ -62,7 +62,7 @@ fn mode_of(mode: Mode) -> ModeStatus {
         Mode::Holding(cause) => ("holding", Some(cause.key())),
         Mode::Stopped(cause) => ("stopped", Some(cause.key())),
     };
-    ModeStatus { name, cause, engaged: matches!(mode, Mode::Servoing | Mode::Holding(_)) }
+    ModeStatus { name, cause, engaged: mode.is_engaged() }
 }
 
 const NO_TRACK: TrackStatus = TrackStatus {

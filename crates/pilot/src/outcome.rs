@@ -104,6 +104,16 @@ pub enum Mode {
     Stopped(StopCause),
 }
 
+impl Mode {
+    /// Whether the camera follows the target as soon as it can.
+    pub const fn is_engaged(self) -> bool {
+        match self {
+            Self::Servoing | Self::Holding(_) => true,
+            Self::Idle | Self::Nudging | Self::Searching | Self::Calibrating | Self::Stopped(_) => false,
+        }
+    }
+}
+
 /// A message for the operator about a step.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Notice {

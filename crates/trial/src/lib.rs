@@ -10,11 +10,13 @@ pub mod logs;
 
 pub mod metrics;
 
+pub mod camera_work;
 pub mod campaign;
 pub mod law;
 pub mod records;
 pub mod replay;
 pub mod shadow;
 pub mod sortie;
+pub mod work_step;
 
 pub mod report;

@@ -13,6 +13,7 @@ mod publisher;
 
 mod alarm;
 mod boat_on_water;
+#[cfg(test)]
 mod camera_work;
 mod drive_state;
 mod event_log;
@@ -31,8 +32,8 @@ use barrelman_vocab::vehicle_text::VehicleText;
 use barrelman_vocab::{LawId, PictureSize, Timestamp, VehicleRates};
 
 pub use alarm::Alarm;
+pub use barrelman_trial::camera_work::{CameraWork, WorkFigures};
 pub use boat_on_water::BoatOnWater;
-pub use camera_work::{CameraWork, WorkFigures};
 pub use drive_state::{DriveState, WorldState};
 pub use event_log::{EventEntry, EventLog, Level};
 pub use publisher::{Publisher, link_state_text};

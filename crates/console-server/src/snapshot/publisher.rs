@@ -17,7 +17,6 @@ use tokio::sync::watch;
 
 use super::alarm::Alarm;
 use super::boat_on_water::BoatFinder;
-use super::camera_work::CameraWorkMeter;
 use super::event_log::{EventLog, Level};
 use super::frame_rate::FrameRate;
 use super::step_time::StepTime;
@@ -28,6 +27,7 @@ use super::{DriveState, RecordingState, SharedSnapshot, Snapshot, VideoSourceSta
 use barrelman_pilot::Mode;
 use barrelman_pilot::net_yaw::NetYawLevel;
 use barrelman_pilot::vessel::gate::Said;
+use barrelman_trial::camera_work::CameraWorkMeter;
 
 /// Nearer to an end stop than this, the alarm is raised, rad (3 degrees).
 const END_STOP_MARGIN_RAD: f64 = 0.052;
@@ -279,7 +279,7 @@ impl Publisher {
     fn alarms(&self) -> Vec<Alarm> {
         let (state, vehicle) = (&self.state, &self.state.vehicle);
         let mode = state.outcome.as_ref().map(|outcome| outcome.mode);
-        let is_engaged = matches!(mode, Some(Mode::Servoing | Mode::Holding(_)));
+        let is_engaged = mode.is_some_and(Mode::is_engaged);
         let is_lost = matches!(state.outcome.as_ref().map(|outcome| outcome.track), Some(Track::Lost { .. }));
         let is_at_stop = vehicle.tilt.is_some_and(|tilt| {
             let (low, high) = self.tilt_stops;

@@ -11,7 +11,6 @@ mod lockstep;
 mod encoded_camera;
 
 mod hash;
-pub mod motor_schema_shadow;
 
 mod stored;
 

@@ -4,7 +4,6 @@ use barrelman_experiments::campaign::PlantName;
 use barrelman_experiments::campaign::drive_requests::DriveRequests;
 use barrelman_experiments::campaign::plan::CampaignRequest;
 use barrelman_experiments::campaign::{CampaignPlan, Perception};
-use barrelman_experiments::drive::motor_schema_shadow::MotorSchemaShadow;
 use barrelman_experiments::drive::{Drive, DriveSetup, DriveWriter, StoredDrive};
 use barrelman_experiments::drive::{DriveHasher, DriveObserver};
 use barrelman_experiments::law_choice::LawChoice;
@@ -18,7 +17,9 @@ use barrelman_sim::Truth;
 use barrelman_simd::SimdLevel;
 use barrelman_trial::campaign::StepObserver;
 use barrelman_trial::logs::TrialLog;
+use barrelman_trial::shadow::MotorSchemaShadow;
 use barrelman_trial::target_in_picture::TargetInPicture;
+use barrelman_trial::work_step::WorkStep;
 use barrelman_vocab::{
     CameraRequest, LawId, OperatorRequest, PictureSize, Timestamp, VehicleRates, VesselCommand, VesselRequest,
 };
@@ -70,7 +71,7 @@ struct ShadowObserver {
 
 impl StepObserver for ShadowObserver {
     fn on_step(&mut self, now: Timestamp, _input: &Input<'_>, outcome: &Outcome, _rates: VehicleRates) {
-        self.shadow.step(now, outcome);
+        self.shadow.step(&WorkStep { at: now, ..outcome.into() });
         self.values.extend(outcome.percept.map(|percept| percept.p).zip(self.shadow.p()));
     }
 

@@ -102,16 +102,13 @@ fn observe(path: &Path) -> Result<(Sortie, bool)> {
     for entry in RecordingReader::new(BufReader::new(File::open(path)?)) {
         match entry {
             Ok(entry) => {
-                let observer = observer.get_or_insert_with(|| {
-                    let profile = match &entry {
-                        Entry::Start(start) => config::parse(&start.configuration)
-                            .and_then(|file| Configuration::resolve_recorded(&file))
-                            .ok()
-                            .map(|configuration| configuration.profile),
-                        _ => None,
-                    };
-                    SortieObserver::new(profile)
-                });
+                if let Entry::Start(start) = &entry {
+                    let configuration =
+                        Configuration::resolve_recorded(&config::parse(&start.configuration)?)
+                            .context("the recorded configuration")?;
+                    observer = Some(SortieObserver::new(configuration.profile));
+                }
+                let Some(observer) = &mut observer else { break };
                 observer.add(&entry);
             }
             Err(ReadError::Truncated) => is_cut = true,

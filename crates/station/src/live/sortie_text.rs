@@ -71,12 +71,13 @@ impl fmt::Display for SortieText<'_> {
                 StopCause::ALL.iter().find(|cause| cause.key() == key).map_or("", |cause| cause.text());
             writeln!(f, "  stopped {cause}: {}", times(*count))?;
         }
-        let camera = sortie.camera;
+        let (camera, schema) = (sortie.camera, sortie.schema);
         let noun = if camera.moves == 1 { "movement" } else { "movements" };
-        write!(f, "  camera: {} {noun}, {:.2} rad", camera.moves, camera.travel_rad)?;
-        if let Some(schema) = sortie.schema {
-            write!(f, " (the motor schema: about {}, {:.2} rad)", schema.moves, schema.travel_rad)?;
-        }
+        write!(
+            f,
+            "  camera: {} {noun}, {:.2} rad (the motor schema: about {}, {:.2} rad)",
+            camera.moves, camera.travel_rad, schema.moves, schema.travel_rad
+        )?;
         writeln!(f, "\n  see it: barrelman report {} --output sortie.html", quoted(path))?;
         writeln!(f, "  film:   barrelman export {} --output sortie --annotated", quoted(path))
     }

@@ -84,7 +84,7 @@ impl<W: Write> RecordingWriter<W> {
             channels,
             unix_start_ns: start.unix_ns,
             region: profile.region,
-            observer: SortieObserver::new(Some(profile.clone())),
+            observer: SortieObserver::new(profile.clone()),
             last_mode: None,
             sequence: 0,
             buffer: Vec::new(),

@@ -8,20 +8,18 @@
 
 mod moment;
 
-mod movements;
-
 use std::collections::BTreeMap;
 
-use barrelman_control::{CameraModel, LawInput, Region, ShadowController};
+use barrelman_control::Region;
 use barrelman_pilot::Mode;
-use barrelman_vocab::{CameraCommand, Named as _, StopCause, Timestamp, Track, VehicleProfile};
+use barrelman_vocab::{Named as _, StopCause, Timestamp, Track, VehicleProfile};
 use serde::{Deserialize, Serialize};
 
 pub use moment::{Happening, Moment};
-pub use movements::Movements;
 
+use crate::camera_work::{CameraWork, CameraWorkMeter, WorkFigures};
 use crate::records::{Entry, RecordedOutcome, RecordingStart};
-use movements::MovementCounter;
+use crate::work_step::WorkStep;
 
 /// Maximum number of moments that are kept; later ones are only counted in the figures.
 const MAX_MOMENTS: usize = 10_000;
@@ -48,9 +46,9 @@ pub struct Sortie {
     /// What stopped the camera, by key: how often. The end of the program is no stop.
     pub stops: BTreeMap<String, u64>,
     /// The movements of the camera while engaged.
-    pub camera: Movements,
-    /// Those that the motor schema would have made; `None` where the vehicle is not known.
-    pub schema: Option<Movements>,
+    pub camera: WorkFigures,
+    /// Those that the motor schema would have made.
+    pub schema: WorkFigures,
     /// The moments, in the order of time.
     pub moments: Vec<Moment>,
 }
@@ -78,31 +76,16 @@ pub struct SortieObserver {
     /// How long the loss or the hold that lasts has lasted.
     lost_for_s: f64,
     held_for_s: f64,
-    camera: MovementCounter,
-    schema: Option<Schema>,
-}
-
-/// The motor schema on the bearings of the target.
-#[derive(Debug)]
-struct Schema {
-    camera: CameraModel,
-    controller: ShadowController,
+    work: CameraWorkMeter,
     profile: VehicleProfile,
-    counter: MovementCounter,
-    command: CameraCommand,
 }
 
 impl SortieObserver {
     /// `profile`: the vehicle, for the motor schema's movements.
-    pub fn new(profile: Option<VehicleProfile>) -> Self {
-        let schema = profile.map(|profile| Schema {
-            camera: CameraModel::new(profile.camera, profile.limits),
-            controller: ShadowController::new(&profile),
-            counter: MovementCounter::default(),
-            command: CameraCommand::REST,
-            profile,
-        });
+    pub fn new(profile: VehicleProfile) -> Self {
         Self {
+            work: CameraWorkMeter::new(&profile),
+            profile,
             sortie: Sortie::default(),
             unix_ns: 0,
             first: None,
@@ -111,8 +94,6 @@ impl SortieObserver {
             is_lost: false,
             lost_for_s: 0.0,
             held_for_s: 0.0,
-            camera: MovementCounter::default(),
-            schema,
         }
     }
 
@@ -141,8 +122,8 @@ impl SortieObserver {
     pub fn finish(mut self) -> Sortie {
         self.end_loss();
         self.end_hold();
-        self.sortie.camera = self.camera.movements();
-        self.sortie.schema = self.schema.map(|schema| schema.counter.movements());
+        let CameraWork { camera, schema, .. } = self.work.work(None);
+        (self.sortie.camera, self.sortie.schema) = (camera, schema.unwrap_or_default());
         self.sortie
     }
 
@@ -152,7 +133,7 @@ impl SortieObserver {
         let lasted_s = self.last.replace(now).map_or(0.0, |last| now.since(last).as_secs_f64());
         self.sortie.began_unix_ns = self.unix_ns.saturating_add(first.as_nanos());
         self.sortie.length_s = now.since(first).as_secs_f64();
-        let was_engaged = is_engaged(self.mode);
+        let was_engaged = self.mode.is_engaged();
         if was_engaged {
             self.sortie.engaged_s += lasted_s;
             self.sortie.followed_s += if self.is_lost { 0.0 } else { lasted_s };
@@ -165,12 +146,17 @@ impl SortieObserver {
         }
         self.change_track(now, &outcome.track);
         self.change_mode(now, outcome.mode);
-        let is_engaged = is_engaged(outcome.mode);
-        let in_force = outcome.rates.in_the_senses_of(outcome.command);
-        self.camera.add(lasted_s, if is_engaged { in_force } else { CameraCommand::REST });
-        if let Some(schema) = &mut self.schema {
-            schema.add(lasted_s, outcome, in_force, is_engaged);
-        }
+        self.work.on_step(WorkStep {
+            at: now,
+            mode: outcome.mode,
+            command: outcome.command,
+            track: &outcome.track,
+            percept: outcome.percept,
+            region: outcome
+                .track
+                .localisation()
+                .map(|seen| Region::from_shares(self.profile.region, seen.picture)),
+        });
     }
 
     fn change_track(&mut self, now: Timestamp, track: &Track) {
@@ -194,7 +180,7 @@ impl SortieObserver {
             return;
         }
         self.end_hold();
-        let (was_engaged, is_engaged) = (is_engaged(self.mode), is_engaged(mode));
+        let (was_engaged, is_engaged) = (self.mode.is_engaged(), mode.is_engaged());
         match mode {
             Mode::Stopped(cause) => {
                 if cause != StopCause::Ending {
@@ -235,29 +221,5 @@ impl Spells {
         self.count += 1;
         self.total_s += lasted_s;
         self.longest_s = self.longest_s.max(lasted_s);
-    }
-}
-
-impl Schema {
-    fn add(&mut self, lasted_s: f64, outcome: &RecordedOutcome, in_force: CameraCommand, is_engaged: bool) {
-        let (now, profile) = (outcome.at, &self.profile);
-        let looked_at = outcome.percept.zip(outcome.track.localisation()).filter(|_| outcome.age.is_some());
-        if let Some((percept, localisation)) = looked_at {
-            let picture = localisation.picture;
-            let region = Region::from_shares(profile.region, picture);
-            let captured = now.minus(profile.video_latency);
-            let input = LawInput { percept: &percept, region, picture, captured, is_measured: true, now };
-            self.command = self.controller.step(&input, &self.camera).command;
-        }
-        self.camera.apply_command(in_force, now);
-        self.counter.add(lasted_s, if is_engaged { self.command } else { CameraCommand::REST });
-    }
-}
-
-/// Whether the camera may follow the target.
-const fn is_engaged(mode: Mode) -> bool {
-    match mode {
-        Mode::Servoing | Mode::Holding(_) => true,
-        Mode::Idle | Mode::Nudging | Mode::Searching | Mode::Calibrating | Mode::Stopped(_) => false,
     }
 }

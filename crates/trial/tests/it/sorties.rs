@@ -34,7 +34,7 @@ fn lost(ms: u64, mode: Mode) -> RecordedOutcome {
 }
 
 fn observed(entries: impl IntoIterator<Item = Entry>) -> Sortie {
-    let mut observer = SortieObserver::new(None);
+    let mut observer = SortieObserver::new(VehicleProfile::fotokite_pro());
     entries.into_iter().for_each(|entry| observer.add(&entry));
     observer.finish()
 }
