@@ -12,7 +12,8 @@
 //! | `GET /api/v1/socket` | the socket of a page ([`super::socket`]) | token |
 //! | `GET /metrics` | metrics for Prometheus | token |
 //!
-//! Those of the recordings are in [`super::library::routes`]. Each request is judged by [`super::guard`]. No other file is served.
+//! Those of the recordings are in [`super::library::routes`]. Each request is judged by [`super::guard`]. No
+//! other file is served.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -100,12 +101,13 @@ async fn guard(State(console): Shared, request: Request, next: Next) -> Response
     guarded(&console.access, &console.hosts, request, next).await
 }
 
-/// The answer of `next` with the security headers, or the refusal of a request that is ambiguous, of a foreign page, or one
-/// of too many.
+/// The answer of `next` with the security headers, or the refusal of a request that is ambiguous, of a
+/// foreign page, or one of too many.
 pub(super) async fn guarded(access: &Access, hosts: &Hosts, mut request: Request, next: Next) -> Response {
     let mut response = match admit(access, hosts, &mut request) {
         Ok(()) => {
-            // One request of a connection, then the others have their turn. Who has shown a token keeps the place meanwhile.
+            // One request of a connection, then the others have their turn. Who has shown a token keeps the
+            // place meanwhile.
             tokio::task::yield_now().await;
             next.run(request).await
         }
@@ -237,7 +239,8 @@ pub(super) fn log_in(access: &Access, headers: &HeaderMap) -> Response {
         Ok(role) => role,
         Err(response) => return *response,
     };
-    // The watch link, opened in the operator's own browser, does not take the control from the pages that are open there.
+    // The watch link, opened in the operator's own browser, does not take the control from the pages that are
+    // open there.
     if role == Role::Watch && access.role(None, text_of(headers, header::COOKIE)) == Some(Role::Control) {
         return StatusCode::NO_CONTENT.into_response();
     }

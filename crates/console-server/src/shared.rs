@@ -1,4 +1,5 @@
-//! What all tasks of a console share: the session's facts, and the sending and receiving ends of what the loop publishes.
+//! What all tasks of a console share: the session's facts, and the sending and receiving ends of what the
+//! loop publishes.
 
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
@@ -115,8 +116,8 @@ impl Console {
         self.seat_changes.send_replace(state);
     }
 
-    /// Tells all pages that the program ends, and waits until they are disconnected: a page that hears nothing more would take the
-    /// end for a lost connection.
+    /// Tells all pages that the program ends, and waits until they are disconnected: a page that hears
+    /// nothing more would take the end for a lost connection.
     pub(super) async fn end(&self) {
         let mut seats = self.seat_changes.subscribe();
         self.ending.send_replace(true);

@@ -1,7 +1,7 @@
 //! The socket of one page: requests in; snapshots, answers, events and video out.
 //!
-//! Reading and writing are two halves of one task, so that a page that stops reading can still stop the camera. What is
-//! sent is always the newest: a slow page misses snapshots and video, and delays nobody.
+//! Reading and writing are two halves of one task, so that a page that stops reading can still stop the
+//! camera. What is sent is always the newest: a slow page misses snapshots and video, and delays nobody.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -242,7 +242,8 @@ async fn dismiss(writer: &mut Writer, code: CloseCode, reason: &'static str) -> 
     Err(Closed)
 }
 
-/// Waits for the newest snapshot. After the run there is none; the page stays connected until it is told of the program's end.
+/// Waits for the newest snapshot. After the run there is none; the page stays connected until it is told of
+/// the program's end.
 async fn newest(snapshots: &mut watch::Receiver<SharedSnapshot>, not_before: Instant) {
     sleep_until(not_before).await;
     if snapshots.changed().await.is_err() {

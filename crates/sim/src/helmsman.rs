@@ -1,10 +1,10 @@
 //! The helmsman: drives the boat along a path by pure pursuit (`coulter1992`).
 //!
-//! A jet steers by its thrust only. The helmsman therefore slows down before sharp turns, but keeps some throttle in
-//! them.
+//! A jet steers by its thrust only. The helmsman therefore slows down before sharp turns, but keeps some
+//! throttle in them.
 //!
-//! A trial ends where the path ends. In a world without an end ([`Helmsman::without_end`]) the helmsman goes round a path
-//! that is nearly closed; at the end of any other path the helmsman waits.
+//! A trial ends where the path ends. In a world without an end ([`Helmsman::without_end`]) the helmsman goes
+//! round a path that is nearly closed; at the end of any other path the helmsman waits.
 
 use crate::boat::{HelmCommand, JetBoat, Steering, throttle_for_speed};
 use crate::path::{InvalidPath, Path};

@@ -1,8 +1,8 @@
 //! The world of a trial, advanced in ticks.
 //!
-//! In each tick the platform sways, the camera's axes turn as commanded, and the target moves. [`World::truth`] and
-//! [`World::write_snapshot`] describe the state at the present tick. Rendering, latency and control are not part of
-//! the world.
+//! In each tick the platform sways, the camera's axes turn as commanded, and the target moves.
+//! [`World::truth`] and [`World::write_snapshot`] describe the state at the present tick. Rendering, latency
+//! and control are not part of the world.
 
 use barrelman_vocab::{Angle, CameraCommand, ImagePoint, Timestamp};
 
@@ -34,8 +34,8 @@ pub struct Truth {
     pub camera: CameraPose,
     /// The target.
     pub target: BodyPose,
-    /// Projection of the target's position, also beyond the border of the picture. A target behind the camera is
-    /// projected far out on its side.
+    /// Projection of the target's position, also beyond the border of the picture. A target behind the camera
+    /// is projected far out on its side.
     pub image: ImagePoint,
     /// Whether the projection lies within the picture.
     pub in_picture: bool,
@@ -128,8 +128,9 @@ impl World {
         })
     }
 
-    /// The same world without an end: neither the scenario's time nor a target at the end of its path ends it. A helmsman
-    /// goes round or waits ([`Helmsman::without_end`]); another target rests at the end of its path.
+    /// The same world without an end: neither the scenario's time nor a target at the end of its path ends
+    /// it. A helmsman goes round or waits ([`Helmsman::without_end`]); another target rests at the end of its
+    /// path.
     #[must_use]
     pub fn without_end(self) -> Self {
         let target = match self.target {
@@ -277,7 +278,8 @@ impl World {
         }
     }
 
-    /// Writes the present objects beside the target into `out`, reusing its memory: people, buoys, other craft.
+    /// Writes the present objects beside the target into `out`, reusing its memory: people, buoys, other
+    /// craft.
     pub fn write_objects(&self, out: &mut Vec<SceneObject>) {
         self.scenery.write_objects(self.tick, self.sea.as_ref(), out);
     }

@@ -1,4 +1,5 @@
-//! The camera's work: how often, how far and how long a camera moves, and what the paper's schema would have done.
+//! The camera's work: how often, how far and how long a camera moves, and what the paper's schema would have
+//! done.
 
 use barrelman_vocab::{CameraCommand, LawId, Timestamp, VehicleProfile};
 use serde::{Deserialize, Serialize};

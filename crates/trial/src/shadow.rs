@@ -1,8 +1,9 @@
-//! Simulation of the paper's motor schema on the target bearings of a trial, or beside a run, in which another law moves the
-//! camera.
+//! Simulation of the paper's motor schema on the target bearings of a trial, or beside a run, in which
+//! another law moves the camera.
 //!
-//! The bearings follow from the positions and commands of the log and the vehicle's profile. The result is an estimate:
-//! the camera's motion is modelled from its commands, and the video latency is the profile's nominal value.
+//! The bearings follow from the positions and commands of the log and the vehicle's profile. The result is an
+//! estimate: the camera's motion is modelled from its commands, and the video latency is the profile's
+//! nominal value.
 
 use barrelman_control::{CameraModel, LawInput, Percept, Region, ShadowController, ShadowStep};
 use barrelman_vocab::{CameraCommand, Timestamp, VehicleProfile};

@@ -26,8 +26,9 @@ impl ColourMatrix {
     }
 }
 
-/// Weights of red, green and blue (0 to 1) in luma, Y = `red` R + `green` G + `blue` B. Their sum is 1. The colour
-/// differences are Cb = (B - Y) / [`Self::cb_divisor`] and Cr = (R - Y) / [`Self::cr_divisor`], -0.5 to 0.5.
+/// Weights of red, green and blue (0 to 1) in luma, Y = `red` R + `green` G + `blue` B. Their sum is 1. The
+/// colour differences are Cb = (B - Y) / [`Self::cb_divisor`] and Cr = (R - Y) / [`Self::cr_divisor`], -0.5
+/// to 0.5.
 ///
 /// ```
 /// use barrelman_vocab::video::ColourMatrix;
@@ -82,7 +83,8 @@ impl ColourEncoding {
     /// The encoding of JPEG files.
     pub const JPEG: Self = Self { matrix: ColourMatrix::Bt601, range: SampleRange::Full };
 
-    /// The encoding assumed for a video that does not declare one: limited range, BT.709 from 720 rows on, else BT.601.
+    /// The encoding assumed for a video that does not declare one: limited range, BT.709 from 720 rows on,
+    /// else BT.601.
     pub fn assumed_for(size: PictureSize) -> Self {
         let matrix = if size.height >= 720 { ColourMatrix::Bt709 } else { ColourMatrix::Bt601 };
         Self { matrix, range: SampleRange::Limited }
@@ -125,8 +127,8 @@ impl<'a> Plane<'a> {
         &self.data[row * self.stride..][..self.width]
     }
 
-    /// The planes Y, U, V of a YUV 4:2:0 picture that lie one behind the other without padding. `None`: the number of
-    /// samples is another than `size` asks for.
+    /// The planes Y, U, V of a YUV 4:2:0 picture that lie one behind the other without padding. `None`: the
+    /// number of samples is another than `size` asks for.
     pub fn split_yuv420(samples: &'a [u8], size: PictureSize) -> Option<[Self; 3]> {
         let chroma = PictureSize::new(size.width.div_ceil(2), size.height.div_ceil(2));
         if samples.len() != size.area() + 2 * chroma.area() {
@@ -142,8 +144,8 @@ impl<'a> Plane<'a> {
     }
 }
 
-/// A planar YUV 4:2:0 picture that owns its samples, without padding between rows. The chroma planes have half the
-/// width and height, rounded up, so that odd sizes work.
+/// A planar YUV 4:2:0 picture that owns its samples, without padding between rows. The chroma planes have
+/// half the width and height, rounded up, so that odd sizes work.
 ///
 /// ```
 /// use barrelman_vocab::video::ColourEncoding;
@@ -173,8 +175,8 @@ impl Picture {
         picture
     }
 
-    /// Changes size and encoding and reuses the memory. The content is unspecified afterwards: the caller must fill all
-    /// three planes.
+    /// Changes size and encoding and reuses the memory. The content is unspecified afterwards: the caller
+    /// must fill all three planes.
     pub fn reshape(&mut self, size: PictureSize, colour: ColourEncoding) {
         self.size = size;
         self.colour = colour;

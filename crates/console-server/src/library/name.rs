@@ -8,8 +8,8 @@ const ENDING: &str = ".mcap";
 /// Longest name, bytes.
 const MAX_BYTES: usize = 128;
 
-/// The name of a recording within its folder: letters, digits, `-`, `_`, `.`, blanks, and `.mcap` at the end. A name
-/// does not begin with a dot, so it leads nowhere else.
+/// The name of a recording within its folder: letters, digits, `-`, `_`, `.`, blanks, and `.mcap` at the end.
+/// A name does not begin with a dot, so it leads nowhere else.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(transparent)]
 pub(super) struct RecordingName(String);

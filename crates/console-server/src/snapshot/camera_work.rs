@@ -22,7 +22,8 @@ fn metered(steps: &[Step]) -> WorkFigures {
     meter.work(None).camera
 }
 
-/// Steps lead to these moves, radians, seconds at rest, and seconds. The tolerance is that of a sum of ten roundings.
+/// Steps lead to these moves, radians, seconds at rest, and seconds. The tolerance is that of a sum of ten
+/// roundings.
 #[track_caller]
 fn check(steps: &[Step], moves: u64, travel_rad: f64, rest_s: f64, seconds: f64) {
     let got = metered(steps);

@@ -10,8 +10,8 @@ pub struct WorldState {
     pub scenario: String,
     /// The seed.
     pub seed: u64,
-    /// True bounds of the boat in the newest picture, pixels: left, top, width, height. In a demo only, and only until
-    /// something is selected.
+    /// True bounds of the boat in the newest picture, pixels: left, top, width, height. In a demo only, and
+    /// only until something is selected.
     pub boat: Option<[f64; 4]>,
 }
 

@@ -69,7 +69,8 @@ impl Publisher {
         }
     }
 
-    /// Nothing reaches a camera that was turning. The alarm lasts until zeros have been sent on a reopened port.
+    /// Nothing reaches a camera that was turning. The alarm lasts until zeros have been sent on a reopened
+    /// port.
     pub fn set_may_be_turning(&mut self, text: &str, now: Timestamp) {
         self.state.vehicle.may_be_turning = true;
         self.events.add(now, Level::Alarm, "camera-may-turn", text.to_owned());
@@ -141,7 +142,8 @@ impl Publisher {
         self.publish(now);
     }
 
-    /// The true bounds of the boat in the newest picture of a demo. Published with the next state of the drive.
+    /// The true bounds of the boat in the newest picture of a demo. Published with the next state of the
+    /// drive.
     pub fn set_boat(&mut self, boat: Option<PixelBox>) {
         if let Some(world) = &mut self.state.world {
             world.boat = boat.map(|PixelBox { u, v, w, h }| [u, v, w, h]);

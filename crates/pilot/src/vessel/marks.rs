@@ -1,11 +1,13 @@
 //! The operator's marks: places and people that stay on the water while the camera moves.
 //!
-//! A mark is a line of sight from the camera at the time of its video frame; where height and tilt are known, it is the
-//! point at which that line meets the water. The camera's model turns it back into a pixel of every later frame.
+//! A mark is a line of sight from the camera at the time of its video frame; where height and tilt are known,
+//! it is the point at which that line meets the water. The camera's model turns it back into a pixel of every
+//! later frame.
 //!
-//! A mark is not seen again. A place, an area and home stay where they were marked, as uncertain as they were then. The uncertainty of a
-//! person's place grows: people drift. The operator moves the mark of a
-//! person to where the person is; that tells how the person drifts, and the mark drifts on at that velocity ([`Drift`]).
+//! A mark is not seen again. A place, an area and home stay where they were marked, as uncertain as they were
+//! then. The uncertainty of a person's place grows: people drift. The operator moves the mark of a person to
+//! where the person is; that tells how the person drifts, and the mark drifts on at that velocity
+//! ([`Drift`]).
 
 use core::time::Duration;
 
@@ -18,13 +20,15 @@ use super::frame_view::FrameView;
 
 /// Most marks at a time.
 pub const MAX_MARKS: usize = 16;
-/// Growth of the standard deviation of a person's place, m/s, beside that of the drift: swimming, and what is left of the sway.
+/// Growth of the standard deviation of a person's place, m/s, beside that of the drift: swimming, and what is
+/// left of the sway.
 const PERSON_DRIFT_M_PER_S: f64 = 0.1;
 /// Standard deviation of each component of a person's drift before it is known, m/s.
 const DRIFT_STD_DEV_M_PER_S: f64 = 0.3;
 /// Growth of the variance of a known drift, (m/s)² per second: wind and current change.
 const DRIFT_NOISE: f64 = 0.0004;
-/// Standard deviation of each coordinate of a mark, beside what the camera's geometry tells, metres: the kite's sway, the hand.
+/// Standard deviation of each coordinate of a mark, beside what the camera's geometry tells, metres: the
+/// kite's sway, the hand.
 const MARK_STD_DEV_M: f64 = 0.8;
 /// Least time between two places of a mark that tell a drift.
 const DRIFT_AFTER: Duration = Duration::from_secs(2);
@@ -42,12 +46,13 @@ pub struct Mark {
     pub id: u32,
     /// What is there.
     pub kind: MarkKind,
-    /// Line of sight: a unit vector (right, ahead, up) in the frame of reference that does not turn with the camera.
+    /// Line of sight: a unit vector (right, ahead, up) in the frame of reference that does not turn with the
+    /// camera.
     pub direction: [f64; 3],
     /// Where it is on the water; `None`: height or tilt were not known since it was set.
     pub water: Option<WaterFix>,
-    /// Whether a tilt of the camera had been reported when the mark was set or moved. Without one, the direction is that of the
-    /// tilt in the profile.
+    /// Whether a tilt of the camera had been reported when the mark was set or moved. Without one, the
+    /// direction is that of the tilt in the profile.
     has_tilt: bool,
     /// Time of capture of its video frame.
     pub marked: Timestamp,
@@ -55,8 +60,8 @@ pub struct Mark {
     pub drift: Option<Drift>,
 }
 
-/// An estimate of a drift over the water frame: a Kalman filter with the states place and velocity, the same for x and y. What it
-/// measures are the places of the mark. It starts at rest.
+/// An estimate of a drift over the water frame: a Kalman filter with the states place and velocity, the same
+/// for x and y. What it measures are the places of the mark. It starts at rest.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Drift {
     /// Along x and y, m/s.
@@ -113,7 +118,8 @@ impl Drift {
 }
 
 impl Mark {
-    /// Standard deviation of the place at `now`, metres, which grows for a person alone; `None` without a place on the water.
+    /// Standard deviation of the place at `now`, metres, which grows for a person alone; `None` without a
+    /// place on the water.
     pub fn std_dev_m(&self, now: Timestamp) -> Option<f64> {
         let drift =
             self.drift.map_or(0.0, |drift| libm::hypot(PERSON_DRIFT_M_PER_S, drift.std_dev_m_per_s()));
@@ -148,8 +154,8 @@ impl Mark {
         destination == Some(self.id) || self.kind == MarkKind::WayPoint
     }
 
-    /// Radius of the circle around the mark that the boat keeps out of, metres: 0 for a mark without a circle. The
-    /// uncertainty is not in it.
+    /// Radius of the circle around the mark that the boat keeps out of, metres: 0 for a mark without a
+    /// circle. The uncertainty is not in it.
     pub const fn radius_m(&self, profile: &VesselProfile, is_destination: bool) -> f64 {
         match self.kind {
             MarkKind::Person if is_destination => profile.stand_off_m,
@@ -221,14 +227,15 @@ impl Marks {
         self.iter().find(|mark| Some(mark.id) == self.destination)
     }
 
-    /// Number of the route: another one, with all way-points, begins when a way-point changes, or which mark is the destination. A
-    /// destination that is moved stays on its route.
+    /// Number of the route: another one, with all way-points, begins when a way-point changes, or which mark
+    /// is the destination. A destination that is moved stays on its route.
     pub const fn route(&self) -> u32 {
         self.route
     }
 
-    /// Sets a mark in the view of its video frame. The first place or person is the destination, and so is each one that is
-    /// set while the one before is a place: a person that is being approached stays the destination.
+    /// Sets a mark in the view of its video frame. The first place or person is the destination, and so is
+    /// each one that is set while the one before is a place: a person that is being approached stays the
+    /// destination.
     pub fn add(
         &mut self,
         drawn: &DrawnMark,
@@ -267,8 +274,9 @@ impl Marks {
         Ok(id)
     }
 
-    /// Places the marks without a place on the water that the camera's view now has one for: height or tilt were not known when
-    /// they were set. A mark that was set before any tilt was reported gets none: its line of sight was not known.
+    /// Places the marks without a place on the water that the camera's view now has one for: height or tilt
+    /// were not known when they were set. A mark that was set before any tilt was reported gets none: its
+    /// line of sight was not known.
     pub fn place_on_water(&mut self, frame_view: &FrameView) -> RouteChange {
         let mut change = RouteChange::None;
         let can_be_placed = |mark: &&mut Mark| mark.water.is_none() && mark.has_tilt;
@@ -295,8 +303,8 @@ impl Marks {
         self.iter().all(|mark| mark.water.is_some())
     }
 
-    /// Whether a mark that a boat on its way over the water must regard has no place there: the destination, a way-point, or one
-    /// with a circle.
+    /// Whether a mark that a boat on its way over the water must regard has no place there: the destination,
+    /// a way-point, or one with a circle.
     pub fn have_unplaced(&self, profile: &VesselProfile) -> bool {
         self.iter()
             .filter(|mark| mark.water.is_none())
@@ -313,8 +321,8 @@ impl Marks {
         self.route += 1;
     }
 
-    /// Moves a mark to a pixel in the view of its video frame. The mark of a person drifts on as it was moved. Where height or
-    /// tilt are not known, the moved mark has no place on the water until they are.
+    /// Moves a mark to a pixel in the view of its video frame. The mark of a person drifts on as it was
+    /// moved. Where height or tilt are not known, the moved mark has no place on the water until they are.
     pub fn move_to(
         &mut self,
         moved: &MovedMark,
@@ -414,7 +422,8 @@ impl Marks {
         })
     }
 
-    /// Fills `out` with the way-points before the destination. A way home has none. Returns how many there are.
+    /// Fills `out` with the way-points before the destination. A way home has none. Returns how many there
+    /// are.
     pub fn way_points(&self, now: Timestamp, out: &mut [WaterPoint; MAX_MARKS]) -> usize {
         if self.destination().is_none_or(|mark| mark.kind == MarkKind::Home) {
             return 0;
@@ -424,8 +433,8 @@ impl Marks {
         out.iter_mut().zip(points).map(|(slot, point)| *slot = point).count()
     }
 
-    /// Whether a boat that goes no further than `reach_m` (metres) in any direction stays out of all circles, their uncertainty
-    /// included, and short of the destination.
+    /// Whether a boat that goes no further than `reach_m` (metres) in any direction stays out of all circles,
+    /// their uncertainty included, and short of the destination.
     pub fn are_beyond(
         &self,
         boat: WaterPoint,

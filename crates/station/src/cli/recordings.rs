@@ -22,8 +22,8 @@ pub struct ReplayArgs {
     /// Replay with this configuration instead of the recorded one.
     #[arg(long, value_name = "CHANGED.toml")]
     pub config: Option<PathBuf>,
-    /// Change this key of the recorded configuration, such as law.mode=eco; KEY= takes the key out. May be given
-    /// several times.
+    /// Change this key of the recorded configuration, such as law.mode=eco; KEY= takes the key out. May be
+    /// given several times.
     #[arg(long = "set", value_name = "KEY=VALUE", conflicts_with = "config")]
     pub changed: Vec<ChangedKey>,
     /// Compare every command with the recorded one; exit 1 if any differs.

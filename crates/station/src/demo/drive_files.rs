@@ -1,5 +1,5 @@
-//! The files of the drives of a session: the first drive has the files that were named, each further one has files with
-//! its number.
+//! The files of the drives of a session: the first drive has the files that were named, each further one has
+//! files with its number.
 
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};

@@ -1,4 +1,5 @@
-//! The first selection of a drive: a world that is begun hands-on waits for it, and the page points at the boat until then.
+//! The first selection of a drive: a world that is begun hands-on waits for it, and the page points at the
+//! boat until then.
 
 use std::collections::VecDeque;
 

@@ -1,5 +1,5 @@
-//! One drive, paced by the clock: requests of the console and the terminal, ticks when they are due, and the state for the
-//! console.
+//! One drive, paced by the clock: requests of the console and the terminal, ticks when they are due, and the
+//! state for the console.
 
 use std::sync::mpsc::{Receiver, RecvTimeoutError};
 use std::time::Duration;
@@ -151,7 +151,8 @@ impl LiveDrive<'_> {
         None
     }
 
-    /// Takes a pressed stop, and the requests that wait. Returns the drive that follows, if one was asked for.
+    /// Takes a pressed stop, and the requests that wait. Returns the drive that follows, if one was asked
+    /// for.
     fn take_requests(&mut self) -> Result<Option<Box<NextDrive>>> {
         let (is_lost, now) = (self.gateway.is_console_lost(), self.drive.world().now());
         if let Some(console) = &mut self.observers.console {
@@ -201,8 +202,8 @@ impl LiveDrive<'_> {
         Ok((self.plan.setup(wanted)?, self.files.open(self.number + 1)?))
     }
 
-    /// Takes a pressed stop. The requests that were made before it are superseded. A stop that would change nothing is
-    /// acknowledged, and neither stored nor recorded.
+    /// Takes a pressed stop. The requests that were made before it are superseded. A stop that would change
+    /// nothing is acknowledged, and neither stored nor recorded.
     fn take_stop(&mut self) -> Result<()> {
         let Some(press) = self.gateway.stop_latch().pending() else { return Ok(()) };
         self.gateway.refuse_waiting();

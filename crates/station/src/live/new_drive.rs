@@ -1,7 +1,7 @@
 //! A new drive in a run with a simulated world: another world takes the place of the running one.
 //!
-//! Program, pilot, link and recording go on. All that the pilot forgets, it forgets by requests, so that a replay of the
-//! recording forgets the same.
+//! Program, pilot, link and recording go on. All that the pilot forgets, it forgets by requests, so that a
+//! replay of the recording forgets the same.
 
 use barrelman_console_server::operator::Answer;
 use barrelman_console_server::snapshot::WorldState;

@@ -1,7 +1,8 @@
 //! The recorder: receives entries through a bounded queue and writes them on a thread of its own.
 //!
-//! The recorder flushes twice a second, so a killed process loses less than one second. If the disk is full or too slow,
-//! the recording stops with an alarm; the run goes on. So does a recording that would use the disk's reserve.
+//! The recorder flushes twice a second, so a killed process loses less than one second. If the disk is full
+//! or too slow, the recording stops with an alarm; the run goes on. So does a recording that would use the
+//! disk's reserve.
 
 use std::io::{BufWriter, Write};
 use std::sync::Arc;
@@ -32,8 +33,8 @@ const FLUSH_INTERVAL: Duration = Duration::from_millis(500);
 
 enum Item {
     Unit(EncodedUnit),
-    /// A video frame that the pilot processed. The recorder thread computes the fingerprint, as this reads the whole
-    /// luma plane.
+    /// A video frame that the pilot processed. The recorder thread computes the fingerprint, as this reads
+    /// the whole luma plane.
     Frame {
         step: u64,
         now: Timestamp,
@@ -62,7 +63,8 @@ impl RecorderInput {
         self.enqueue(Item::Unit(unit.clone()));
     }
 
-    /// Adds an item without blocking. A full queue ends the recording, as a recording with a gap cannot be replayed.
+    /// Adds an item without blocking. A full queue ends the recording, as a recording with a gap cannot be
+    /// replayed.
     fn enqueue(&self, item: Item) {
         if self.has_failed.load(Ordering::Relaxed) {
             return;
@@ -172,7 +174,8 @@ fn write<W: Write>(
     }
 }
 
-/// The entry of an item; `None` for the end. The fingerprint of a frame is computed here, on the recorder's thread.
+/// The entry of an item; `None` for the end. The fingerprint of a frame is computed here, on the recorder's
+/// thread.
 fn entry_of(item: Item) -> Option<Entry> {
     Some(match item {
         Item::Unit(unit) => Entry::Unit(unit),

@@ -6,13 +6,13 @@
 //! | `render` | renders (with the render threads) and encodes the newest picture that was taken |
 //! | `video` | delivers each picture when it arrives: the scenario's latency after the picture was taken |
 //!
-//! If rendering is slower than the scenario's picture rate, the newest moment is rendered and the others are counted; the
-//! world never waits. Pictures are stamped with the program's time of the tick at which they were taken. Pictures travel
-//! as encoded units like any other video: as H.264 where they are recorded or served, so that a replay sees what the
-//! pilot saw, and otherwise as plain samples.
+//! If rendering is slower than the scenario's picture rate, the newest moment is rendered and the others are
+//! counted; the world never waits. Pictures are stamped with the program's time of the tick at which they
+//! were taken. Pictures travel as encoded units like any other video: as H.264 where they are recorded or
+//! served, so that a replay sees what the pilot saw, and otherwise as plain samples.
 //!
-//! Another world can take the place of the running one ([`WorldSwitch`]): its video is a new epoch of the same stream, and
-//! link and boat stay the same.
+//! Another world can take the place of the running one ([`WorldSwitch`]): its video is a new epoch of the
+//! same stream, and link and boat stay the same.
 
 mod live_world;
 mod loaded_world;

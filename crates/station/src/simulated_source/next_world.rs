@@ -33,7 +33,8 @@ impl NextWorld {
     }
 }
 
-/// Begins worlds in the place of the running one, with pictures of the same size where the address gives a size.
+/// Begins worlds in the place of the running one, with pictures of the same size where the address gives a
+/// size.
 #[derive(Debug, Clone)]
 pub struct WorldSwitch {
     pub(super) url: WorldUrl,

@@ -26,8 +26,8 @@ pub(super) fn metadata_of(sortie: &Sortie) -> Metadata {
     Metadata { name: NAME.to_owned(), metadata: BTreeMap::from([(KEY.to_owned(), text)]) }
 }
 
-/// Reads the summary of a recording, without its messages. `None`: there is none, for the recording was cut off,
-/// is that of a trial, or the file is no recording ([`super::RecordingReader`] tells).
+/// Reads the summary of a recording, without its messages. `None`: there is none, for the recording was cut
+/// off, is that of a trial, or the file is no recording ([`super::RecordingReader`] tells).
 ///
 /// # Errors
 /// If the input cannot be read.

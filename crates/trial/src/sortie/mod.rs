@@ -3,8 +3,8 @@
 //! A [`SortieObserver`] takes the entries of a run in their order, while the run is recorded or when its
 //! recording is read. Its memory is bounded.
 //!
-//! Engaged is the time in which the camera may follow (servoing or holding). The movements of the motor schema
-//! are those that it would have made on the same bearings ([`crate::shadow`]): an estimate.
+//! Engaged is the time in which the camera may follow (servoing or holding). The movements of the motor
+//! schema are those that it would have made on the same bearings ([`crate::shadow`]): an estimate.
 
 mod moment;
 

@@ -1,4 +1,5 @@
-//! The way of the pictures from the camera to the program, with its faults, and the program's clock of the video.
+//! The way of the pictures from the camera to the program, with its faults, and the program's clock of the
+//! video.
 
 use std::collections::VecDeque;
 use std::time::Duration;
@@ -124,8 +125,8 @@ fn new_clock() -> SenderClock {
 fn latency_ms(faults: &[Fault], at_ms: u64) -> u64 {
     let gone = faults.iter().filter(|fault| fault.kind == FaultKind::MediaProgramGone);
     let connected_ms = gone.map(|fault| fault.until_ms).filter(|until_ms| *until_ms <= at_ms).max();
-    // A queue is dropped with its connection. Pictures that are late from the first one of a connection on are
-    // not recognised (docs/safety.md).
+    // A queue is dropped with its connection. Pictures that are late from the first one of a connection on
+    // are not recognised (docs/safety.md).
     let is_of_connection = |fault: &&Fault| connected_ms.is_none_or(|ms| ms <= fault.from_ms);
     let of = |kind| faults.iter().filter(move |fault| fault.kind == kind).filter(is_of_connection);
     let is_late = of(FaultKind::VideoLate).any(|fault| fault.is_active(at_ms));

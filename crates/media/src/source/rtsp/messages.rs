@@ -142,8 +142,8 @@ pub(super) struct Answers {
 }
 
 impl Answers {
-    /// `relay`: where the server is reached. `asked`: the address of the stream. `sent`: the encoding that the
-    /// server sends and does not announce.
+    /// `relay`: where the server is reached. `asked`: the address of the stream. `sent`: the encoding that
+    /// the server sends and does not announce.
     pub(super) fn new(relay: SocketAddr, asked: Url, sent: Option<&'static str>) -> Self {
         Self { held: Held::default(), relay, asked, sent }
     }
