@@ -3,6 +3,7 @@
 import json
 import pathlib
 import time
+from typing import Any
 
 import pytest
 from selenium.webdriver.common.by import By
@@ -16,7 +17,7 @@ from process import end, run
 WORLD = "sim:arena1?seed=3&size=640x360"
 
 
-def recordings(program: Program) -> dict[str, dict[str, object]]:
+def recordings(program: Program) -> dict[str, dict[str, Any]]:
     status, body, _ = program.ask("GET", "/api/v1/recordings")
     assert status == 200, body
     return {recording["name"]: recording for recording in json.loads(body)}
@@ -58,7 +59,11 @@ def test_sortie_is_watched_again(program: Program, folder: pathlib.Path, check: 
         film = driver.find_element(By.ID, "film")
         wait_until(lambda: page.script("return arguments[0].readyState >= 2", film), "the first picture")
         length = page.script("return arguments[0].duration", film)
-        check("the film is as long as the sortie", 4.0 < length < 7.0, length)
+        # The world of a demo is slower than the clock on a busy machine.
+        sortie = recordings(program)["first.mcap"]["sortie"]["length_s"]
+        check(
+            "the film is as long as the sortie", sortie - 0.6 < length <= sortie + 0.1, f"{length}, {sortie}"
+        )
         began = time.monotonic()
         page.script("arguments[0].currentTime = 3", film)
         wait_until(lambda: page.script("return !arguments[0].seeking", film), "the place in the film")
