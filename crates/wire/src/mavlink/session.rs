@@ -46,8 +46,8 @@ use crate::session::{LinkHistory, NextAction, RestEvidence, Session, WillStep};
 
 pub use super::session_times::{
     ASK_AGAIN, ASK_SPACING, ASKS_FOR_INFORMATION, ATTITUDE_INTERVAL, CLAIM_GRACE, CLAIM_TIMEOUT,
-    DESCRIPTION_TIMEOUT, HEARTBEAT_INTERVAL, LEAST_ATTITUDE_SPACING, MAX_CANDIDATES, POSITION_INTERVAL,
-    RELEASE_SPACING, RELEASES, SEARCH_TIMEOUT, SILENCE, STATUS_INTERVAL, STATUS_TIMEOUT,
+    DESCRIPTION_TIMEOUT, HAS_ZEROS_AFTER, HEARTBEAT_INTERVAL, LEAST_ATTITUDE_SPACING, MAX_CANDIDATES,
+    POSITION_INTERVAL, RELEASE_SPACING, RELEASES, SEARCH_TIMEOUT, SILENCE, STATUS_INTERVAL, STATUS_TIMEOUT,
     VEHICLE_ATTITUDE_INTERVAL,
 };
 
@@ -132,8 +132,8 @@ pub struct GimbalSession {
     least_zeros: u32,
     /// Whether a session with a gimbal manager fell silent.
     fell_silent: bool,
-    /// Whether rates other than zero were sent, and the gimbal manager was not heard since the zeros after them.
-    has_unheard_motion: bool,
+    /// When rates other than zero were sent last, until the gimbal manager is heard so long after the zeros that it has them.
+    moved_at: Option<Timestamp>,
     /// Whether the newest attitudes show that the gimbal turns: zeros that were sent may not have arrived.
     is_seen_turning: bool,
 }
@@ -169,7 +169,7 @@ impl GimbalSession {
             needs_answer: false,
             least_zeros: ZEROS_AT_REST,
             fell_silent: false,
-            has_unheard_motion: false,
+            moved_at: None,
             is_seen_turning: false,
         }
     }
@@ -297,7 +297,7 @@ impl Session for GimbalSession {
     fn may_be_turning(&self) -> bool {
         // A shut-down that is cut off may not have stopped it.
         let is_ours = matches!(self.state, State::Up | State::Closing { .. }) || self.fell_silent;
-        is_ours && (self.pacing.may_be_turning() || self.has_unheard_motion || self.is_seen_turning)
+        is_ours && (self.pacing.may_be_turning() || self.moved_at.is_some() || self.is_seen_turning)
     }
 
     fn rest_evidence(&self, now: Timestamp) -> RestEvidence {

@@ -43,3 +43,6 @@ pub const MAX_CANDIDATES: usize = 16;
 /// Attitudes of the gimbal are compared if they were reported at least this far apart: the noise of a gimbal's sensors is then
 /// below what counts as motion.
 pub const LEAST_ATTITUDE_SPACING: Duration = Duration::from_millis(90);
+/// A gimbal manager that was heard this long after the last rate has the zeros that followed it. What is heard earlier may have
+/// left the manager before they arrived, or come over a line that loses one direction for a while.
+pub const HAS_ZEROS_AFTER: Duration = Duration::from_secs(5);

@@ -170,7 +170,9 @@ impl GimbalSession {
 
     fn poll_up(&mut self, now: Timestamp, out: &mut Vec<Vec<u8>>) -> NextAction {
         if let Some(rates) = self.pacing.due(now) {
-            self.has_unheard_motion |= !rates.is_rest();
+            if !rates.is_rest() {
+                self.moved_at = Some(now);
+            }
             self.send(Command::Rates(self.target(), rates), out);
         }
         let is_missing = |last: Option<Timestamp>| last.is_none_or(|at| now.since(at) >= ASK_AGAIN);

@@ -3,7 +3,7 @@
 use barrelman_vocab::telemetry::Quaternion;
 use barrelman_vocab::{Telemetry, Timestamp};
 
-use super::{GimbalSession, MAX_CANDIDATES, RELEASES, State, searching};
+use super::{GimbalSession, HAS_ZEROS_AFTER, MAX_CANDIDATES, RELEASES, State, searching};
 use crate::closing_zeros::ZEROS_AT_REST;
 use crate::mavlink::gimbal_reader::{Claim, Holder, Received};
 use crate::session::{RestEvidence, Session as _};
@@ -61,7 +61,8 @@ impl GimbalSession {
         {
             (*zeros_sent, *next_at) = (0, now);
         }
-        self.has_unheard_motion &= self.pacing.may_be_turning();
+        let has_zeros = |moved_at: &Timestamp| now.since(*moved_at) >= HAS_ZEROS_AFTER;
+        self.moved_at = self.moved_at.filter(|moved_at| !has_zeros(moved_at));
         self.last_heard = Some(now);
     }
 

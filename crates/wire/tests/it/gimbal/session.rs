@@ -98,6 +98,8 @@ fn rates_are_renewed_at_10_hz_and_zeros_are_sent_at_once_and_three_times() {
             .collect();
         assert_eq!(zeros[..3], [0, 50, 100]);
         assert!(zeros[2..].windows(2).all(|pair| pair[1] - pair[0] == 250), "{zeros:?}");
+        assert!(bench.session.may_be_turning(), "a line that loses one direction is heard as well");
+        bench.run(seconds(4.1));
         assert!(!bench.session.may_be_turning());
     }
 }
