@@ -1,16 +1,17 @@
 //! Writes an annotated video: frames with their scenes drawn on them.
 //!
-//! The first frame sets the size. A frame of another size, as after a change of the stream's resolution, is an error.
+//! The first frame sets the size. A frame of another size, as after a change of the stream's resolution, is fitted into it.
 
 use std::path::PathBuf;
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result};
 use barrelman_control::Region;
 use barrelman_pilot::Outcome;
 use barrelman_vision::Explanation;
 use barrelman_vocab::profile::RegionShares;
 use barrelman_vocab::{Picture, PictureSize, Timestamp, Track, VehicleRates, VideoFrame};
 
+use crate::fitted::fitted;
 use crate::{Overlay, Scene};
 use barrelman_host::output::OutputFile;
 use barrelman_video::encoder::EncoderSettings;
@@ -46,7 +47,7 @@ impl Film {
     /// Adds a frame with a scene drawn on it.
     ///
     /// # Errors
-    /// The frame has another size than the first, or the file cannot be written.
+    /// The file cannot be written.
     pub fn add_scene(&mut self, frame: &VideoFrame, scene: &Scene<'_>) -> Result<()> {
         let size = frame.picture.size();
         if let Some(file) = self.file.take() {
@@ -54,22 +55,21 @@ impl Film {
             self.writer = Some((Mp4Writer::new(file, &self.path, settings), size, frame.capture.at));
         }
         let Some((writer, first_size, start)) = &mut self.writer else { return Ok(()) };
-        if *first_size != size {
-            bail!(
-                "{}: the video's size changed from {first_size} to {size}, which one film cannot hold",
-                self.path.display()
-            );
-        }
         let picture = self.picture.get_or_insert_with(|| Picture::black(size, frame.picture.colour()));
         self.overlay.draw(frame, scene, picture);
-        writer.write_picture(picture, Timestamp::ZERO.plus(frame.capture.at.since(*start)))?;
+        let at = Timestamp::ZERO.plus(frame.capture.at.since(*start));
+        if *first_size == size {
+            writer.write_picture(picture, at)?;
+        } else {
+            writer.write_picture(&fitted(picture, *first_size), at)?;
+        }
         Ok(())
     }
 
     /// Adds a frame with the outcome of its step.
     ///
     /// # Errors
-    /// The frame has another size than the first, or the file cannot be written.
+    /// The file cannot be written.
     pub fn add_outcome(&mut self, frame: &VideoFrame, outcome: &Outcome, rates: VehicleRates) -> Result<()> {
         let Some(scene) = Scene::from_outcome(outcome) else { return Ok(()) };
         self.add_scene(frame, &Scene { rates: Some(rates), ..scene })
@@ -78,7 +78,7 @@ impl Film {
     /// Adds a frame with the track of a tracker, without a pilot.
     ///
     /// # Errors
-    /// The frame has another size than the first, or the file cannot be written.
+    /// The file cannot be written.
     pub fn add_track(
         &mut self,
         frame: &VideoFrame,

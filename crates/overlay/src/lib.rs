@@ -32,6 +32,7 @@ pub mod film;
 pub mod grid;
 
 mod draw;
+mod fitted;
 mod scene;
 
 mod region;
