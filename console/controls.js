@@ -9,8 +9,8 @@ const UNTWISTED_FROM_DEG = 180;
 const DIRECTIONS = ["up", "down", "left", "right"];
 const at = (id) => document.getElementById(id);
 
-/** @param {{snapshot: any, isConnected: boolean, seat: any, stage: any}} state */
-export function enableControls({ snapshot, isConnected, seat, stage }) {
+/** @param {{snapshot: any, isConnected: boolean, seat: any, stage: any, video: any}} state */
+export function enableControls({ snapshot, isConnected, seat, stage, video }) {
   const isAble = isConnected && snapshot !== null;
   const can = isAble && seat.isControlling;
   const show = (id, isPossible, why) => {
@@ -25,6 +25,10 @@ export function enableControls({ snapshot, isConnected, seat, stage }) {
   show("take-control", mayAsk, whyNot);
   show("ask-control", mayAsk && !seat.hasAsked, whyNot);
   show("freeze", stage.hasPicture, words.reasons.noPicture);
+  show("video", isAble, words.reasons.notConnected);
+  const isShown = snapshot?.video.number === video.shown;
+  const isAtRest = ["idle", "stopped"].includes(snapshot?.mode.name);
+  set("track-video", !isShown && isAtRest, isShown ? words.reasons.isTracked : words.reasons.videoAtRest);
   setCamera(snapshot, set);
   setBoat(snapshot?.vessel ?? null, set);
   for (const id of ["pause", "helmsman", "new-drive"]) set(id, true);

@@ -49,7 +49,7 @@ export class Link extends EventTarget {
     socket.onopen = () => {
       this.#wait = 250;
       this.clock.reset();
-      this.#send({ type: "video", path: this.#video });
+      this.#send({ type: "video", ...this.#video });
       this.#ping();
     };
     socket.onmessage = (event) => {
@@ -140,9 +140,9 @@ export class Link extends EventTarget {
     });
   }
 
-  /** Chooses how video is sent. */
-  chooseVideo(path) {
-    this.#video = path;
-    this.#send({ type: "video", path });
+  /** Chooses which video is sent, and how. @param {{path: string, video: string}} wanted */
+  chooseVideo(wanted) {
+    this.#video = wanted;
+    this.#send({ type: "video", ...wanted });
   }
 }

@@ -19,6 +19,7 @@ import { Stage } from "./stage.js";
 import { showStatus, toast } from "./status.js";
 import { Stopper } from "./stop.js";
 import { Strips } from "./strips.js";
+import { TwoVideos } from "./two_videos.js";
 import { Video } from "./video.js";
 import { keepAwake } from "./wake_lock.js";
 import { fillWords, fixed, sentence, words } from "./words.js";
@@ -52,6 +53,7 @@ async function request(wanted, done = "") {
   else if (reason || done) toast(reason || done);
 }
 
+const twoVideos = new TwoVideos(request, stage, video);
 const newDrive = new NewDrive(request);
 newDrive.addEventListener("begun", () => {
   stage.unfreeze();
@@ -106,6 +108,7 @@ link.addEventListener("snapshot", ({ detail }) => {
   heartbeat.onSnapshot(detail, performance.now());
   snapshot = detail;
   newDrive.onSnapshot(snapshot);
+  twoVideos.onSnapshot(snapshot);
   strips.add(snapshot, video.delay?.median ?? null);
   const { vessel } = snapshot;
   const isBoatMoving = seat.isControlling && ["by-hand", "guided", "holding"].includes(vessel?.mode);
@@ -119,6 +122,7 @@ link.addEventListener("snapshot", ({ detail }) => {
 link.addEventListener("hello", ({ detail }) => {
   at("where").textContent = `${detail.command}  ${detail.source}`;
   newDrive.onHello(detail);
+  twoVideos.onHello(detail);
   at("law").replaceChildren(...detail.laws.map((law) => new Option(sentence(words.laws[law]), law)));
   // The new list has not chosen the law in force.
   delete at("law").dataset.law;
@@ -191,6 +195,8 @@ const act = {
   "go-home": () => request({ kind: "go-home" }),
   freeze: () => (stage.isFrozen ? stage.unfreeze() : stage.freeze()),
   stop: () => stopper.press(),
+  video: () => twoVideos.change(),
+  "track-video": () => twoVideos.track(),
   level: () => appearance.changeLevel(),
   "full-screen": () => appearance.changeFullScreen(),
   theme: () => appearance.changeTheme(),

@@ -7,12 +7,12 @@ const OLD_MS = 1000;
 const WITHOUT_PICTURE = { connecting: "videoConnecting", up: "waiting", ended: "ended" };
 
 /**
- * @param {{snapshot: any, loss: string | null, drawnAt: number | null, nowMs: number}} state `drawnAt`: when a picture was drawn last
+ * @param {{snapshot: any, source: any, loss: string | null, drawnAt: number | null, nowMs: number}} state `source`: the state of the video that is shown; `drawnAt`: when a picture was drawn last
  * @returns {{key: string, value?: any} | null} a line in `words.notices`, and what it needs
  */
-export function pictureNotice({ snapshot, loss, drawnAt, nowMs }) {
-  if (!snapshot) return { key: "connecting" };
-  const { state, reason } = snapshot.video;
+export function pictureNotice({ snapshot, source, loss, drawnAt, nowMs }) {
+  if (!snapshot || !source) return { key: "connecting" };
+  const { state, reason } = source;
   if (drawnAt === null) return state === "lost" ? { key: "lost", value: reason } : { key: WITHOUT_PICTURE[state] };
   if (loss === "ended" || loss === "dismissed") return { key: "old" };
   if (snapshot.drive?.paused && loss === null) return null;

@@ -29,6 +29,8 @@ export class Stage extends EventTarget {
   chosenMark = null;
   /** Whether the next point is a mark, not a box. */
   isMarking = false;
+  /** Whether the boat is followed in another video than the shown one. */
+  isWatchedOnly = false;
   /** A box that stays: left, top, width, height. @type {number[] | null} */
   kept = null;
 
@@ -45,6 +47,7 @@ export class Stage extends EventTarget {
   show(image, quarters, { captured, snapshot }) {
     if (snapshot) this.trail.add(snapshot);
     if (this.isFrozen) return;
+    if (!snapshot) this.#keyBox = null;
     // Of a video frame the pixels, also where they are not square: boxes are measured in them.
     const { width, height } = image.visibleRect ?? image;
     const isTurned = quarters % 2 === 1;
@@ -157,6 +160,7 @@ export class Stage extends EventTarget {
       if (this.#pointers.size === 2) this.#beginPinch();
       else if (event.button === 1) this.#drag = { pan: this.#at(event) };
       else if (!this.#shown) this.#say("noPicture");
+      else if (this.isWatchedOnly) this.#say("watchedOnly");
       else {
         // While the picture is frozen, a box can be drawn where a mark is.
         const mark = this.isMarking || this.isFrozen ? null : this.#markAt(this.#at(event));
@@ -229,7 +233,7 @@ export class Stage extends EventTarget {
 
   /** A box by keyboard, on the live picture. */
   #onKey(event) {
-    if (!this.#shown || !this.view.picture) return;
+    if (!this.#shown || !this.view.picture || this.isWatchedOnly) return;
     const box = this.#keyBox;
     const stepped = box && steppedBox(box, event.key, event.shiftKey, this.view.picture);
     if (event.key === "Enter" && !box) {

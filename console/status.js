@@ -60,7 +60,7 @@ function showAlarms({ alarms, video }) {
 /** Says across the picture that it does not show what the camera sees now. Returns whether that is so. */
 function showNotice(state) {
   const { snapshot, loss, video } = state;
-  const notice = pictureNotice({ snapshot, loss, drawnAt: video.drawnAt, nowMs: performance.now() });
+  const notice = pictureNotice({ snapshot, source: video.source, loss, drawnAt: video.drawnAt, nowMs: performance.now() });
   setText(at("no-video"), notice === null ? "" : notice.value === undefined ? words.notices[notice.key] : words.notices[notice.key](notice.value));
   at("stage").classList.toggle("stale", notice !== null || loss !== null);
   return notice !== null || loss !== null;
@@ -82,7 +82,7 @@ export function showStatus(state) {
   at("stop").classList.toggle("pending", stopper.isPending);
   const isStale = showNotice(state);
   root.stale = isStale ? "yes" : "no";
-  enableControls({ snapshot, isConnected, seat, stage });
+  enableControls({ snapshot, isConnected, seat, stage, video });
   // A message that is shown stays where it is.
   if (at("toast").textContent === "") at("stage").dataset.free = stage.isBoxLow ? "top" : "bottom";
   if (!snapshot) return setText(at("mode-name"), words.connecting);

@@ -10,6 +10,8 @@ const WAIT_MS = 50;
 
 export class Video extends EventTarget {
   path = "none";
+  /** The video that is shown: `first` or `second`. */
+  shown = "first";
   #isJpegAsked = new URLSearchParams(location.search).get("video") === "jpeg" || !isWebCodecsPossible();
   /** Codecs that this browser does not decode. */
   #refused = new Set();
@@ -34,10 +36,9 @@ export class Video extends EventTarget {
     });
     link.addEventListener("video", ({ detail }) => this.#onMessage(detail));
     link.addEventListener("snapshot", ({ detail }) => {
-      const isNew = !this.#snapshot || this.#snapshot.video.codec !== detail.video.codec;
       [this.#snapshot, this.#snapshotAt] = [detail, performance.now()];
       this.#history.add(detail);
-      if (isNew) this.#choose();
+      this.#choose();
       this.#flush();
     });
     setInterval(() => this.#flush(), WAIT_MS / 2);
@@ -55,13 +56,29 @@ export class Video extends EventTarget {
     return this.#snapshot.at_ns / 1e6 + (now - this.#snapshotAt) * (drive.paused ? 0 : drive.pace);
   }
 
+  /** Shows this video from now on. */
+  show(number) {
+    if (number === this.shown) return;
+    [this.shown, this.path, this.drawnAt] = [number, "none", null];
+    for (const picture of this.#waiting.splice(0)) picture.image.close();
+    this.decoder.close();
+    this.#delay = new Percentiles();
+    this.#choose();
+  }
+
+  /** The state of the video that is shown; null where there is no such video. */
+  get source() {
+    const { video, other_video: other } = this.#snapshot ?? {};
+    return video?.number === this.shown ? video : (other ?? null);
+  }
+
   #choose() {
     if (!this.#snapshot) return;
-    const codec = this.#snapshot.video.codec;
+    const codec = this.source?.codec;
     const path = codec && !this.#isJpegAsked && !this.#refused.has(codec) ? codec : "jpeg";
     if (path === this.path) return;
     this.path = path;
-    this.link.chooseVideo(path);
+    this.link.chooseVideo({ path, video: this.shown });
   }
 
   async #onMessage(message) {
@@ -83,7 +100,8 @@ export class Video extends EventTarget {
   /** Draws the newest picture whose snapshot has come, or that has waited long enough. */
   #flush() {
     const now = performance.now();
-    const processed = this.#snapshot?.video.captured_ns ?? 0;
+    const isTracked = this.#snapshot?.video.number === this.shown;
+    const processed = isTracked ? (this.#snapshot?.video.captured_ns ?? 0) : Infinity;
     let ready = -1;
     this.#waiting.forEach((picture, index) => {
       if (picture.captured <= processed || now - picture.at >= WAIT_MS) ready = index;
@@ -91,7 +109,8 @@ export class Video extends EventTarget {
     if (ready < 0) return;
     const passed = this.#waiting.splice(0, ready + 1);
     const { image, captured, quarters } = passed[ready];
-    this.draw(image, quarters, { captured, snapshot: this.#history.of(captured) ?? this.#snapshot });
+    const snapshot = isTracked ? (this.#history.of(captured) ?? this.#snapshot) : null;
+    this.draw(image, quarters, { captured, snapshot });
     for (const picture of passed) picture.image.close();
     const programMs = this.#sessionMs(now);
     if (programMs !== null) this.#delay.add(now, programMs - captured / 1e6);

@@ -59,6 +59,7 @@ files![
     "stop.js",
     "strips.js",
     "style.css",
+    "two_videos.js",
     "video.js",
     "video_message.js",
     "wake_lock.js",

@@ -11,7 +11,7 @@ use axum::body::{Body, to_bytes};
 use axum::http::{Request, Response};
 use barrelman_host::clock::Clock;
 use barrelman_pilot::{Input, Outcome};
-use barrelman_vocab::{self as vocab, LawId, VehicleProfile, VehicleRates};
+use barrelman_vocab::{self as vocab, LawId, VehicleProfile, VehicleRates, Videos};
 use tower::ServiceExt as _;
 
 use super::access::{Access, Role, Tokens};
@@ -19,7 +19,7 @@ use super::guard::Hosts;
 use super::requests::{Reply, Requester, answer, begin_request};
 use super::seats::ClientId;
 use super::shared::Console;
-use super::{ConsoleParts, OnConsoleLost, PictureSlot, SessionFacts, SessionTime, VideoRelay, routes};
+use super::{ConsoleParts, OnConsoleLost, SessionFacts, SessionTime, VideoOutlet, routes};
 use crate::operator::{Answer, Gateway, SessionRequest};
 use crate::snapshot::{LinkStatus, Publisher, RecordingState};
 use crate::test_scenes::{at, idle};
@@ -63,6 +63,7 @@ impl InMemory {
             facts: SessionFacts {
                 command: "run",
                 source: "rtsp://camera/main".to_owned(),
+                second_source: None,
                 link: None,
                 vehicle: "fotokite-pro".to_owned(),
                 scenarios: Vec::new(),
@@ -70,8 +71,7 @@ impl InMemory {
             gateway: Arc::new(Gateway::new(|| {})),
             snapshots: publisher.subscribe(),
             events: publisher.events(),
-            relay: Arc::new(VideoRelay::default()),
-            pictures: Arc::new(PictureSlot::default()),
+            videos: Videos::one(VideoOutlet::default()),
             time: SessionTime::new(Clock::start().started_earlier(UPTIME)),
             library: None,
         };

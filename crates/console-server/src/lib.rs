@@ -60,5 +60,5 @@ pub use pictures::PictureSlot;
 pub use server::ConsoleServer;
 pub use session_time::SessionTime;
 pub use settings::ConsoleSettings;
-pub use shared::{ConsoleParts, SessionFacts};
+pub use shared::{ConsoleParts, SessionFacts, VideoOutlet};
 pub use video_relay::VideoRelay;

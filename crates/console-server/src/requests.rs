@@ -67,6 +67,7 @@ pub(super) fn begin_request(console: &Console, from: Requester, request: Request
             return Pending::Answered(result.map_or_else(refused, |()| ACCEPTED));
         }
         Request::World(request) => SessionRequest::World(request),
+        Request::Video(request) => SessionRequest::Video(request),
         Request::Operator(request) => {
             if let Err(reason) = check_values(&request) {
                 return Pending::Answered(refused(reason));

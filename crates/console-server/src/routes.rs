@@ -41,7 +41,6 @@ use super::places::Place;
 use super::requests::{Requester, answer, begin_request};
 use super::shared::Console;
 use super::socket;
-use super::status::status_of;
 use super::upgrade::upgrade;
 
 type Shared = State<Arc<Console>>;
@@ -254,7 +253,7 @@ pub(super) fn log_in(access: &Access, headers: &HeaderMap) -> Response {
 
 async fn status(State(console): Shared, headers: HeaderMap) -> Response {
     match role_of(&console, &headers) {
-        Ok(_) => json(&status_of(&console.snapshots.borrow(), console.relay.codec())),
+        Ok(_) => json(&console.status()),
         Err(response) => *response,
     }
 }
@@ -263,7 +262,7 @@ async fn metrics(State(console): Shared, headers: HeaderMap) -> Response {
     if let Err(response) = role_of(&console, &headers) {
         return *response;
     }
-    let status = status_of(&console.snapshots.borrow(), console.relay.codec());
+    let status = console.status();
     let clients = console.with_seats(|seats| seats.state().clients.len());
     ([(header::CONTENT_TYPE, "text/plain; version=0.0.4")], metrics_text(&status, clients)).into_response()
 }

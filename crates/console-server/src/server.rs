@@ -45,8 +45,8 @@ pub struct ConsoleServer {
     address: SocketAddr,
     end: Option<oneshot::Sender<()>>,
     thread: Option<JoinHandle<()>>,
-    encoder: Option<JoinHandle<()>>,
-    pictures: Arc<PictureSlot>,
+    encoders: Vec<JoinHandle<()>>,
+    pictures: Vec<Arc<PictureSlot>>,
 }
 
 impl ConsoleServer {
@@ -66,11 +66,12 @@ impl ConsoleServer {
         let clock = parts.time.program_clock();
         let access = Access::new(tokens.clone(), address.port(), clock);
         let hosts = Hosts::new(address, host_names);
-        let pictures = Arc::clone(&parts.pictures);
-        let encoder = {
-            let slot = Arc::clone(&pictures);
-            threads::spawn("pictures", on_panic.clone(), move || encode_pictures(&slot))?
-        };
+        let pictures: Vec<_> = parts.videos.iter().map(|(_, outlet)| Arc::clone(&outlet.pictures)).collect();
+        let encoders = pictures.iter().map(|slot| {
+            let slot = Arc::clone(slot);
+            threads::spawn("pictures", on_panic.clone(), move || encode_pictures(&slot))
+        });
+        let encoders = encoders.collect::<std::io::Result<Vec<_>>>()?;
         let console = Arc::new(Console::new(parts, on_lost, access, hosts));
         let runtime = runtime().context("the console's server cannot be started")?;
         let (end, ended) = oneshot::channel::<()>();
@@ -89,7 +90,7 @@ impl ConsoleServer {
             // Dropping the runtime closes all connections.
         })?;
         announce(address, tokens.as_ref(), token_file.as_deref())?;
-        Ok(Self { address, end: Some(end), thread: Some(thread), encoder: Some(encoder), pictures })
+        Ok(Self { address, end: Some(end), thread: Some(thread), encoders, pictures })
     }
 
     /// The address that the server listens on.
@@ -101,8 +102,8 @@ impl ConsoleServer {
 impl Drop for ConsoleServer {
     fn drop(&mut self) {
         drop(self.end.take());
-        self.pictures.close();
-        for thread in [self.thread.take(), self.encoder.take()].into_iter().flatten() {
+        self.pictures.iter().for_each(|pictures| pictures.close());
+        for thread in self.thread.take().into_iter().chain(self.encoders.drain(..)) {
             let _ = thread.join();
         }
     }

@@ -8,19 +8,20 @@ use tokio::sync::watch;
 use tokio::time::timeout;
 
 use barrelman_experiments::scenario::ScenarioChoice;
-use barrelman_vocab::LawId;
+use barrelman_vocab::{LawId, Videos};
 
 use super::access::{Access, Role};
-use super::api::{ControlSeat, Hello};
+use super::api::{ControlSeat, Hello, StatusSnapshot};
 use super::guard::Hosts;
 use super::library::Library;
 use super::on_lost::OnConsoleLost;
 use super::pictures::PictureSlot;
 use super::seats::{ClientId, Seats};
 use super::session_time::SessionTime;
+use super::status::status_of;
 use super::video_relay::VideoRelay;
 use crate::operator::Gateway;
-use crate::snapshot::{EventLog, Level, SharedSnapshot};
+use crate::snapshot::{EventLog, Level, SharedSnapshot, Snapshot};
 
 /// Rate of a nudge that the page shows, rad/s.
 const NUDGE_RATE: f64 = barrelman_pilot::NUDGE_RATE_RAD_PER_S;
@@ -35,12 +36,23 @@ pub struct SessionFacts {
     pub command: &'static str,
     /// Where the video comes from, without passwords.
     pub source: String,
+    /// Where the second video comes from; `None`: there is one video.
+    pub second_source: Option<String>,
     /// Where commands go, without passwords; `None`: a dry run.
     pub link: Option<String>,
     /// Name of the vehicle profile.
     pub vehicle: String,
     /// The scenarios that a new drive can have; empty: the world is not simulated.
     pub scenarios: Vec<ScenarioChoice>,
+}
+
+/// What the pages get of one video.
+#[derive(Debug, Clone, Default)]
+pub struct VideoOutlet {
+    /// Encoded units, where browsers can decode them.
+    pub relay: Arc<VideoRelay>,
+    /// Pictures, encoded anew as JPEG.
+    pub pictures: Arc<PictureSlot>,
 }
 
 /// What a console is made of.
@@ -53,10 +65,8 @@ pub struct ConsoleParts {
     pub snapshots: watch::Receiver<SharedSnapshot>,
     /// The event log.
     pub events: Arc<EventLog>,
-    /// The video.
-    pub relay: Arc<VideoRelay>,
-    /// The pictures.
-    pub pictures: Arc<PictureSlot>,
+    /// The video or videos.
+    pub videos: Videos<VideoOutlet>,
     /// The time of the session.
     pub time: SessionTime,
     /// The recordings; `None`: the program has no folder of them.
@@ -72,8 +82,7 @@ pub(super) struct Console {
     pub(super) gateway: Arc<Gateway>,
     pub(super) snapshots: watch::Receiver<SharedSnapshot>,
     pub(super) events: Arc<EventLog>,
-    pub(super) relay: Arc<VideoRelay>,
-    pub(super) pictures: Arc<PictureSlot>,
+    pub(super) videos: Videos<VideoOutlet>,
     pub(super) time: SessionTime,
     pub(super) library: Option<Arc<Library>>,
     pub(super) seats: Mutex<Seats>,
@@ -92,14 +101,23 @@ impl Console {
             gateway: parts.gateway,
             snapshots: parts.snapshots,
             events: parts.events,
-            relay: parts.relay,
-            pictures: parts.pictures,
+            videos: parts.videos,
             time: parts.time,
             library: parts.library.map(Arc::new),
             seats: Mutex::default(),
             seat_changes: watch::Sender::new(ControlSeat::default()),
             ending: watch::Sender::new(false),
         }
+    }
+
+    /// The newest state, in the API's form.
+    pub(super) fn status(&self) -> StatusSnapshot {
+        self.status_of(&self.snapshots.borrow())
+    }
+
+    /// A state in the API's form.
+    pub(super) fn status_of(&self, snapshot: &Snapshot) -> StatusSnapshot {
+        status_of(snapshot, &self.videos.as_ref().map(|_, outlet| outlet.relay.codec()))
     }
 
     /// Uses the seats. Does not wait: nobody holds them across a wait.
@@ -131,7 +149,7 @@ impl Console {
             return;
         }
         let now = self.time.now();
-        let is_engaged = super::status::status_of(&self.snapshots.borrow(), None).mode.engaged;
+        let is_engaged = self.status().mode.engaged;
         if self.on_lost == OnConsoleLost::Stop {
             self.events.add(now, Level::Alarm, "console-lost", "the controlling page is gone: stopped");
             self.gateway.stop();
@@ -152,6 +170,7 @@ impl Console {
             version: env!("CARGO_PKG_VERSION"),
             command: self.facts.command,
             source: self.facts.source.clone(),
+            second_source: self.facts.second_source.clone(),
             link: self.facts.link.clone(),
             vehicle: self.facts.vehicle.clone(),
             scenarios: self.facts.scenarios.clone(),

@@ -23,7 +23,7 @@ use tokio_tungstenite::tungstenite::protocol::{CloseFrame, Role as SocketRole, W
 use barrelman_vocab::{OperatorRequest, Request};
 
 use super::access::Role;
-use super::api::{Answer, ClientMessage, ServerMessage, VideoPath};
+use super::api::{Answer, ClientMessage, ServerMessage, VideoPath, WantedVideo};
 use super::frame_counter::FrameCounter;
 use super::limited_stream::LimitedStream;
 use super::limits::{FRAMES, IDLE_TIMEOUT, MAX_MESSAGE_BYTES, READ_BYTES, SEND_TIMEOUT};
@@ -32,7 +32,6 @@ use super::places::Place;
 use super::requests::{Requester, answer, begin_request};
 use super::seats::ClientId;
 use super::shared::Console;
-use super::status::status_of;
 use super::video_relay::RelayedUnit;
 use crate::snapshot::{EventEntry, SharedSnapshot};
 
@@ -68,7 +67,7 @@ pub(super) async fn serve(
     let id = joined.id;
     let (sink, stream) = socket.split();
     let (outbox, answers) = mpsc::channel(OUTBOX);
-    let (path, paths) = watch::channel(VideoPath::None);
+    let (path, paths) = watch::channel(WantedVideo::NONE);
     let requester = Requester { role, client: Some(id) };
     let reader = Reader { console: Arc::clone(&console), requester, outbox, path, is_over };
     tokio::select! {
@@ -93,7 +92,7 @@ struct Reader {
     console: Arc<Console>,
     requester: Requester,
     outbox: mpsc::Sender<ServerMessage>,
-    path: watch::Sender<VideoPath>,
+    path: watch::Sender<WantedVideo>,
     /// Whether the page has sent more frames than it may.
     is_over: Arc<AtomicBool>,
 }
@@ -141,7 +140,7 @@ impl Reader {
                     let _ = outbox.try_send(ServerMessage::Answer(Answer { id, answer, reason }));
                 });
             }
-            ClientMessage::Video { path } => drop(self.path.send_replace(path)),
+            ClientMessage::Video(wanted) => drop(self.path.send_replace(wanted)),
             ClientMessage::Ping { sent_ms } => {
                 let now_ns = self.console.time.now().as_nanos();
                 let _ = self.outbox.try_send(ServerMessage::Pong { sent_ms, now_ns });
@@ -179,7 +178,7 @@ async fn write(
     id: ClientId,
     role: Role,
     mut answers: mpsc::Receiver<ServerMessage>,
-    mut paths: watch::Receiver<VideoPath>,
+    mut paths: watch::Receiver<WantedVideo>,
 ) -> Result<(), Closed> {
     let mut writer = Writer { sink };
     let mut snapshots = console.snapshots.clone();
@@ -212,7 +211,7 @@ async fn write(
             }
             () = newest(&mut snapshots, snapshot_at) => {
                 snapshot_at = Instant::now() + SNAPSHOT_INTERVAL;
-                let status = status_of(&snapshots.borrow_and_update(), console.relay.codec());
+                let status = console.status_of(&snapshots.borrow_and_update());
                 writer.send_json(&ServerMessage::Snapshot(Box::new(status))).await?;
             }
             event = next_event(&mut later_events) => {
@@ -276,12 +275,14 @@ enum VideoFeed {
 }
 
 impl VideoFeed {
-    fn begin(path: VideoPath, console: &Console) -> Self {
-        match path {
+    /// The video in the way that a page wants; none where there is no such video.
+    fn begin(wanted: WantedVideo, console: &Console) -> Self {
+        let Some(outlet) = console.videos.get(wanted.video) else { return Self::None };
+        match wanted.path {
             VideoPath::None => Self::None,
-            VideoPath::Jpeg => Self::Jpeg(PictureViewer::new(Arc::clone(&console.pictures))),
+            VideoPath::Jpeg => Self::Jpeg(PictureViewer::new(Arc::clone(&outlet.pictures))),
             VideoPath::H264 | VideoPath::H265 => {
-                let (mut group, units) = console.relay.subscribe();
+                let (mut group, units) = outlet.relay.subscribe();
                 group.reverse();
                 let waits_for_key = group.is_empty();
                 Self::Encoded { group, units, waits_for_key }

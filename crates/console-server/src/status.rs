@@ -5,17 +5,18 @@ use barrelman_pilot::on_earth::NotOnEarth;
 use barrelman_pilot::{Mode, Outcome};
 use barrelman_vocab::acceptance::Acceptance;
 use barrelman_vocab::telemetry::{ControlState, FlightState};
-use barrelman_vocab::{Angle, CameraCommand, Named as _, PixelBox, Track};
+use barrelman_vocab::{Angle, CameraCommand, Named as _, PixelBox, Track, Videos};
 
 use super::api::{
-    AxisPair, BoatStatus, CameraWork, EncodedVideo, LinkStatus, ModeStatus, PerceptStatus, PositionStatus,
-    RecordingStatus, RegionStatus, StatusSnapshot, TrackStatus, VideoStatus, WorkFigures,
+    AxisPair, BoatStatus, CameraWork, EncodedVideo, LinkStatus, ModeStatus, OtherVideoStatus, PerceptStatus,
+    PositionStatus, RecordingStatus, RegionStatus, StatusSnapshot, TrackStatus, VideoStatus, WorkFigures,
 };
 use super::vessel_status::vessel_of;
 use crate::snapshot::{self, RecordingState, Snapshot, VehicleSnapshot, VideoSnapshot, VideoSourceState};
 
-/// The API's form of a snapshot. `codec`: the codec in which the video can be sent as it comes.
-pub(super) fn status_of(snapshot: &Snapshot, codec: Option<EncodedVideo>) -> StatusSnapshot {
+/// The API's form of a snapshot. `codecs`: the codecs in which the videos can be sent as they come.
+pub(super) fn status_of(snapshot: &Snapshot, codecs: &Videos<Option<EncodedVideo>>) -> StatusSnapshot {
+    let codec_of = |number| codecs.get(number).copied().flatten();
     let outcome = snapshot.outcome.as_ref();
     StatusSnapshot {
         step: snapshot.steps,
@@ -34,7 +35,12 @@ pub(super) fn status_of(snapshot: &Snapshot, codec: Option<EncodedVideo>) -> Sta
         net_yaw_deg: outcome.map_or(0.0, |outcome| outcome.net_yaw.angle.degrees()),
         search_refusal: outcome.and_then(|outcome| outcome.search_refusal).map(|refusal| refusal.to_string()),
         law: snapshot.law,
-        video: video_of(&snapshot.video, codec),
+        video: video_of(&snapshot.video, codec_of(snapshot.video.number)),
+        other_video: snapshot.other_video.as_ref().map(|other| {
+            let number = snapshot.video.number.other();
+            let (state, reason) = video_state(&other.state, other.timing_text.as_deref());
+            OtherVideoStatus { number, state, reason, codec: codec_of(number) }
+        }),
         boat: snapshot.boat.map(boat_of),
         earth: match outcome.map(|outcome| outcome.earth) {
             Some(Ok(_)) => "known",
@@ -124,14 +130,20 @@ fn axes_of(command: CameraCommand) -> AxisPair {
     AxisPair { pan: command.pan.radians_per_second(), tilt: command.tilt.radians_per_second() }
 }
 
-fn video_of(video: &VideoSnapshot, codec: Option<EncodedVideo>) -> VideoStatus {
-    let (state, reason) = match &video.state {
+/// The name of a state, and the reason for it.
+fn video_state(state: &VideoSourceState, timing: Option<&str>) -> (&'static str, Option<String>) {
+    match state {
         VideoSourceState::Connecting => ("connecting", None),
-        VideoSourceState::Up => ("up", video.timing_text.as_deref().map(str::to_owned)),
+        VideoSourceState::Up => ("up", timing.map(str::to_owned)),
         VideoSourceState::Lost(reason) => ("lost", Some(reason.clone())),
         VideoSourceState::Ended => ("ended", None),
-    };
+    }
+}
+
+fn video_of(video: &VideoSnapshot, codec: Option<EncodedVideo>) -> VideoStatus {
+    let (state, reason) = video_state(&video.state, video.timing_text.as_deref());
     VideoStatus {
+        number: video.number,
         state,
         reason,
         size: video.frame.map(|(_, size)| [size.width, size.height]),

@@ -90,7 +90,7 @@ impl LoginSource {
 /// If the address cannot be parsed, or the login cannot be read.
 pub fn source_url(address: &str, login: &VideoLogin) -> Result<SourceUrl> {
     Ok(match SourceUrl::parse(address)? {
-        SourceUrl::Video(url) => SourceUrl::Video(with_login(url, login, false)?),
+        SourceUrl::Video(url) => SourceUrl::Video(with_login(url, login, Recipient::TheCamera)?),
         SourceUrl::Simulated(url) => SourceUrl::Simulated(url),
     })
 }
@@ -101,21 +101,48 @@ pub fn source_url(address: &str, login: &VideoLogin) -> Result<SourceUrl> {
 /// # Errors
 /// If the login cannot be read, or is for another server.
 pub fn named_source_url(url: VideoUrl, login: &VideoLogin) -> Result<SourceUrl> {
-    with_login(url, login, true).map(SourceUrl::Video)
+    with_login(url, login, Recipient::NamedByVehicle).map(SourceUrl::Video)
 }
 
-fn with_login(url: VideoUrl, login: &VideoLogin, is_named_by_vehicle: bool) -> Result<VideoUrl> {
+/// Parses the address of the second video of a run and adds the login, unless the login is stored for another server.
+///
+/// # Errors
+/// If the address cannot be parsed, or the login cannot be read.
+pub fn second_source_url(address: &str, login: &VideoLogin) -> Result<SourceUrl> {
+    Ok(match SourceUrl::parse(address)? {
+        SourceUrl::Video(url) => SourceUrl::Video(with_login(url, login, Recipient::OneOfTwo)?),
+        SourceUrl::Simulated(url) => SourceUrl::Simulated(url),
+    })
+}
+
+/// Whom a login would be sent to.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Recipient {
+    /// The camera that the operator names.
+    TheCamera,
+    /// The second camera that the operator names.
+    OneOfTwo,
+    /// A camera that the vehicle names.
+    NamedByVehicle,
+}
+
+fn with_login(url: VideoUrl, login: &VideoLogin, recipient: Recipient) -> Result<VideoUrl> {
     let url = match (&login.source, url.server()) {
         (Some(source), Some((host, port))) => {
             let stored = source.read()?;
             let shown =
                 if host.contains(':') { format!("[{host}]:{port}") } else { format!("{host}:{port}") };
             match stored.server {
+                Some(server)
+                    if recipient == Recipient::OneOfTwo && !is_server(&server, &host, port, &url) =>
+                {
+                    url
+                }
                 Some(server) if !is_server(&server, &host, port, &url) => bail!(
                     "the login is for {server}, as its file says, and the video is at {shown}: it is not sent there. If both are \
                      the same camera, correct the second line of the file"
                 ),
-                None if is_named_by_vehicle => bail!(
+                None if recipient == Recipient::NamedByVehicle => bail!(
                     "the vehicle names its video at {shown}, and a login is sent to no address that a vehicle chooses: if that is \
                      the right camera, write `host {shown}` on the second line of the login file, or give --video"
                 ),

@@ -13,6 +13,7 @@ pub mod image;
 pub mod lens;
 pub mod unit;
 pub mod video;
+pub mod videos;
 
 pub mod earth;
 pub mod track;
@@ -47,7 +48,7 @@ pub use named::Named;
 pub use profile::{VehicleProfile, VehicleRates};
 pub use request::{
     CameraRequest, DrawnMark, DrawnSelection, MarkKind, MovedMark, NewDrive, Nudge, OperatorRequest, Request,
-    SeatRequest, VesselRequest, VesselStopper, WorldRequest,
+    SeatRequest, VesselRequest, VesselStopper, VideoRequest, WorldRequest,
 };
 pub use stop_cause::StopCause;
 pub use telemetry::Telemetry;
@@ -56,4 +57,5 @@ pub use track::{Localisation, MotionPrior, Track};
 pub use unit::EncodedUnit;
 pub use vessel::{FailSafe, KeepWay, VesselCommand, VesselLimits, VesselOrder, VesselProfile};
 pub use video::{Picture, VideoFrame};
+pub use videos::{VideoNumber, Videos};
 pub use water::{CameraAboveWater, Sighting, SightingNoise, WaterCovariance, WaterFix, WaterPoint};

@@ -1,8 +1,8 @@
 //! Requests of the operator, or of a program on behalf of the operator.
 //!
 //! Each kind of request has an enum of its own, which the code that is about it matches without a wildcard:
-//! [`CameraRequest`], [`VesselRequest`], [`WorldRequest`] and [`SeatRequest`]; a stop concerns camera and
-//! vessel.
+//! [`CameraRequest`], [`VesselRequest`], [`WorldRequest`], [`VideoRequest`] and [`SeatRequest`]; a stop concerns
+//! camera and vessel.
 //!
 //! The serialised form of a request is the same in the console's API, in a stored drive and in a recording: a
 //! JSON object with the key `kind`, the name of the variant in kebab case, beside the fields of the variant:
@@ -21,6 +21,7 @@
 mod camera;
 mod seat;
 mod vessel;
+mod video;
 mod world;
 
 mod form;
@@ -28,6 +29,7 @@ mod form;
 pub use camera::{CameraRequest, DrawnSelection, Nudge};
 pub use seat::SeatRequest;
 pub use vessel::{DrawnMark, MarkKind, MovedMark, VesselRequest, VesselStopper};
+pub use video::VideoRequest;
 pub use world::{NewDrive, WorldRequest};
 
 use crate::stop_cause::StopCause;
@@ -52,6 +54,8 @@ pub enum Request {
     Operator(OperatorRequest),
     /// About the simulated world.
     World(WorldRequest),
+    /// About the choice between two videos.
+    Video(VideoRequest),
     /// About who has the control.
     Seat(SeatRequest),
 }
@@ -77,6 +81,12 @@ impl<T: Into<OperatorRequest>> From<T> for Request {
 impl From<WorldRequest> for Request {
     fn from(request: WorldRequest) -> Self {
         Self::World(request)
+    }
+}
+
+impl From<VideoRequest> for Request {
+    fn from(request: VideoRequest) -> Self {
+        Self::Video(request)
     }
 }
 

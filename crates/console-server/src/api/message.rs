@@ -7,7 +7,23 @@ use barrelman_experiments::scenario::ScenarioChoice;
 
 use super::snapshot::{ControlSeat, StatusSnapshot};
 use crate::snapshot::EventEntry;
-use barrelman_vocab::{LawId, Request};
+use barrelman_vocab::{LawId, Request, VideoNumber};
+
+/// The video that a page wants, and how.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct WantedVideo {
+    /// The way.
+    pub path: VideoPath,
+    /// Which of the videos.
+    #[serde(default)]
+    pub video: VideoNumber,
+}
+
+impl WantedVideo {
+    /// No video.
+    pub const NONE: Self = Self { path: VideoPath::None, video: VideoNumber::First };
+}
 
 /// How a page receives video.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
@@ -35,10 +51,7 @@ pub enum ClientMessage {
         request: Request,
     },
     /// Choose how video is sent. Nothing is sent before the first choice.
-    Video {
-        /// The way.
-        path: VideoPath,
-    },
+    Video(WantedVideo),
     /// Measure the clocks. Answered by `pong`. Also shows that the page is alive: to be sent every second, and
     /// every 0.2 s while a boat is commanded. A page in control that is silent for 3 s loses the control, and for 0.9 s stops the
     /// boat.
@@ -89,6 +102,8 @@ pub struct Hello {
     pub command: &'static str,
     /// Where the video comes from, without passwords; of a simulated world, the first one.
     pub source: String,
+    /// Where the second video comes from, without passwords; `null`: there is one video.
+    pub second_source: Option<String>,
     /// Where commands go, without passwords; `null`: a dry run.
     pub link: Option<String>,
     /// The vehicle profile.
@@ -174,9 +189,18 @@ mod tests {
             json!({"type": "request", "id": 0, "request": {"kind": "give-control", "client": 2}}),
             ClientMessage::Request { id: 0, request },
         );
-        check(json!({"type": "video", "path": "h264"}), ClientMessage::Video { path: VideoPath::H264 });
-        check(json!({"type": "video", "path": "jpeg"}), ClientMessage::Video { path: VideoPath::Jpeg });
-        check(json!({"type": "video", "path": "none"}), ClientMessage::Video { path: VideoPath::None });
+        check(
+            json!({"type": "video", "path": "h264", "video": "first"}),
+            ClientMessage::Video(WantedVideo { path: VideoPath::H264, video: VideoNumber::First }),
+        );
+        check(
+            json!({"type": "video", "path": "jpeg", "video": "first"}),
+            ClientMessage::Video(WantedVideo { path: VideoPath::Jpeg, video: VideoNumber::First }),
+        );
+        check(
+            json!({"type": "video", "path": "none", "video": "first"}),
+            ClientMessage::Video(WantedVideo { path: VideoPath::None, video: VideoNumber::First }),
+        );
         check(json!({"type": "ping", "sent_ms": 12.5}), ClientMessage::Ping { sent_ms: 12.5 });
     }
 

@@ -20,12 +20,15 @@ mod schema;
 mod video_message;
 
 pub use crate::snapshot::{DriveState, EventEntry, Level};
-pub use message::{Answer, AnswerKind, ClientMessage, Hello, RequestBody, ServerMessage, VideoPath};
+pub use message::{
+    Answer, AnswerKind, ClientMessage, Hello, RequestBody, ServerMessage, VideoPath, WantedVideo,
+};
 pub use place::PlaceStatus;
 pub use schema::api_document;
 pub use snapshot::{
-    AxisPair, BoatStatus, CameraWork, ControlSeat, EncodedVideo, LinkStatus, ModeStatus, PerceptStatus,
-    PositionStatus, RecordingStatus, RegionStatus, StatusSnapshot, TrackStatus, VideoStatus, WorkFigures,
+    AxisPair, BoatStatus, CameraWork, ControlSeat, EncodedVideo, LinkStatus, ModeStatus, OtherVideoStatus,
+    PerceptStatus, PositionStatus, RecordingStatus, RegionStatus, StatusSnapshot, TrackStatus, VideoStatus,
+    WorkFigures,
 };
 pub use vessel::{MarkStatus, ProgressStatus, VesselStatus};
 pub use video_message::{HEAD_BYTES, VideoHead, VideoKind};

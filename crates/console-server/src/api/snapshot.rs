@@ -6,7 +6,7 @@ use serde::Serialize;
 use super::place::PlaceStatus;
 use super::vessel::VesselStatus;
 use crate::snapshot::{DriveState, WorldState};
-use barrelman_vocab::LawId;
+use barrelman_vocab::{LawId, VideoNumber};
 
 /// A value of each camera axis, rad/s.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
@@ -51,6 +51,8 @@ pub struct StatusSnapshot {
     pub law: Option<LawId>,
     /// The video.
     pub video: VideoStatus,
+    /// The other video; `null`: there is one.
+    pub other_video: Option<OtherVideoStatus>,
     /// Where the followed boat is on the water; `null`: nothing is followed, or height or tilt of the camera are not known.
     pub boat: Option<BoatStatus>,
     /// Whether latitude and longitude of places on the water can be known: `known`; `no-position`: the vehicle reports no
@@ -141,6 +143,8 @@ pub struct PerceptStatus {
 /// The video.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct VideoStatus {
+    /// Which of the videos this is: `first` or `second`.
+    pub number: VideoNumber,
     /// `connecting`, `up`, `lost` or `ended`.
     pub state: &'static str,
     /// Why the video was lost; of video that is up: that it is late, or that the camera's clock is wrong.
@@ -158,6 +162,19 @@ pub struct VideoStatus {
     pub step_ms: Option<f64>,
     /// Video frames that were replaced by newer ones before the pilot took them.
     pub dropped: u64,
+    /// The codec in which the video can be sent as it comes; `null`: only as JPEG.
+    pub codec: Option<EncodedVideo>,
+}
+
+/// The video that the pilot does not see.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, JsonSchema)]
+pub struct OtherVideoStatus {
+    /// Which of the videos this is: `first` or `second`.
+    pub number: VideoNumber,
+    /// `connecting`, `up`, `lost` or `ended`.
+    pub state: &'static str,
+    /// Why the video was lost; of video that is up: that it is late, or that the camera's clock is wrong.
+    pub reason: Option<String>,
     /// The codec in which the video can be sent as it comes; `null`: only as JPEG.
     pub codec: Option<EncodedVideo>,
 }

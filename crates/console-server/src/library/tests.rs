@@ -3,7 +3,7 @@
 use std::os::unix::fs::symlink;
 
 use barrelman_pilot::CommandPath;
-use barrelman_trial::records::{RecordingStart, RecordingWriter};
+use barrelman_trial::records::{RecordedVideo, RecordingStart, RecordingWriter};
 use barrelman_vocab::VehicleProfile;
 
 use super::*;
@@ -28,9 +28,8 @@ impl Scene {
             monotonic_ns: 0,
             unix_ns: 0,
             configuration: String::new(),
-            video: "sim:open".to_owned(),
+            videos: RecordedVideo::only("sim:open", true),
             link: String::new(),
-            live_video: true,
             command_path: CommandPath::DryRun,
             trial: None,
         };

@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use barrelman_pilot::{Mode, Outcome};
-use barrelman_vocab::{StopCause, Timestamp, Track};
+use barrelman_vocab::{StopCause, Timestamp, Track, Videos};
 
 use super::super::status::status_of;
 use super::*;
@@ -34,7 +34,7 @@ fn samples_of(text: &str) -> Vec<(&str, f64)> {
 /// The metrics of a snapshot, with two pages, contain these.
 #[track_caller]
 fn check(snapshot: &Snapshot, expected: &[(&str, f64)]) {
-    let text = metrics_text(&status_of(snapshot, None), 2);
+    let text = metrics_text(&status_of(snapshot, &Videos::default()), 2);
     let samples = samples_of(&text);
     for sample in expected {
         assert!(samples.contains(sample), "{sample:?} is not in {samples:?}");
@@ -47,7 +47,7 @@ fn after(outcome: Outcome) -> Snapshot {
 
 #[test]
 fn what_is_not_known_is_left_out() {
-    let text = metrics_text(&status_of(&Snapshot::default(), None), 0);
+    let text = metrics_text(&status_of(&Snapshot::default(), &Videos::default()), 0);
     let names: Vec<_> = samples_of(&text).into_iter().map(|(name, _)| name).collect();
     for unknown in ["p", "track_confidence", "video_age_seconds"] {
         assert!(!names.contains(&unknown), "{unknown}");

@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use barrelman_pilot::VesselMode;
-use barrelman_vocab::{OperatorRequest, StopCause, VesselRequest, VesselStopper, WorldRequest};
+use barrelman_vocab::{OperatorRequest, StopCause, VesselRequest, VesselStopper, VideoRequest, WorldRequest};
 use tokio::sync::oneshot;
 
 use super::answer::{Answer, AnswerSlot};
@@ -23,6 +23,8 @@ pub enum SessionRequest {
     Pilot(OperatorRequest),
     /// A request about the simulated world.
     World(WorldRequest),
+    /// A request about the choice between two videos.
+    Video(VideoRequest),
 }
 
 /// A request that waits for the loop.

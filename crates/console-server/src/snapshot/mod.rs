@@ -29,7 +29,7 @@ use std::time::Duration;
 use barrelman_pilot::Outcome;
 use barrelman_video::sender_clock::VideoTiming;
 use barrelman_vocab::vehicle_text::VehicleText;
-use barrelman_vocab::{LawId, PictureSize, Timestamp, VehicleRates};
+use barrelman_vocab::{LawId, PictureSize, Timestamp, VehicleRates, VideoNumber};
 
 pub use alarm::Alarm;
 pub use barrelman_trial::camera_work::{CameraWork, WorkFigures};
@@ -55,6 +55,8 @@ pub struct Snapshot {
     pub law: Option<LawId>,
     /// The video.
     pub video: VideoSnapshot,
+    /// The other video; `None`: there is one.
+    pub other_video: Option<OtherVideo>,
     /// The vehicle and its link.
     pub vehicle: VehicleSnapshot,
     /// The link to the boat that is commanded.
@@ -79,9 +81,22 @@ pub struct Snapshot {
     pub drive: Option<DriveState>,
 }
 
-/// The state of the video.
+/// The state of the video that the pilot does not see.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct OtherVideo {
+    /// The state of the source.
+    pub state: VideoSourceState,
+    /// What the times of the pictures tell.
+    pub timing: VideoTiming,
+    /// The same in words, where the pictures are not in time.
+    pub timing_text: Option<Arc<str>>,
+}
+
+/// The state of the tracked video.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct VideoSnapshot {
+    /// Which of the videos this is.
+    pub number: VideoNumber,
     /// The state of the source.
     pub state: VideoSourceState,
     /// What the times of the pictures tell.

@@ -12,7 +12,6 @@ use barrelman_vocab::vehicle_text::VehicleText;
 use barrelman_vocab::{
     Angle, HoldCause, LawId, Named as _, PixelBox, Telemetry, Timestamp, Track, VehicleProfile, VehicleRates,
 };
-use jiff::Zoned;
 use tokio::sync::watch;
 
 use super::alarm::Alarm;
@@ -21,13 +20,14 @@ use super::event_log::{EventLog, Level};
 use super::frame_rate::FrameRate;
 use super::step_time::StepTime;
 use super::text_rate::TextRate;
-use super::timing_text::timing_text;
 use super::vehicle::{LinkStatus, VehicleSnapshot};
 use super::{DriveState, RecordingState, SharedSnapshot, Snapshot, VideoSourceState, WorldState};
 use barrelman_pilot::Mode;
 use barrelman_pilot::net_yaw::NetYawLevel;
 use barrelman_pilot::vessel::gate::Said;
 use barrelman_trial::camera_work::CameraWorkMeter;
+
+mod video;
 
 /// Nearer to an end stop than this, the alarm is raised, rad (3 degrees).
 const END_STOP_MARGIN_RAD: f64 = 0.052;
@@ -202,47 +202,6 @@ impl Publisher {
     /// The state of a demo's world.
     pub fn set_drive(&mut self, drive: DriveState, now: Timestamp) {
         self.state.drive = Some(drive);
-        self.publish(now);
-    }
-
-    /// The state of the video source.
-    pub fn set_video(&mut self, state: VideoSourceState, now: Timestamp) {
-        if self.state.video.state != state {
-            match &state {
-                VideoSourceState::Connecting => {}
-                VideoSourceState::Up => self.events.add(now, Level::Info, "video-up", "video: up"),
-                VideoSourceState::Lost(reason) => {
-                    let is_new = !matches!(self.state.video.state, VideoSourceState::Lost(_));
-                    if is_new {
-                        self.events.add(now, Level::Alarm, "video-lost", format!("video lost: {reason}"));
-                    }
-                }
-                VideoSourceState::Ended => {
-                    self.events.add(now, Level::Warning, "video-ended", "the video has ended")
-                }
-            }
-        }
-        self.state.video.state = state;
-        self.publish(now);
-    }
-
-    /// What the times of the pictures tell. The log gets the beginning and the end of a delay.
-    pub fn set_video_timing(&mut self, timing: VideoTiming, now: Timestamp) {
-        let before = std::mem::replace(&mut self.state.video.timing, timing);
-        let text = timing_text(timing, now, &Zoned::now());
-        let is_told = match (before, timing) {
-            (VideoTiming::Late { since, .. }, VideoTiming::Late { since: new_since, .. }) => {
-                since == new_since
-            }
-            _ => before == timing,
-        };
-        if !is_told {
-            let level = if timing == VideoTiming::InTime { Level::Info } else { Level::Warning };
-            let text = text.as_deref().unwrap_or("the video is in time again");
-            tracing::warn!("{text}");
-            self.events.add(now, level, "video-timing", text);
-        }
-        self.state.video.timing_text = text.map(Into::into);
         self.publish(now);
     }
 

@@ -474,7 +474,7 @@ async fn indices(page: &mut Page, count: usize) -> Vec<u8> {
 #[test]
 fn h264_begins_with_a_key_frame_and_goes_on_without_a_gap() {
     let session = InMemory::new(LIVE);
-    let add = |index, key| session.console.relay.add(&unit(index, key));
+    let add = |index, key| session.console.videos.first.relay.add(&unit(index, key));
     for (index, key) in [(1, true), (2, false), (3, true), (4, false)] {
         add(index, key);
     }
@@ -497,7 +497,7 @@ fn h264_begins_with_a_key_frame_and_goes_on_without_a_gap() {
 #[test]
 fn a_page_that_lost_units_goes_on_with_the_next_key_frame() {
     let session = InMemory::new(LIVE);
-    let add = |index, key| session.console.relay.add(&unit(index, key));
+    let add = |index, key| session.console.videos.first.relay.add(&unit(index, key));
     block_on(async {
         let mut page = Page::open(&session, WATCH_TOKEN, "").await;
         add(0, false);

@@ -9,7 +9,7 @@ use barrelman_video::sender_clock::VideoTiming;
 use barrelman_vocab::earth::{GeoPoint, WaterOnEarth};
 use barrelman_vocab::telemetry::{ControlState, LinkState};
 use barrelman_vocab::track::Shape;
-use barrelman_vocab::{AngularRate, HoldCause, ImagePoint, LawId, StopCause, VehicleRates};
+use barrelman_vocab::{AngularRate, HoldCause, ImagePoint, LawId, StopCause, VehicleRates, VideoNumber};
 
 use serde_json::{Value, json};
 
@@ -19,7 +19,7 @@ use crate::test_scenes::{PICTURE, at, command, idle, localisation};
 
 /// The JSON of a snapshot.
 fn status(snapshot: Snapshot) -> Value {
-    serde_json::to_value(status_of(&snapshot, None)).unwrap()
+    serde_json::to_value(status_of(&snapshot, &Videos::default())).unwrap()
 }
 
 /// The JSON after a step.
@@ -179,6 +179,7 @@ fn the_video_is_given_in_milliseconds_and_frames_a_second() {
         (VideoSourceState::Ended, None, "ended", None),
     ] {
         let video = VideoSnapshot {
+            number: VideoNumber::First,
             state,
             timing: VideoTiming::InTime,
             timing_text: timing_text.map(Into::into),
@@ -188,10 +189,11 @@ fn the_video_is_given_in_milliseconds_and_frames_a_second() {
             step_time: Some(Duration::from_micros(3500)),
             dropped: 3,
         };
-        let status = status_of(&Snapshot { video, ..Snapshot::default() }, Some(EncodedVideo::H264));
+        let status =
+            status_of(&Snapshot { video, ..Snapshot::default() }, &Videos::one(Some(EncodedVideo::H264)));
         let expected = json!({
             "state": name, "reason": reason, "size": [640, 480], "captured_ns": 40_000_000, "age_ms": 12.5,
-            "fps": 25.0, "step_ms": 3.5, "dropped": 3, "codec": "h264",
+            "fps": 25.0, "number": "first", "step_ms": 3.5, "dropped": 3, "codec": "h264",
         });
         assert_eq!(serde_json::to_value(status.video).unwrap(), expected);
     }
@@ -299,7 +301,7 @@ fn alarms_are_given_by_their_keys() {
     let alarms = vec![Alarm::NoVideo, Alarm::EndStop];
     let shared: SharedSnapshot =
         Arc::new(Snapshot { alarms, stops_taken: 4, steps: 9, ..Snapshot::default() });
-    let status = status_of(&shared, None);
+    let status = status_of(&shared, &Videos::default());
     assert_eq!(status.alarms, ["no-video", "end-stop"]);
     assert_eq!((status.stops_taken, status.step), (4, 9));
 }

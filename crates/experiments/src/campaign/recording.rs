@@ -9,10 +9,11 @@ use barrelman_pilot::{CommandPath, Input, Outcome};
 use barrelman_sim::Truth;
 use barrelman_trial::campaign::StepObserver;
 use barrelman_trial::records::{
-    Entry, RecordedInput, RecordedOutcome, RecordedTruth, RecordingStart, RecordingWriter, SimulatedTrial,
+    Entry, RecordedInput, RecordedOutcome, RecordedTruth, RecordedVideo, RecordingStart, RecordingWriter,
+    SimulatedTrial,
 };
 use barrelman_trial::target_in_picture::TargetInPicture;
-use barrelman_vocab::{EncodedUnit, Timestamp, VehicleProfile, VehicleRates};
+use barrelman_vocab::{EncodedUnit, Timestamp, VehicleProfile, VehicleRates, VideoNumber};
 
 use barrelman_host::output::OutputFile;
 use barrelman_overlay::film::Film;
@@ -91,9 +92,8 @@ impl TrialRecorder {
             monotonic_ns: 0,
             unix_ns: 0,
             configuration,
-            video: run.video,
+            videos: RecordedVideo::only(run.video, false),
             link: "sim:".to_owned(),
-            live_video: false,
             command_path: CommandPath::Simulated,
             trial: run.trial,
         };
@@ -118,7 +118,7 @@ impl TrialRecorder {
     /// Adds an encoded unit, before the step of its video frame.
     pub fn add_unit(&mut self, unit: EncodedUnit) {
         if self.error.is_none() {
-            self.error = self.write(&Entry::Unit(unit)).err();
+            self.error = self.write(&Entry::Unit(VideoNumber::First, unit)).err();
         }
     }
 

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use anyhow::Result;
 use clap::Args;
 
+use super::usage_error::UsageError;
 use crate::config::{self, ConfigFile};
 
 /// The options that name the configuration, the video and the link. The help is that of `run`.
@@ -13,9 +14,9 @@ pub struct ConnectionOptions {
     /// Configuration file (TOML). Options on the command line override it.
     pub config: Option<PathBuf>,
     /// The video source: rtsp://..., rtsps://..., file:clip.mp4, a folder of pictures, or a simulated world
-    /// (sim:SCENARIO?seed=1&size=WxH).
+    /// (sim:SCENARIO?seed=1&size=WxH). Given twice: the second is another camera on the same vehicle.
     #[arg(long, value_name = "URL")]
-    pub video: Option<String>,
+    pub video: Vec<String>,
     /// File whose first line is user:password of the camera at rtsp://..., to keep both off the command line.
     #[arg(long, value_name = "FILE")]
     pub video_login_file: Option<PathBuf>,
@@ -54,6 +55,23 @@ impl ConnectionOptions {
             Some(path) => config::read(path)?,
             None => ConfigFile::default(),
         };
+        match self.video.as_slice() {
+            [] => {}
+            [video] => {
+                (file.video.url, file.video.second_url) = (Some(video.clone()), None);
+                file.video.second_field_of_view_deg = None;
+            }
+            [video, second] => {
+                (file.video.url, file.video.second_url) = (Some(video.clone()), Some(second.clone()));
+            }
+            [_, _, third, ..] => {
+                return Err(UsageError(format!(
+                    "--video is given {} times: there is room for two videos; omit {third}",
+                    self.video.len()
+                ))
+                .into());
+            }
+        }
         if let Some(path) = &self.video_login_file {
             (file.video.login_file, file.video.login_env) = (Some(path.clone()), None);
         }

@@ -12,14 +12,12 @@ use barrelman_overlay::film::Film;
 use barrelman_trial::records::{
     Entry, ReadError, RecordedInput, RecordedOutcome, RecordingReader, RecordingStart,
 };
-use barrelman_video::mode::DecodeMode;
 use barrelman_vocab::profile::RegionShares;
 use barrelman_vocab::{Timestamp, VideoFrame};
 use jiff::tz::TimeZone;
 
 use super::replay::MAX_QUEUED_BYTES;
 use super::replayed_video::ReplayedVideo;
-use super::stored_video::StoredVideo;
 use crate::config::{self, Configuration};
 
 /// What is read of a recording before its first picture.
@@ -44,7 +42,7 @@ pub(super) fn write(recording: &Path, file: OutputFile) -> Result<u64> {
     let (mut pictures, mut pending) = (0, None);
     for entry in entries {
         match entry {
-            Ok(Entry::Unit(unit)) => begun.video.add(unit)?,
+            Ok(Entry::Unit(video, unit)) => begun.video.add(video, unit)?,
             Ok(Entry::Input { step, input: RecordedInput::Frame(fingerprint), .. }) => {
                 pending = Some((step, begun.video.frame(&fingerprint)?));
             }
@@ -68,9 +66,8 @@ impl Begun {
     fn new(start: &RecordingStart) -> Result<Self> {
         let configuration = Configuration::resolve_recorded(&config::parse(&start.configuration)?)
             .context("the recorded configuration")?;
-        let mode = if start.live_video { DecodeMode::Live } else { DecodeMode::File };
         Ok(Self {
-            video: ReplayedVideo::new(StoredVideo::new(mode, MAX_QUEUED_BYTES), start),
+            video: ReplayedVideo::new(start, MAX_QUEUED_BYTES),
             shares: configuration.profile.region,
             unix_start_ns: (start.unix_ns > 0).then_some(start.unix_ns),
         })

@@ -43,14 +43,18 @@ const UDEV_RULE: &str = "/etc/udev/rules.d/70-barrelman.rules";
 pub fn run(args: &CheckArgs, clock: Clock) -> Result<ExitCode> {
     let mut results = Vec::new();
     let configuration = check_configuration(args, &mut results);
-    let ConnectionOptions { video, link, .. } = &args.connection;
-    let video = video.clone().or_else(|| configuration.as_ref().and_then(|found| found.video.clone()));
+    let ConnectionOptions { video: given, link, .. } = &args.connection;
+    let videos = match (given.as_slice(), &configuration) {
+        ([], Some(found)) => found.video_urls(),
+        _ => given.clone(),
+    };
     let link = link.clone().or_else(|| configuration.as_ref().and_then(|found| found.link.clone()));
     results.push(check_decoders());
-    results.push(match video {
-        Some(url) => check_video(&url, configuration.as_ref(), clock),
-        None => CheckResult::new("video", Verdict::Warning, "none configured: give --video or video.url"),
-    });
+    if videos.is_empty() {
+        let details = "none configured: give --video or video.url";
+        results.push(CheckResult::new("video", Verdict::Warning, details));
+    }
+    results.extend(videos.iter().map(|url| check_video(url, configuration.as_ref(), clock)));
     match link {
         Some(url) => check_link(&url, configuration.as_ref(), clock, &mut results),
         None => {
@@ -120,7 +124,10 @@ fn check_decoders() -> CheckResult {
 
 fn check_video(url: &str, configuration: Option<&Configuration>, clock: Clock) -> CheckResult {
     let login = configuration.map(|configuration| configuration.video_login.clone()).unwrap_or_default();
-    let mut parsed = match secrets::source_url(url, &login) {
+    let is_second =
+        configuration.and_then(|found| found.second_video.as_ref()).is_some_and(|second| second.url == url);
+    let read = if is_second { secrets::second_source_url } else { secrets::source_url };
+    let mut parsed = match read(url, &login) {
         Ok(parsed) => parsed,
         Err(error) => return CheckResult::new("video", Verdict::Failed, format!("{error:#}")),
     };

@@ -11,7 +11,7 @@ use barrelman_trial::logs::recorded::RowSelector;
 use barrelman_trial::records::table::read_rows;
 use barrelman_trial::records::{Entry, ReadError, RecordedOutcome, RecordingReader, RecordingStart};
 use barrelman_vocab::unit::UnitCodec;
-use barrelman_vocab::{EncodedUnit, PictureSize, Timestamp};
+use barrelman_vocab::{EncodedUnit, PictureSize, Timestamp, VideoNumber, Videos};
 
 use super::annotated_film;
 use super::channel_tables::ChannelTables;
@@ -42,17 +42,19 @@ pub fn run(args: &ExportArgs) -> Result<ExitCode> {
         .with_context(|| format!("the folder {} cannot be created", args.output.display()))?;
     // Opened before any table: an export that finds the files of another export writes nothing.
     let trial = OutputFile::open(&args.output.join(format!("{TRIAL}.csv")), args.force)?;
-    let video = OutputFile::open(&args.output.join("video.mp4"), args.force)?;
+    let open = |video: VideoNumber| OutputFile::open(&args.output.join(video_name(video)), args.force);
+    let videos = videos_of(&args.recording)?.try_map(|number, ()| open(number))?;
     let annotated =
         args.annotated.then(|| OutputFile::open(&args.output.join(ANNOTATED), args.force)).transpose()?;
     let cut_channels = export_channels(args).with_context(context)?;
-    let ExportedTrial { is_cut: cut_trial, has_video, start } =
-        export_trial(args, trial, video).with_context(context)?;
+    let ExportedTrial { is_cut: cut_trial, written, start } =
+        export_trial(args, trial, videos).with_context(context)?;
+    let has_video = !written.is_empty();
     writeln!(
         stdout(),
         "{} holds trial.csv, one CSV per channel{}",
         args.output.display(),
-        if has_video { ", and video.mp4" } else { "" }
+        written.iter().map(|video| format!(", {}", video_name(*video))).collect::<String>()
     )?;
     if !has_video
         && let Some(reason) = start.as_deref().and_then(|start| reason_without_video(start, &args.recording))
@@ -85,7 +87,7 @@ fn export_channels(args: &ExportArgs) -> Result<bool> {
 
 /// Why the recording of a simulated trial gives no video; `None` for other recordings.
 fn reason_without_video(start: &RecordingStart, recording: &Path) -> Option<String> {
-    let is_trial = start.trial.is_some() || (start.video.starts_with("sim:") && !start.live_video);
+    let is_trial = start.trial.is_some() || start.is_simulated_trial();
     if !is_trial {
         return None;
     }
@@ -102,30 +104,52 @@ fn reason_without_video(start: &RecordingStart, recording: &Path) -> Option<Stri
     ))
 }
 
+/// The videos of a recording, as its start announces them; one where it has none.
+fn videos_of(recording: &Path) -> Result<Videos<()>> {
+    let first = RecordingReader::new(BufReader::new(File::open(recording)?)).next();
+    Ok(match first {
+        Some(Ok(Entry::Start(start))) => start.videos.map(|_, _| ()),
+        _ => Videos::one(()),
+    })
+}
+
+const fn video_name(video: VideoNumber) -> &'static str {
+    match video {
+        VideoNumber::First => "video.mp4",
+        VideoNumber::Second => "video2.mp4",
+    }
+}
+
 /// What an export of the trial found.
 struct ExportedTrial {
     is_cut: bool,
-    has_video: bool,
+    /// The videos that were written.
+    written: Vec<VideoNumber>,
     start: Option<Box<RecordingStart>>,
 }
 
 /// Writes the trial's CSV file and the video.
-fn export_trial(args: &ExportArgs, trial: OutputFile, video: OutputFile) -> Result<ExportedTrial> {
+fn export_trial(args: &ExportArgs, trial: OutputFile, videos: Videos<OutputFile>) -> Result<ExportedTrial> {
     let mut trial = TrialFile::begin(trial)?;
-    let mut video = VideoFile { file: Some(video), state: None };
+    let mut videos = videos.map(|_, file| VideoFile { file: Some(file), state: None });
     let (mut cut, mut start) = (false, None);
     for entry in RecordingReader::new(BufReader::new(File::open(&args.recording)?)) {
         match entry {
             Ok(Entry::Start(found)) => start = Some(Box::new(found)),
             Ok(Entry::Outcome(outcome)) => trial.add(&outcome)?,
-            Ok(Entry::Unit(unit)) => video.add(&unit)?,
+            Ok(Entry::Unit(number, unit)) => {
+                videos.get_mut(number).map_or(Ok(()), |video| video.add(&unit))?
+            }
             Ok(Entry::Input { .. } | Entry::Truth(_)) => {}
             Err(ReadError::Truncated) => cut = true,
             Err(error) => return Err(error.into()),
         }
     }
     trial.file.flush()?;
-    Ok(ExportedTrial { is_cut: cut, has_video: video.finish()?, start })
+    let mut written = Vec::new();
+    let finished = videos.try_map(|number, video| video.finish().map(|is_written| (number, is_written)))?;
+    written.extend(finished.iter().filter(|(_, (_, is_written))| *is_written).map(|(number, _)| number));
+    Ok(ExportedTrial { is_cut: cut, written, start })
 }
 
 /// The trial's CSV file, which `metrics` and `law` read.

@@ -84,7 +84,7 @@ pub fn run(args: &DemoArgs, clock: Clock) -> Result<ExitCode> {
     let code = run::run_with_outputs(
         &RunArgs {
             connection: ConnectionOptions {
-                video: Some(format!("file:{}", clip.display())),
+                video: vec![format!("file:{}", clip.display())],
                 link: Some(format!("serial:{}", port.display())),
                 ..ConnectionOptions::default()
             },

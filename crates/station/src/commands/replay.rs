@@ -14,13 +14,11 @@ use barrelman_trial::replay::{Replay, ReplayComparison};
 
 use super::replayed_video::ReplayedVideo;
 use super::run::build_pilot;
-use super::stored_video::StoredVideo;
 use crate::cli::ReplayArgs;
 use crate::config::changed_keys::{ChangedKey, parse_changed};
 use crate::config::{self, Configuration};
 use barrelman_host::input;
 use barrelman_host::program::identity;
-use barrelman_video::mode::DecodeMode;
 
 /// Limit of the encoded video that waits for its step. In this program's recordings about ten units wait, because the
 /// pilot takes the newest frame. A gigabyte is three seconds of raw video at 3840 x 2160 and 30 frames per second.
@@ -109,8 +107,7 @@ fn replay(recording: File, changed: Option<Configuration>, keys: &[ChangedKey]) 
             .and_then(|file| Configuration::resolve_recorded(&file))
             .context("the recorded configuration")?,
     };
-    let mode = if start.live_video { DecodeMode::Live } else { DecodeMode::File };
-    let mut video = ReplayedVideo::new(StoredVideo::new(mode, MAX_QUEUED_BYTES), &start);
+    let mut video = ReplayedVideo::new(&start, MAX_QUEUED_BYTES);
     let pilot = build_pilot(&configuration, start.command_path)?;
     let mut replay = Replay::new(pilot, configuration.profile.clone());
     let mut replayed = Replayed {
@@ -125,7 +122,7 @@ fn replay(recording: File, changed: Option<Configuration>, keys: &[ChangedKey]) 
     let mut outcomes: BTreeMap<u64, RecordedOutcome> = BTreeMap::new();
     for entry in entries {
         match entry {
-            Ok(Entry::Unit(unit)) => video.add(unit)?,
+            Ok(Entry::Unit(number, unit)) => video.add(number, unit)?,
             Ok(Entry::Input { step, now, input }) => {
                 let (mut frame, frames) = (None, &mut replayed.frames);
                 let input = input.to_input(|fingerprint| {

@@ -1,18 +1,21 @@
 //! The video frames of a replay: decoded from the recording, or rendered again where the recording holds none.
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result, anyhow, bail};
 use barrelman_experiments::campaign::recorded_trial;
 use barrelman_trial::campaign::WorldReplay;
 use barrelman_trial::records::{
     FrameFingerprint, RecordedOutcome, RecordedVessel, RecordingStart, SimulatedTrial,
 };
-use barrelman_vocab::{EncodedUnit, Timestamp, VehicleRates, VesselOrder, VideoFrame};
+use barrelman_video::mode::DecodeMode;
+use barrelman_vocab::{EncodedUnit, Timestamp, VehicleRates, VesselOrder, VideoFrame, VideoNumber, Videos};
 
 use super::stored_video::StoredVideo;
 
 /// Where a replay takes its video frames from.
 pub struct ReplayedVideo {
-    stored: StoredVideo,
+    stored: Videos<StoredVideo>,
+    /// The video of the newest frame.
+    tracked: VideoNumber,
     /// Whether the recording holds video.
     has_units: bool,
     /// The recorded simulated trial, if the recording says which.
@@ -25,13 +28,17 @@ pub struct ReplayedVideo {
 }
 
 impl ReplayedVideo {
-    /// The video of a recording with this start.
-    pub fn new(stored: StoredVideo, start: &RecordingStart) -> Self {
+    /// The video of a recording with this start. At most `max_queued_bytes` of encoded video are queued.
+    pub fn new(start: &RecordingStart, max_queued_bytes: usize) -> Self {
         Self {
-            stored,
+            stored: start.videos.as_ref().map(|_, video| {
+                let mode = if video.is_live { DecodeMode::Live } else { DecodeMode::File };
+                StoredVideo::new(mode, max_queued_bytes)
+            }),
+            tracked: VideoNumber::First,
             has_units: false,
             trial: start.trial.clone(),
-            is_simulated: start.video.starts_with("sim:") && !start.live_video,
+            is_simulated: start.is_simulated_trial(),
             world: None,
             early_commands: Vec::new(),
         }
@@ -45,10 +52,26 @@ impl ReplayedVideo {
     /// Adds the next unit of the recording.
     ///
     /// # Errors
-    /// As [`StoredVideo::add`].
-    pub fn add(&mut self, unit: EncodedUnit) -> Result<()> {
+    /// As [`StoredVideo::add`], or if the recording does not announce the video.
+    pub fn add(&mut self, video: VideoNumber, unit: EncodedUnit) -> Result<()> {
         self.has_units = true;
-        self.stored.add(unit)
+        let is_tracked = video == self.tracked;
+        let stored = self.stored_mut(video)?;
+        if is_tracked {
+            return stored.add(unit);
+        }
+        stored.add_unused(unit);
+        Ok(())
+    }
+
+    fn stored_mut(&mut self, video: VideoNumber) -> Result<&mut StoredVideo> {
+        let missing = || anyhow!("it has pictures of a second video that its start does not announce");
+        self.stored.get_mut(video).ok_or_else(missing)
+    }
+
+    fn stored_frame(&mut self, fingerprint: &FrameFingerprint) -> Result<VideoFrame> {
+        self.tracked = fingerprint.video;
+        self.stored_mut(fingerprint.video)?.frame(fingerprint)
     }
 
     /// Adds a recorded outcome, whose command moves the camera of a world that is rendered again.
@@ -71,7 +94,7 @@ impl ReplayedVideo {
     /// one.
     pub fn frame(&mut self, fingerprint: &FrameFingerprint) -> Result<VideoFrame> {
         if self.has_units {
-            return self.stored.frame(fingerprint);
+            return self.stored_frame(fingerprint);
         }
         let Some(trial) = &self.trial else {
             if self.is_simulated {
@@ -81,7 +104,7 @@ impl ReplayedVideo {
                      look at its film, the .mp4 beside it"
                 );
             }
-            return self.stored.frame(fingerprint);
+            return self.stored_frame(fingerprint);
         };
         if self.world.is_none() {
             let mut world =
@@ -98,7 +121,7 @@ impl ReplayedVideo {
                 "the world that was rendered again has no video frame {sequence}: the simulator has changed since"
             );
         };
-        if FrameFingerprint::from_frame(&frame).luma_hash != fingerprint.luma_hash {
+        if FrameFingerprint::from_frame(fingerprint.video, &frame).luma_hash != fingerprint.luma_hash {
             bail!(
                 "video frame {sequence} is rendered to another picture than in the recorded run: the simulator has changed since"
             );

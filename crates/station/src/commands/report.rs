@@ -128,7 +128,7 @@ struct SimulatedRun {
 impl SimulatedRun {
     /// `None` for a recording that is not of a simulated trial.
     fn from_start(start: &RecordingStart) -> Option<Self> {
-        let world = start.video.strip_prefix("sim:")?;
+        let world = start.videos.first.address.strip_prefix("sim:")?;
         let (scenario, seed) = world.split_once("?seed=")?;
         let settings = start.trial.as_ref().and_then(|trial| recorded_trial::settings_of(trial).ok());
         let set = settings.map_or_else(

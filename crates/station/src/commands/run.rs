@@ -28,6 +28,7 @@ use barrelman_host::fault_lines::parse_fault_lines;
 use barrelman_host::input;
 use barrelman_host::output::OutputFile;
 use barrelman_video::url::VideoSource;
+use barrelman_vocab::Videos;
 use barrelman_vocab::{Angle, PixelBox};
 use barrelman_wire::mavlink::tracking_camera::{CameraDescription, VideoStream};
 
@@ -80,6 +81,7 @@ pub fn run_with_outputs(
     let mut source = source;
     let fault_injector = injected_faults(args, link.as_mut(), &mut source)?;
     let source = Source::load(source, secrets::trust(&configuration.video_trust)?)?;
+    let second_source = second_source(&configuration)?;
     if source.world().is_none()
         && link.as_ref().is_some_and(|link| link.endpoint == Endpoint::SimulatedCamera)
     {
@@ -102,7 +104,7 @@ pub fn run_with_outputs(
     let session = Session {
         pilot,
         configuration: &configuration,
-        source,
+        sources: Videos { first: source, second: second_source },
         link,
         guard,
         vessel_guard,
@@ -222,6 +224,16 @@ fn tracking_camera(
     }))
 }
 
+/// The second video of a run, if there is one.
+fn second_source(configuration: &Configuration) -> Result<Option<Source>> {
+    let Some(second) = &configuration.second_video else { return Ok(None) };
+    let url = secrets::second_source_url(&second.url, &configuration.video_login)?;
+    if let SourceUrl::Simulated(url) = &url {
+        bail!("{url} cannot be the second video: one world is simulated; give it as the first --video");
+    }
+    Source::load(url, secrets::trust(&configuration.video_trust)?).map(Some)
+}
+
 /// The kinds of faults that have an effect on a link.
 const LINK_FAULTS: [FaultKind; 4] =
     [FaultKind::Stall, FaultKind::Drop, FaultKind::Disconnect, FaultKind::Panic];
@@ -290,7 +302,6 @@ pub fn calibrate(
             *key = Some(value.clone());
         }
     };
-    override_key(&mut file.video.url, &args.connection.video);
     override_key(&mut file.link.url, &args.connection.link);
     override_key(&mut file.vehicle.profile, &args.profile);
     let latency_is_known = file.vehicle.video_latency_s.is_some();
@@ -301,6 +312,9 @@ pub fn calibrate(
         )
         .into());
     };
+    if configuration.second_video.is_some() {
+        return Err(UsageError("a calibration turns one camera: omit the second video".to_owned()).into());
+    }
     let Some(link) = configuration.link.as_deref().map(LinkUrl::parse).transpose()? else {
         return Err(UsageError("no link: give --link, or link.url in the configuration".to_owned()).into());
     };
@@ -323,7 +337,7 @@ pub fn calibrate(
     let session = Session {
         pilot: build_pilot(&configuration, command_path(Some(&link)))?,
         configuration: &configuration,
-        source,
+        sources: Videos::one(source),
         link: Some(link),
         guard,
         vessel_guard: None,
@@ -389,7 +403,6 @@ fn effective_configuration(args: &RunArgs) -> Result<(Configuration, bool)> {
             *key = Some(value.clone());
         }
     };
-    override_key(&mut file.video.url, &connection.video);
     override_key(&mut file.link.url, &connection.link);
     override_key(&mut file.vehicle.profile, &args.profile);
     override_key(&mut file.tracking_camera.url, &args.mavlink);

@@ -13,6 +13,9 @@ use barrelman_vocab::{EncodedUnit, VideoFrame};
 use barrelman_video::decoder::UnitDecoder;
 use barrelman_video::mode::DecodeMode;
 
+/// Queued units of a video that no step uses, bytes.
+const MAX_UNUSED_BYTES: usize = 64 << 20;
+
 /// The video of a recording.
 pub struct StoredVideo {
     decoder: UnitDecoder,
@@ -55,6 +58,20 @@ impl StoredVideo {
         Ok(())
     }
 
+    /// Queues the next unit of a video that no step uses just now. Where much of it waits, the oldest is decoded
+    /// and dropped: the decoder has to have seen it before a later picture.
+    pub fn add_unused(&mut self, unit: EncodedUnit) {
+        self.queued_bytes += bytes_of(&unit);
+        self.units.push_back(unit);
+        while self.queued_bytes > MAX_UNUSED_BYTES
+            && let Some(oldest) = self.units.pop_front()
+        {
+            self.queued_bytes -= bytes_of(&oldest);
+            self.decoded.clear();
+            let _ = self.decoder.decode(&oldest, &mut |frame| self.decoded.push_back(frame));
+        }
+    }
+
     /// The frame of a fingerprint, with the recorded time of capture.
     ///
     /// # Errors
@@ -64,7 +81,7 @@ impl StoredVideo {
             .next_from(fingerprint.sequence)
             .filter(|frame| frame.sequence == fingerprint.sequence)
             .ok_or_else(|| anyhow!("video frame {} is not in the recording", fingerprint.sequence))?;
-        if FrameFingerprint::from_frame(&frame).luma_hash != fingerprint.luma_hash {
+        if FrameFingerprint::from_frame(fingerprint.video, &frame).luma_hash != fingerprint.luma_hash {
             bail!("video frame {} decodes to another picture than in the recorded run", fingerprint.sequence);
         }
         frame.capture = fingerprint.capture;

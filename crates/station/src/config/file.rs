@@ -69,6 +69,15 @@ pub struct VideoSection {
     #[schemars(example = "rtsp://camera.example/live")]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub url: Option<String>,
+    /// Address of a second video, as `url` but for `sim:`: another camera on the same vehicle, which the page
+    /// shows, too, and in which the boat can be followed instead.
+    #[schemars(example = "rtsp://camera.example/thermal")]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub second_url: Option<String>,
+    /// Horizontal field of view of the second video, degrees; default: that of the first.
+    #[schemars(range(min = 1.0, max = 170.0), example = 40.0)]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub second_field_of_view_deg: Option<f64>,
     /// File whose first line is the camera's `user:password`, only for `rtsp://` and `rtsps://`. A second
     /// line `host HOST:PORT` says who alone gets the login: a vehicle that names its video gets none without
     /// it.

@@ -8,7 +8,7 @@ use barrelman_pilot::NUDGE_RATE_RAD_PER_S;
 use barrelman_video::engine::VideoEngine;
 use barrelman_video::sender_clock::ClockChoice;
 use barrelman_vocab::profile::{AxisRates, AxisSigns, RegionShares, Sign};
-use barrelman_vocab::{AngularRate, VehicleProfile};
+use barrelman_vocab::{Angle, AngularRate, VehicleProfile};
 use barrelman_wire::Framing;
 
 use super::camera::CameraSection;
@@ -24,11 +24,22 @@ use crate::secrets::{LinkAccess, LoginSource, TrustFiles, VideoLogin};
 use barrelman_experiments::law_choice::{GivenLaw, LawChoice, LawKeys};
 use barrelman_experiments::tracker_choice::{TrackerName, TrackerSettings};
 
+/// The second video of a run.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SecondVideo {
+    /// Address of the source.
+    pub url: String,
+    /// Horizontal field of view; `None`: that of the first video.
+    pub field_of_view: Option<Angle>,
+}
+
 /// The effective configuration.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Configuration {
     /// Address of the video source, if it is given.
     pub video: Option<String>,
+    /// The second video, if there is one.
+    pub second_video: Option<SecondVideo>,
     /// Which clock gives the times of capture of a live stream.
     pub video_clock: ClockChoice,
     /// The engine that reads and decodes the video.
@@ -88,6 +99,11 @@ pub fn profile_named(name: &str) -> Result<VehicleProfile> {
 }
 
 impl Configuration {
+    /// The addresses of the videos.
+    pub fn video_urls(&self) -> Vec<String> {
+        self.video.iter().chain(self.second_video.as_ref().map(|second| &second.url)).cloned().collect()
+    }
+
     /// Fills in the defaults of the keys that the file omits.
     ///
     /// # Errors
@@ -134,6 +150,7 @@ impl Configuration {
         }
         Ok(Self {
             video: file.video.url.clone(),
+            second_video: second_video(&file.video)?,
             video_clock: file.video.clock.unwrap_or_default(),
             video_engine: file.video.engine.unwrap_or_default(),
             video_login: VideoLogin {
@@ -187,6 +204,12 @@ impl Configuration {
         ConfigFile {
             video: VideoSection {
                 url: self.video.clone(),
+                second_url: self.second_video.as_ref().map(|second| second.url.clone()),
+                second_field_of_view_deg: self
+                    .second_video
+                    .as_ref()
+                    .and_then(|second| second.field_of_view)
+                    .map(Angle::degrees),
                 clock: Some(self.video_clock),
                 engine: Some(self.video_engine),
                 login_file: match &self.video_login.source {
@@ -302,6 +325,18 @@ fn ensure_axes_turn(profile: &VehicleProfile) -> Result<()> {
         }
     }
     Ok(())
+}
+
+fn second_video(video: &VideoSection) -> Result<Option<SecondVideo>> {
+    let field_of_view = video.second_field_of_view_deg.map(Angle::from_degrees);
+    match (&video.second_url, &video.url) {
+        (None, _) if field_of_view.is_some() => {
+            bail!("video.second_field_of_view_deg is given, but no second video: give video.second_url")
+        }
+        (None, _) => Ok(None),
+        (Some(_), None) => bail!("video.second_url is given, but no first video: give video.url"),
+        (Some(url), Some(_)) => Ok(Some(SecondVideo { url: url.clone(), field_of_view })),
+    }
 }
 
 fn login_source(video: &VideoSection) -> Result<Option<LoginSource>> {

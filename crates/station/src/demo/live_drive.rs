@@ -12,7 +12,9 @@ use barrelman_experiments::drive::{Drive, DriveSetup, DriveWriter};
 use barrelman_experiments::scenario;
 use barrelman_host::clock::Clock;
 use barrelman_pilot::VesselMode;
-use barrelman_vocab::{CameraRequest, NewDrive, OperatorRequest, StopCause, Timestamp, WorldRequest};
+use barrelman_vocab::{
+    CameraRequest, NewDrive, OperatorRequest, StopCause, Timestamp, VideoRequest, WorldRequest,
+};
 
 use super::drive_files::{DriveFiles, OpenFiles};
 use super::drive_plan::DrivePlan;
@@ -142,8 +144,8 @@ impl LiveDrive<'_> {
             // The requests are taken before the next tick.
             Event::Operator
             | Event::Frame
-            | Event::Video(_)
-            | Event::VideoTiming(_)
+            | Event::Video(..)
+            | Event::VideoTiming(..)
             | Event::Link(_)
             | Event::Vessel(_)
             | Event::RecordingFailed { .. } => {}
@@ -173,6 +175,9 @@ impl LiveDrive<'_> {
                     }
                     Err(error) => answer.give(Answer::Refused(format!("{error:#}"))),
                 },
+                SessionRequest::Video(VideoRequest::TrackVideo { .. }) => {
+                    answer.give(Answer::Refused("a demo has one video".to_owned()));
+                }
                 SessionRequest::World(request @ (WorldRequest::Pause | WorldRequest::Resume)) => {
                     self.is_paused = request == WorldRequest::Pause;
                     if !self.is_paused {

@@ -11,7 +11,7 @@ use barrelman_console_server::snapshot::{
     LinkStatus, Publisher, RecordingState, VideoSourceState, WorldState,
 };
 use barrelman_console_server::{
-    ConsoleParts, ConsoleServer, ConsoleSettings, PictureSlot, SessionFacts, SessionTime, VideoRelay,
+    ConsoleParts, ConsoleServer, ConsoleSettings, SessionFacts, SessionTime, VideoOutlet,
 };
 use barrelman_experiments::drive::{Drive, DriveSetup, DriveWriter};
 use barrelman_experiments::render_threads::RenderThreads;
@@ -28,6 +28,7 @@ use crate::live::event::{report_panics, wake_by};
 use crate::live::faults::FaultInjector;
 use crate::live::recording_folder::library;
 use crate::live::terminal::Terminal;
+use barrelman_vocab::{VideoNumber, Videos};
 
 /// Capacity of the queue of events.
 const EVENTS: usize = 64;
@@ -72,12 +73,13 @@ impl DriveSession {
             Terminal::watch(Arc::clone(&gateway), events.clone(), clock, FaultInjector::default())?;
         let recording = recording_state(&first_files);
         let mut publisher = Publisher::new(&setup.profile, LinkStatus::Simulated, recording);
-        let (relay, pictures) = (Arc::new(VideoRelay::default()), Arc::new(PictureSlot::default()));
+        let outlet = VideoOutlet::default();
         let time = SessionTime::new(clock);
         let parts = ConsoleParts {
             facts: SessionFacts {
                 command: "demo",
                 source: setup.url.to_string(),
+                second_source: None,
                 link: Some("the simulated camera".to_owned()),
                 vehicle: setup.profile.name.clone(),
                 scenarios: plan.choices()?,
@@ -85,8 +87,7 @@ impl DriveSession {
             gateway: Arc::clone(&gateway),
             snapshots: publisher.subscribe(),
             events: publisher.events(),
-            relay: Arc::clone(&relay),
-            pictures: Arc::clone(&pictures),
+            videos: Videos::one(outlet.clone()),
             time: time.clone(),
             library: library(&RecordingConfig::default()),
         };
@@ -101,7 +102,7 @@ impl DriveSession {
             time.set(now);
             publisher.set_recording(recording_state(&open), now);
             publisher.begin_drive(&setup.profile, now);
-            publisher.set_video(VideoSourceState::Up, now);
+            publisher.set_video(VideoNumber::First, VideoSourceState::Up, now);
             let world = WorldState { scenario: setup.url.scenario.clone(), seed: setup.url.seed, boat: None };
             match answer.take() {
                 None => publisher.set_world(world, now),
@@ -114,8 +115,8 @@ impl DriveSession {
             }
             let console = ConsoleObserver {
                 publisher: &mut publisher,
-                pictures: &pictures,
-                relay: &relay,
+                pictures: &outlet.pictures,
+                relay: &outlet.relay,
                 answers: Answers::default(),
                 law: drive.law_id(),
             };

@@ -7,19 +7,19 @@ use barrelman_host::absence::AbsenceWatch;
 use barrelman_host::clock::Clock;
 use barrelman_video::VideoState;
 use barrelman_video::sender_clock::VideoTiming;
-use barrelman_vocab::Timestamp;
+use barrelman_vocab::{Timestamp, VideoNumber};
 
 use crate::link::LinkReport;
 
 /// An event.
 #[derive(Debug)]
 pub enum Event {
-    /// The slot of the newest frame holds a video frame.
+    /// The slot of the newest frame holds a frame of the tracked video.
     Frame,
-    /// The video source changed its state.
-    Video(VideoState),
-    /// What the times of the pictures tell has changed.
-    VideoTiming(VideoTiming),
+    /// The source of a video changed its state.
+    Video(VideoNumber, VideoState),
+    /// What the times of a video's pictures tell has changed.
+    VideoTiming(VideoNumber, VideoTiming),
     /// The link reports something.
     Link(LinkReport),
     /// A report of the link to the boat.

@@ -25,7 +25,10 @@ mod recording_start;
 mod sleep_inhibitor;
 pub mod sortie_text;
 pub mod source;
+mod track_video;
+pub mod tracked_video;
 mod video_sink;
+mod video_states;
 
 pub mod overlay_video;
 pub mod recorder;

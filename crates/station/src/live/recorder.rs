@@ -17,7 +17,7 @@ use barrelman_trial::records::{
     Entry, FrameFingerprint, RecordedInput, RecordedOutcome, RecordingStart, RecordingWriter,
 };
 use barrelman_trial::sortie::Sortie;
-use barrelman_vocab::{EncodedUnit, Timestamp, VehicleProfile, VideoFrame};
+use barrelman_vocab::{EncodedUnit, Timestamp, VehicleProfile, VideoFrame, VideoNumber};
 
 use super::event::Event;
 use super::faults::{FaultInjector, RECORDER};
@@ -32,12 +32,13 @@ const QUEUE_CAPACITY: usize = 2048;
 const FLUSH_INTERVAL: Duration = Duration::from_millis(500);
 
 enum Item {
-    Unit(EncodedUnit),
+    Unit(VideoNumber, EncodedUnit),
     /// A video frame that the pilot processed. The recorder thread computes the fingerprint, as this reads
     /// the whole luma plane.
     Frame {
         step: u64,
         now: Timestamp,
+        video: VideoNumber,
         frame: VideoFrame,
     },
     Input {
@@ -58,9 +59,9 @@ pub struct RecorderInput {
 }
 
 impl RecorderInput {
-    /// Adds a unit of video as received.
-    pub fn unit(&self, unit: &EncodedUnit) {
-        self.enqueue(Item::Unit(unit.clone()));
+    /// Adds a unit of a video as received.
+    pub fn unit(&self, video: VideoNumber, unit: &EncodedUnit) {
+        self.enqueue(Item::Unit(video, unit.clone()));
     }
 
     /// Adds an item without blocking. A full queue ends the recording, as a recording with a gap cannot be
@@ -84,7 +85,7 @@ impl LiveStepObserver for RecorderInput {
         let (index, now) = (step.index, step.outcome.at);
         self.enqueue(match RecordedInput::from_frameless(&step.input) {
             Ok(input) => Item::Input { step: index, now, input },
-            Err(frame) => Item::Frame { step: index, now, frame: frame.clone() },
+            Err(frame) => Item::Frame { step: index, now, video: step.video, frame: frame.clone() },
         });
         let outcome = RecordedOutcome::new(index, step.outcome, step.rates);
         self.enqueue(Item::Outcome(Box::new(outcome)));
@@ -178,9 +179,9 @@ fn write<W: Write>(
 /// thread.
 fn entry_of(item: Item) -> Option<Entry> {
     Some(match item {
-        Item::Unit(unit) => Entry::Unit(unit),
-        Item::Frame { step, now, frame } => {
-            let input = RecordedInput::Frame(FrameFingerprint::from_frame(&frame));
+        Item::Unit(video, unit) => Entry::Unit(video, unit),
+        Item::Frame { step, now, video, frame } => {
+            let input = RecordedInput::Frame(FrameFingerprint::from_frame(video, &frame));
             Entry::Input { step, now, input }
         }
         Item::Input { step, now, input } => Entry::Input { step, now, input },

@@ -12,22 +12,18 @@ use std::sync::Arc;
 use std::sync::mpsc::RecvTimeoutError;
 use std::time::Duration;
 
-use barrelman_console_server::PictureSlot;
 use barrelman_console_server::operator::{Answers, Gateway, SessionRequest, Submitted};
-use barrelman_console_server::snapshot::{
-    Alarm, Publisher, RecordingState, VideoSourceState, link_state_text,
-};
-use barrelman_host::latest::Latest;
+use barrelman_console_server::snapshot::{Alarm, Publisher, RecordingState, link_state_text};
 use barrelman_pilot::{Input, Notice, Outcome, Pilot, Refusal, VesselMode};
-use barrelman_video::VideoState;
 use barrelman_vocab::telemetry::{LinkState, Report};
 use barrelman_vocab::{
-    CameraRequest, HoldCause, Named as _, OperatorRequest, PictureSize, StopCause, Timestamp, VehicleProfile,
-    VehicleRates, VesselOrder, VesselRequest, VideoFrame,
+    Angle, CameraRequest, HoldCause, Named as _, OperatorRequest, PictureSize, StopCause, Timestamp,
+    VehicleProfile, VehicleRates, VesselOrder, VesselRequest, VideoNumber, Videos,
 };
 
 use super::event::{Event, EventSource};
 use super::status_line::{StatusLine, StatusOutput};
+use super::tracked_video::{LatestFrame, TrackedVideo};
 use crate::config::lens::misfit;
 use crate::link::vessel_link::VesselLink;
 use crate::link::{LinkReport, VehicleLink};
@@ -43,6 +39,8 @@ const MAX_WAIT: Duration = Duration::from_millis(200);
 pub struct LiveStep<'a> {
     /// Number of the step, from 0.
     pub index: u64,
+    /// The video that a frame belongs to.
+    pub video: VideoNumber,
     /// The input.
     pub input: Input<'a>,
     /// The outcome.
@@ -55,15 +53,6 @@ pub struct LiveStep<'a> {
 pub trait LiveStepObserver {
     /// The pilot made a step. Must not block.
     fn on_step(&mut self, step: &LiveStep<'_>);
-}
-
-/// Passes the video frames on to the pages.
-impl LiveStepObserver for Arc<PictureSlot> {
-    fn on_step(&mut self, step: &LiveStep<'_>) {
-        if let Input::Frame(frame) = step.input {
-            self.put(frame);
-        }
-    }
 }
 
 /// How a run ended.
@@ -89,8 +78,12 @@ pub struct RunLoop<'a> {
     pub gateway: Arc<Gateway>,
     /// Where the state after each step goes.
     pub publisher: Publisher,
-    /// The slot of the newest video frame.
-    pub latest: Arc<Latest<VideoFrame>>,
+    /// The slot of the newest frame of the tracked video.
+    pub latest: Arc<LatestFrame>,
+    /// Which video is the tracked one.
+    pub tracked: TrackedVideo,
+    /// Horizontal field of view of the second video, where it has one of its own.
+    pub second_field_of_view: Option<Angle>,
     /// The link; `None`: a dry run.
     pub link: Option<&'a dyn VehicleLink>,
     /// The link to the boat; `None`: no boat is commanded.
@@ -109,6 +102,14 @@ pub struct RunLoop<'a> {
     pub observers: Vec<Box<dyn LiveStepObserver + 'a>>,
 }
 
+/// The connections to a video so far.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Connections {
+    pub(super) has_been_up: bool,
+    /// Failed attempts to connect since the video was last up.
+    pub(super) failed: u64,
+}
+
 /// The state of the loop between events.
 #[derive(Default)]
 pub(super) struct LoopState {
@@ -121,17 +122,15 @@ pub(super) struct LoopState {
     /// Why the selection of the last step was refused.
     refusal: Option<String>,
     answers: Answers,
-    has_video_been_up: bool,
-    /// Failed attempts to connect to the video since it was last up.
-    failed_connections: u64,
+    pub(super) connections: Videos<Connections>,
     /// Size of the newest picture.
     picture: Option<PictureSize>,
 }
 
 /// An end of the run, with the cause for the pilot's stop.
-type Ending = (StopCause, RunEnd);
+pub(super) type Ending = (StopCause, RunEnd);
 
-fn failed(reason: impl Into<String>) -> Ending {
+pub(super) fn failed(reason: impl Into<String>) -> Ending {
     (StopCause::Fault, RunEnd::Failed(reason.into()))
 }
 
@@ -215,6 +214,7 @@ impl RunLoop<'_> {
                     state.answers.on_request_step(&request, answer, &outcome);
                 }
                 SessionRequest::World(request) => answer.give(self.world_answer(state, &request)),
+                SessionRequest::Video(request) => answer.give(self.video_answer(state, request)),
             }
         }
     }
@@ -251,8 +251,10 @@ impl RunLoop<'_> {
             Event::Operator => {}
             Event::Link(report) => return self.on_link_report(state, report),
             Event::Vessel(report) => return self.on_vessel_report(state, report),
-            Event::Video(video) => return self.on_video_state(state, video),
-            Event::VideoTiming(timing) => self.publisher.set_video_timing(timing, self.events.now()),
+            Event::Video(number, video) => return self.on_video_state(state, number, video),
+            Event::VideoTiming(number, timing) => {
+                self.publisher.set_video_timing(number, timing, self.events.now());
+            }
             Event::Quit(cause) => return Some((StopCause::Ending, RunEnd::Requested(cause.to_string()))),
             Event::ThreadPanicked { thread } => return Some(failed(format!("the {thread} thread panicked"))),
             Event::RecordingFailed { reason } => {
@@ -268,7 +270,10 @@ impl RunLoop<'_> {
     }
 
     fn on_frame(&mut self, state: &mut LoopState) -> Option<Ending> {
-        let frame = self.latest.take()?;
+        let (number, frame) = self.latest.take()?;
+        if number != self.tracked.number() {
+            return None;
+        }
         self.publisher.set_dropped(self.latest.replaced());
         if let Some(ending) = self.check_lens(state, frame.picture.size()) {
             return Some(ending);
@@ -393,7 +398,13 @@ impl RunLoop<'_> {
         if matches!(input, Input::Frame(_)) {
             self.publisher.add_step_time(self.events.now().since(begun));
         }
-        let step = LiveStep { index: self.publisher.newest().steps, input, outcome: &outcome, rates };
+        let step = LiveStep {
+            index: self.publisher.newest().steps,
+            video: self.tracked.number(),
+            input,
+            outcome: &outcome,
+            rates,
+        };
         if let Some(recorder) = &mut self.recorder {
             recorder.on_step(&step);
         }
@@ -433,38 +444,5 @@ impl RunLoop<'_> {
             | Notice::VideoClockWentBack => tracing::warn!("{notice}"),
             _ => tracing::info!("{notice}"),
         }
-    }
-
-    /// Logs a change of the video. The first failed connection is logged; the following ones are counted.
-    fn on_video_state(&mut self, state: &mut LoopState, video: VideoState) -> Option<Ending> {
-        let now = self.events.now();
-        match video {
-            VideoState::Connecting => {}
-            VideoState::Up => {
-                match std::mem::take(&mut state.failed_connections) {
-                    0 | 1 => tracing::info!("video: up"),
-                    attempts => tracing::info!("video: up, after {attempts} attempts"),
-                }
-                state.has_video_been_up = true;
-                self.publisher.set_video(VideoSourceState::Up, now);
-            }
-            VideoState::Lost { reason } => {
-                state.failed_connections += 1;
-                match (state.failed_connections, state.has_video_been_up) {
-                    (1, true) => tracing::warn!("the video was lost ({reason}); reconnecting"),
-                    (1, false) => {
-                        tracing::warn!("no video yet ({reason}); retrying until the source answers");
-                    }
-                    _ => {}
-                }
-                self.publisher.set_video(VideoSourceState::Lost(reason), now);
-            }
-            VideoState::Ended => {
-                self.publisher.set_video(VideoSourceState::Ended, now);
-                return Some((StopCause::VideoEnded, RunEnd::VideoEnded));
-            }
-            VideoState::Failed(error) => return Some(failed(format!("{:#}", anyhow::Error::from(error)))),
-        }
-        None
     }
 }

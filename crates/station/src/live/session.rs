@@ -15,7 +15,7 @@ use anyhow::{Context as _, Result};
 use barrelman_console_server::operator::Gateway;
 use barrelman_console_server::snapshot::{LinkStatus, Publisher, RecordingState, WorldState};
 use barrelman_console_server::{
-    ConsoleParts, ConsoleServer, ConsoleSettings, PictureSlot, SessionFacts, SessionTime, VideoRelay,
+    ConsoleParts, ConsoleServer, ConsoleSettings, SessionFacts, SessionTime, VideoOutlet,
 };
 use barrelman_host::absence::AbsenceWatch;
 use barrelman_host::clock::Clock;
@@ -26,7 +26,7 @@ use barrelman_link_http::HttpSettings;
 use barrelman_pilot::Pilot;
 use barrelman_video::VideoHandle;
 use barrelman_vocab::telemetry::LinkState;
-use barrelman_vocab::{CameraRequest, OperatorRequest, PixelBox};
+use barrelman_vocab::{CameraRequest, OperatorRequest, PixelBox, Videos};
 
 use super::calibration::LiveCalibration;
 use super::event::{Event, EventQueue, report_panics, wake_by};
@@ -45,7 +45,8 @@ use super::source::Source;
 use super::status_line::StatusLine;
 use super::status_writer::{LineStyle, StatusWriter};
 use super::terminal::{KEYS, Terminal};
-use super::video_sink::LiveVideoSink;
+use super::tracked_video::TrackedVideo;
+use super::video_sink::{LiveVideoSink, VideoReceivers};
 use crate::config::Configuration;
 use crate::config::vessel::SIMULATED;
 use crate::link::vessel_link::{Boat, VesselLink};
@@ -76,8 +77,8 @@ pub struct Session<'a> {
     pub configuration: &'a Configuration,
     /// The pilot of that configuration.
     pub pilot: Pilot,
-    /// The video source.
-    pub source: Source,
+    /// The video sources.
+    pub sources: Videos<Source>,
     /// The link; `None`: a dry run.
     pub link: Option<LinkUrl>,
     /// The guard's program, which serves the port of the link; `None`: a thread of this process does.
@@ -112,7 +113,7 @@ struct OpenParts {
     boat: Option<Boat>,
     recording: Option<Recording>,
     overlay: Option<OverlayVideo>,
-    source: VideoHandle,
+    sources: Videos<VideoHandle>,
     console: Option<ConsoleServer>,
     tracking_camera: Option<TrackingCameraThread>,
 }
@@ -145,11 +146,11 @@ impl Session<'_> {
             signing: secrets::mavlink_signing(key_file, self.clock)?,
             http: self.http.clone(),
         };
-        let link = open_link(self.link.as_ref(), self.source.world(), vehicle, self.clock, &events)?;
+        let link = open_link(self.link.as_ref(), self.sources.first.world(), vehicle, self.clock, &events)?;
         let boat = match &self.configuration.vessel {
             Some(vessel) => {
                 let guard = (self.vessel_guard.clone(), vessel_lock.clone());
-                Some(open_vessel(vessel, self.source.world(), guard, self.clock, &events)?)
+                Some(open_vessel(vessel, self.sources.first.world(), guard, self.clock, &events)?)
             }
             None => None,
         };
@@ -172,11 +173,11 @@ impl Session<'_> {
     }
 
     fn warn_without_selection(&self) {
-        if self.selection.is_some() || self.source.world().is_some() || self.calibration.is_some() {
+        if self.selection.is_some() || self.sources.first.world().is_some() || self.calibration.is_some() {
             return;
         }
         if self.console.is_some() {
-            let meanwhile = if self.source.is_live() {
+            let meanwhile = if self.sources.first.is_live() {
                 ""
             } else {
                 "; the file plays on meanwhile. To draw the box in its first frame, give --listen 127.0.0.1:8480; \
@@ -201,7 +202,7 @@ impl Session<'_> {
         let Self {
             configuration,
             pilot,
-            source,
+            sources,
             link: link_url,
             outputs,
             clock,
@@ -220,8 +221,9 @@ impl Session<'_> {
         let link_status = link.as_ref().map_or(LinkStatus::DryRun, |_| LinkStatus::Link(LinkState::Opening));
         let mut publisher = Publisher::new(profile, link_status, recording);
         publisher.set_vessel_link(LinkStatus::Link(LinkState::Opening));
-        let address = source.address();
-        let worlds = source.world().map(LiveWorld::switch).transpose()?;
+        let address = sources.first.address();
+        let second_address = sources.second.as_ref().map(Source::address);
+        let worlds = sources.first.world().map(LiveWorld::switch).transpose()?;
         if let Some(worlds) = &worlds {
             let first = worlds.first();
             let world = WorldState { scenario: first.scenario.clone(), seed: first.seed, boat: None };
@@ -230,7 +232,7 @@ impl Session<'_> {
         let is_recorded = outputs.record.is_some();
         let recording = match outputs.record {
             Some(file) => {
-                let start = recording_start(configuration, &source, link_url.as_ref(), clock)?;
+                let start = recording_start(configuration, &sources, link_url.as_ref(), clock)?;
                 let path = file.path().to_owned();
                 let context = format!("the recording {} cannot be written", path.display());
                 let recorder = Recorder::begin(
@@ -250,47 +252,54 @@ impl Session<'_> {
             |file| OverlayVideo::begin(file, profile.region, clock, fault_injector.clone(), events.clone());
         let overlay = outputs.overlay.map(begin_overlay).transpose()?;
         let latest = Arc::new(Latest::default());
-        let relay = console.as_ref().map(|_| Arc::new(VideoRelay::default()));
-        let sink = LiveVideoSink {
+        let outlets = console.as_ref().map(|_| sources.as_ref().map(|_, _| VideoOutlet::default()));
+        if sources.second.is_some() {
+            publisher.add_second_video();
+        }
+        let tracked = TrackedVideo::default();
+        let receivers = VideoReceivers {
+            tracked: tracked.clone(),
             latest: Arc::clone(&latest),
             recorder: recording.as_ref().map(|recording| recording.recorder.input()),
-            relay: relay.clone(),
             events: events.clone(),
             gateway: Arc::clone(&gateway),
             selects_target: self.selection.is_none() && !self.waits_for_selection,
-            damaged_units: 0,
         };
-        let source = source.start(configuration, is_recorded, clock, sink)?;
+        let sources = sources.try_map(|number, source| {
+            let outlet = outlets.as_ref().and_then(|outlets| outlets.get(number)).cloned();
+            let sink = LiveVideoSink::new(number, receivers.clone(), outlet);
+            source.start(configuration, is_recorded, clock, sink)
+        })?;
+        drop(receivers);
         let is_headless = console.is_none();
-        let pictures = Arc::new(PictureSlot::default());
         let facts = SessionFacts {
             command: "run",
             source: address,
+            second_source: second_address,
             link: link_url.as_ref().map(ToString::to_string),
             vehicle: profile.name.clone(),
             scenarios: worlds.as_ref().map(|worlds| worlds.choices().to_vec()).unwrap_or_default(),
         };
-        let open_console = |(settings, relay): (ConsoleSettings, Arc<VideoRelay>)| {
+        let open_console = |(settings, videos): (ConsoleSettings, Videos<VideoOutlet>)| {
             let parts = ConsoleParts {
                 facts: facts.clone(),
                 gateway: Arc::clone(&gateway),
                 snapshots: publisher.subscribe(),
                 events: publisher.events(),
-                relay,
-                pictures: Arc::clone(&pictures),
+                videos,
                 time: SessionTime::new(clock),
                 library: library(&configuration.recording),
             };
             ConsoleServer::open(settings, parts, report_panics(events.clone()))
         };
-        let console = console.zip(relay).map(open_console).transpose()?;
+        let console = console.zip(outlets).map(open_console).transpose()?;
         let open_camera = |setup: TrackingCameraSetup| {
             let parts =
                 CameraParts { gateway: Arc::clone(&gateway), snapshots: publisher.subscribe(), clock };
             TrackingCameraThread::start(setup, parts, events.clone())
         };
         let tracking_camera = tracking_camera.map(open_camera).transpose()?;
-        let parts = OpenParts { link, boat, recording, overlay, source, console, tracking_camera };
+        let parts = OpenParts { link, boat, recording, overlay, sources, console, tracking_camera };
         if watches_keys {
             // The thread of the terminal notices a closed output.
             let _ = writeln!(stdout(), "keys on this terminal: {KEYS}");
@@ -300,9 +309,6 @@ impl Session<'_> {
             StatusWriter::start(stdout(), style, clock, fault_injector.clone(), events.clone())?;
         let mut observers: Vec<Box<dyn LiveStepObserver + '_>> = Vec::new();
         observers.extend(parts.overlay.as_ref().map(|overlay| observer(overlay.input())));
-        if parts.console.is_some() {
-            observers.push(Box::new(pictures));
-        }
         if let Some(calibration) = &calibration {
             observers.push(observer(calibration.observer(Arc::clone(&gateway), events)));
         }
@@ -316,6 +322,8 @@ impl Session<'_> {
             gateway,
             publisher,
             latest,
+            tracked,
+            second_field_of_view: configuration.second_video.as_ref().and_then(|second| second.field_of_view),
             link: parts.link.as_ref().map(|link| link as &dyn VehicleLink),
             boat: parts.boat.as_ref().map(|boat| boat as &dyn VesselLink),
             worlds,
@@ -349,8 +357,10 @@ impl OpenParts {
         let boat = self.boat.map(|boat| std::thread::spawn(move || boat.close()));
         let is_stop_sent = self.link.is_none_or(Link::close);
         let is_vessel_neutral = boat.is_none_or(|closing| closing.join().unwrap_or(false));
-        if let Err(error) = self.source.stop() {
-            tracing::warn!("{error}");
+        for source in std::iter::once(self.sources.first).chain(self.sources.second) {
+            if let Err(error) = source.stop() {
+                tracing::warn!("{error}");
+            }
         }
         drop(self.console);
         drop(self.tracking_camera);

@@ -6,7 +6,9 @@ use std::path::{Path, PathBuf};
 use barrelman_pilot::CommandPath;
 use barrelman_station::commands::run::build_pilot;
 use barrelman_station::config::{self, Configuration};
-use barrelman_trial::records::{Entry, RecordedInput, RecordedOutcome, RecordingStart, RecordingWriter};
+use barrelman_trial::records::{
+    Entry, RecordedInput, RecordedOutcome, RecordedVideo, RecordingStart, RecordingWriter,
+};
 use barrelman_vocab::VehicleProfile;
 use barrelman_vocab::telemetry::{LinkState, Report};
 use barrelman_vocab::{CameraRequest, OperatorRequest, Telemetry, Timestamp, Track};
@@ -25,9 +27,8 @@ fn record(name: &str, made: CommandPath, stated: CommandPath) -> (PathBuf, bool)
         monotonic_ns: 0,
         unix_ns: 0,
         configuration: configuration.to_toml().unwrap(),
-        video: "file:pictures".to_owned(),
+        videos: RecordedVideo::only("file:pictures", false),
         link: "tcp://127.0.0.1:5000".to_owned(),
-        live_video: false,
         command_path: stated,
         trial: None,
     };

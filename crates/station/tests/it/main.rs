@@ -25,6 +25,7 @@ mod replays;
 mod reports;
 mod rooms;
 mod run_loop;
+mod second_video;
 mod secrets;
 mod sent_rates;
 mod simulated_source;

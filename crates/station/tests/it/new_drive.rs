@@ -14,6 +14,7 @@ use barrelman_station::link::vessel_link::VesselLink;
 use barrelman_station::live::event::{Event, EventSource, QuitCause};
 use barrelman_station::live::run_loop::{LiveStep, LiveStepObserver, RunLoop};
 use barrelman_station::live::status_line::{StatusLine, StatusOutput};
+use barrelman_station::live::tracked_video::TrackedVideo;
 use barrelman_station::simulated_source::{LiveWorld, WorldSwitch};
 use barrelman_vocab::{
     CameraRequest, NewDrive, OperatorRequest, StopCause, Timestamp, VehicleProfile, VesselOrder,
@@ -81,6 +82,8 @@ fn run(worlds: Option<WorldSwitch>, has_boat: bool, request: WorldRequest) -> Ru
         gateway,
         publisher,
         latest: Arc::new(Latest::default()),
+        tracked: TrackedVideo::default(),
+        second_field_of_view: None,
         link: None,
         boat: has_boat.then_some(&boat as &dyn VesselLink),
         worlds,

@@ -12,11 +12,13 @@ use barrelman_station::live::faults::FaultInjector;
 use barrelman_station::live::recorder::{Recorder, RecorderInput};
 use barrelman_station::live::run_loop::{LiveStep, LiveStepObserver as _};
 use barrelman_trial::records::{
-    Entry, FrameFingerprint, RecordedInput, RecordedOutcome, RecordingReader, RecordingStart,
+    Entry, FrameFingerprint, RecordedInput, RecordedOutcome, RecordedVideo, RecordingReader, RecordingStart,
 };
 use barrelman_vocab::unit::{Rotation, UnitCodec};
 use barrelman_vocab::video::{Capture, CaptureQuality};
-use barrelman_vocab::{CameraRequest, EncodedUnit, OperatorRequest, VehicleProfile, VehicleRates};
+use barrelman_vocab::{
+    CameraRequest, EncodedUnit, OperatorRequest, VehicleProfile, VehicleRates, VideoNumber,
+};
 use bytes::Bytes;
 
 use crate::live_scenes::{SELECTION, at, frame, pilot};
@@ -90,9 +92,8 @@ fn recording_start() -> RecordingStart {
         monotonic_ns: 1,
         unix_ns: 2,
         configuration: String::new(),
-        video: "sim:test".to_owned(),
+        videos: RecordedVideo::only("sim:test", true),
         link: String::new(),
-        live_video: true,
         command_path: CommandPath::DryRun,
         trial: None,
     }
@@ -130,9 +131,15 @@ fn unit(index: u64, bytes: usize) -> EncodedUnit {
 fn step(pilot: &mut Pilot, recorder: &mut RecorderInput, index: u64, input: Input<'_>) -> [Entry; 2] {
     let now = at(1_000 + index * 10);
     let outcome = pilot.step(input, now);
-    recorder.on_step(&LiveStep { index, input, outcome: &outcome, rates: VehicleRates::REST });
+    recorder.on_step(&LiveStep {
+        index,
+        video: VideoNumber::First,
+        input,
+        outcome: &outcome,
+        rates: VehicleRates::REST,
+    });
     let recorded = match input {
-        Input::Frame(frame) => RecordedInput::Frame(FrameFingerprint::from_frame(frame)),
+        Input::Frame(frame) => RecordedInput::Frame(FrameFingerprint::from_frame(VideoNumber::First, frame)),
         other => RecordedInput::from_frameless(&other).unwrap(),
     };
     [
@@ -160,8 +167,8 @@ fn entries_are_written_in_order_and_can_be_read_back() {
         Input::Request(OperatorRequest::Camera(CameraRequest::Engage)),
     ));
     // The video thread has a handle of its own.
-    recorder.input().unit(&unit(0, 100));
-    expected.push(Entry::Unit(unit(0, 100)));
+    recorder.input().unit(VideoNumber::First, &unit(0, 100));
+    expected.push(Entry::Unit(VideoNumber::First, unit(0, 100)));
     expected.extend(step(&mut pilot, &mut input, 2, Input::Frame(&frame)));
     expected.extend(step(&mut pilot, &mut input, 3, Input::Tick));
     recorder.finish();
@@ -174,10 +181,10 @@ fn a_full_queue_stops_the_recording_with_one_alarm_and_never_blocks() {
     let (output, recorder, events) = begin();
     let input = recorder.input();
     output.set(Writes::Block);
-    input.unit(&unit(0, WHOLE_CHUNK));
+    input.unit(VideoNumber::First, &unit(0, WHOLE_CHUNK));
     let mut added = 1;
     let reason = loop {
-        input.unit(&unit(added, 1));
+        input.unit(VideoNumber::First, &unit(added, 1));
         added += 1;
         match events.try_recv() {
             Ok(Event::RecordingFailed { reason }) => break reason,
@@ -189,11 +196,11 @@ fn a_full_queue_stops_the_recording_with_one_alarm_and_never_blocks() {
     output.set(Writes::Succeed);
     // The writer has emptied part of the queue: there is room again.
     output.wait_for(WHOLE_CHUNK + 4096);
-    (0..10).for_each(|more| input.unit(&unit(added + more, 1)));
+    (0..10).for_each(|more| input.unit(VideoNumber::First, &unit(added + more, 1)));
     recorder.finish();
     assert!(events.try_recv().is_err(), "one alarm");
     let units = output.entries().into_iter().filter_map(|entry| match entry {
-        Entry::Unit(unit) => Some(unit.index),
+        Entry::Unit(_, unit) => Some(unit.index),
         _ => None,
     });
     assert!(units.eq(0..added - 1), "what was added before the alarm is there, without a gap");
@@ -204,11 +211,11 @@ fn a_write_error_stops_the_recording_with_one_alarm() {
     let (output, recorder, events) = begin();
     let input = recorder.input();
     output.set(Writes::Fail);
-    input.unit(&unit(0, WHOLE_CHUNK));
-    input.unit(&unit(1, 1));
+    input.unit(VideoNumber::First, &unit(0, WHOLE_CHUNK));
+    input.unit(VideoNumber::First, &unit(1, 1));
     let Event::RecordingFailed { reason } = events.recv().unwrap() else { panic!("no alarm") };
     assert!(reason.starts_with("the recording cannot be written"), "{reason}");
-    (2..10).for_each(|index| input.unit(&unit(index, 1)));
+    (2..10).for_each(|index| input.unit(VideoNumber::First, &unit(index, 1)));
     recorder.finish();
     assert!(events.try_recv().is_err(), "one alarm");
 }

@@ -7,13 +7,13 @@ use std::process::Command;
 
 use barrelman_pilot::CommandPath;
 use barrelman_station::commands::stored_video::StoredVideo;
-use barrelman_trial::records::{Entry, FrameFingerprint, RecordingStart, RecordingWriter};
+use barrelman_trial::records::{Entry, FrameFingerprint, RecordedVideo, RecordingStart, RecordingWriter};
 use barrelman_video::decoder::UnitDecoder;
 use barrelman_video::mode::DecodeMode;
-use barrelman_vocab::VehicleProfile;
 use barrelman_vocab::unit::{Rotation, UnitCodec};
 use barrelman_vocab::video::{Capture, CaptureQuality, ColourEncoding};
 use barrelman_vocab::{EncodedUnit, PictureSize, Timestamp, VideoFrame};
+use barrelman_vocab::{VehicleProfile, VideoNumber};
 
 const SIZE: PictureSize = PictureSize::new(32, 32);
 
@@ -69,9 +69,8 @@ fn a_recording_of_many_pictures_that_no_step_takes_needs_little_memory() {
         monotonic_ns: 0,
         unix_ns: 0,
         configuration: String::from_utf8(configuration.stdout).unwrap(),
-        video: "file:pictures".to_owned(),
+        videos: RecordedVideo::only("file:pictures", false),
         link: String::new(),
-        live_video: false,
         command_path: CommandPath::DryRun,
         trial: None,
     };
@@ -80,7 +79,7 @@ fn a_recording_of_many_pictures_that_no_step_takes_needs_little_memory() {
     let png = black_png();
     // 400 pictures of 6 MB each when decoded.
     for index in 0..400 {
-        writer.write(&Entry::Unit(unit(index, UnitCodec::Png, png.clone()))).unwrap();
+        writer.write(&Entry::Unit(VideoNumber::First, unit(index, UnitCodec::Png, png.clone()))).unwrap();
     }
     writer.finish().unwrap();
     // The process gets a gigabyte of address space.
@@ -108,14 +107,17 @@ fn frames_come_as_they_are_asked_for_and_those_between_are_passed_over() {
         // The pilot takes the newest frame, three units late.
         if index % 5 == 4 {
             let wanted = &expected[index - 3];
-            let frame = video.frame(&FrameFingerprint::from_frame(wanted)).unwrap();
+            let frame = video.frame(&FrameFingerprint::from_frame(VideoNumber::First, wanted)).unwrap();
             assert_eq!((frame.sequence, &frame.picture), (wanted.sequence, &wanted.picture));
             taken += 1;
         }
     }
     assert_eq!(taken, 10);
     let refusal = video
-        .frame(&FrameFingerprint { sequence: 50, ..FrameFingerprint::from_frame(&expected[0]) })
+        .frame(&FrameFingerprint {
+            sequence: 50,
+            ..FrameFingerprint::from_frame(VideoNumber::First, &expected[0])
+        })
         .unwrap_err();
     assert!(refusal.to_string().contains("frame 50 is not in the recording"), "{refusal}");
 }
@@ -129,7 +131,7 @@ fn video_that_runs_too_far_ahead_is_an_error_that_says_so() {
     // While a frame is taken for each unit, the queue never fills.
     for (index, frame) in expected.iter().enumerate() {
         video.add(raw(index as u64)).unwrap();
-        video.frame(&FrameFingerprint::from_frame(frame)).unwrap();
+        video.frame(&FrameFingerprint::from_frame(VideoNumber::First, frame)).unwrap();
     }
     let refusal = (30..60).find_map(|index| video.add(raw(index)).err()).unwrap().to_string();
     assert!(refusal.contains("too far ahead") && refusal.contains("picture 42"), "{refusal}");

@@ -14,11 +14,12 @@ use barrelman_station::link::{LinkReport, VehicleLink};
 use barrelman_station::live::event::{Event, EventSource, QuitCause};
 use barrelman_station::live::run_loop::{LiveStep, LiveStepObserver, RunEnd, RunLoop};
 use barrelman_station::live::status_line::{StatusLine, StatusOutput};
+use barrelman_station::live::tracked_video::{LatestFrame, TrackedVideo};
 use barrelman_video::{VideoError, VideoState};
 use barrelman_vocab::telemetry::{ControlState, LinkState, Report};
 use barrelman_vocab::{
     CameraRequest, HoldCause, Lens, OperatorRequest, PictureSize, StopCause, Telemetry, Timestamp,
-    VehicleProfile, VehicleRates, VideoFrame,
+    VehicleProfile, VehicleRates, VideoNumber,
 };
 
 use crate::live_scenes::{REFUSED, SELECTION, at, frame, pilot};
@@ -55,7 +56,7 @@ struct Script {
     gateway: Arc<Gateway>,
     now: Timestamp,
     arrivals: VecDeque<(u64, Arrival)>,
-    latest: Arc<Latest<VideoFrame>>,
+    latest: Arc<LatestFrame>,
     frames: u64,
 }
 
@@ -74,7 +75,7 @@ impl EventSource for Script {
         self.now = self.now.max(at(ms));
         match arrival {
             Frame => {
-                self.latest.put(frame(self.frames, self.now));
+                self.latest.put((VideoNumber::First, frame(self.frames, self.now)));
                 self.frames += 1;
                 Ok(Event::Frame)
             }
@@ -209,6 +210,8 @@ fn run_vehicle(
         gateway,
         publisher,
         latest,
+        tracked: TrackedVideo::default(),
+        second_field_of_view: None,
         link: Some(&link),
         boat: None,
         worlds: None,
@@ -306,8 +309,11 @@ fn each_end_of_a_run_sends_a_stop_last() {
     let panicked = |thread: &str| event(Event::ThreadPanicked { thread: thread.to_owned() });
     let broken = VideoError::Provided { reason: "no such video".to_owned() };
     for (arrival, (cause, end)) in [
-        (event(Event::Video(VideoState::Ended)), (StopCause::VideoEnded, RunEnd::VideoEnded)),
-        (event(Event::Video(VideoState::Failed(broken))), failed("no such video")),
+        (
+            event(Event::Video(VideoNumber::First, VideoState::Ended)),
+            (StopCause::VideoEnded, RunEnd::VideoEnded),
+        ),
+        (event(Event::Video(VideoNumber::First, VideoState::Failed(broken))), failed("no such video")),
         (quit(), requested("q was pressed")),
         (event(Event::Quit(QuitCause::Signal("SIGTERM"))), requested("SIGTERM was received")),
         (event(Event::Quit(QuitCause::OutputClosed)), requested("the output was closed")),
@@ -376,13 +382,13 @@ fn an_event_without_a_frame_in_the_slot_makes_no_step() {
 
 #[test]
 fn losses_of_video_and_link_are_survived() {
-    let lost = || event(Event::Video(VideoState::Lost { reason: "time-out".to_owned() }));
+    let lost = || event(Event::Video(VideoNumber::First, VideoState::Lost { reason: "time-out".to_owned() }));
     let run = run(
         &[SELECT, ENGAGE],
         [
-            (1_050, event(Event::Video(VideoState::Connecting))),
+            (1_050, event(Event::Video(VideoNumber::First, VideoState::Connecting))),
             (1_060, lost()),
-            (1_070, event(Event::Video(VideoState::Up))),
+            (1_070, event(Event::Video(VideoNumber::First, VideoState::Up))),
             (1_100, Frame),
             (
                 1_120,

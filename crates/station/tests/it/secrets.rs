@@ -129,7 +129,10 @@ fn a_login_comes_from_a_file_or_the_environment_and_goes_to_the_camera_alone() {
     let Some(Ok(Entry::Start(start))) = RecordingReader::new(File::open(&record).unwrap()).next() else {
         panic!("it begins with its start")
     };
-    assert!(start.video.starts_with("rtsp://***@127.0.0.1") && start.configuration.contains("login_file"));
+    assert!(
+        start.videos.first.address.starts_with("rtsp://***@127.0.0.1")
+            && start.configuration.contains("login_file")
+    );
     assert!(!format!("{start:?}").contains(PASSWORD), "{start:?}");
 }
 

@@ -15,8 +15,21 @@ mod video;
 
 pub(super) use malformed::Malformed;
 
-use super::entry::{RecordingStart, SimulatedTrial};
+use super::entry::{RecordedVideo, RecordingStart, SimulatedTrial};
 use super::stored;
+use barrelman_vocab::Videos;
+
+impl From<&RecordedVideo> for stored::VideoSource {
+    fn from(video: &RecordedVideo) -> Self {
+        Self { address: video.address.clone(), live: video.is_live }
+    }
+}
+
+impl From<stored::VideoSource> for RecordedVideo {
+    fn from(video: stored::VideoSource) -> Self {
+        Self { address: video.address, is_live: video.live }
+    }
+}
 
 impl From<&RecordingStart> for stored::RecordingStart {
     fn from(start: &RecordingStart) -> Self {
@@ -25,9 +38,9 @@ impl From<&RecordingStart> for stored::RecordingStart {
             monotonic_ns: start.monotonic_ns,
             unix_ns: start.unix_ns,
             configuration: start.configuration.clone(),
-            video: start.video.clone(),
+            video: Some((&start.videos.first).into()),
+            second_video: start.videos.second.as_ref().map(Into::into),
             link: start.link.clone(),
-            live_video: start.live_video,
             command_path: stored::CommandPath::from(start.command_path) as i32,
             trial: start.trial.clone().map(|SimulatedTrial { seed, settings, scenario }| {
                 stored::SimulatedTrial { seed, settings, scenario }
@@ -48,9 +61,11 @@ impl TryFrom<stored::RecordingStart> for RecordingStart {
             monotonic_ns: start.monotonic_ns,
             unix_ns: start.unix_ns,
             configuration: start.configuration,
-            video: start.video,
+            videos: Videos {
+                first: start.video.ok_or_else(|| malformed::missing("video"))?.into(),
+                second: start.second_video.map(Into::into),
+            },
             link: start.link,
-            live_video: start.live_video,
             command_path,
             trial: start.trial.map(|stored::SimulatedTrial { seed, settings, scenario }| SimulatedTrial {
                 seed,

@@ -10,7 +10,7 @@ use barrelman_sim::Truth;
 use barrelman_vocab::earth::GeoPoint;
 use barrelman_vocab::{
     Angle, CameraCommand, EncodedUnit, ImagePoint, MarkKind, Timestamp, Track, VehicleRates, VesselCommand,
-    VesselOrder, WaterPoint,
+    VesselOrder, VideoNumber, Videos, WaterPoint,
 };
 
 use super::recorded_input::RecordedInput;
@@ -21,8 +21,8 @@ use crate::target_in_picture::TargetInPicture;
 pub enum Entry {
     /// Program, configuration and clocks of the run. The first entry.
     Start(RecordingStart),
-    /// A unit of video, as received.
-    Unit(EncodedUnit),
+    /// A unit of a video, as received.
+    Unit(VideoNumber, EncodedUnit),
     /// An input of the pilot.
     Input {
         /// Running number of the step, from 0.
@@ -38,6 +38,22 @@ pub enum Entry {
     Truth(RecordedTruth),
 }
 
+/// Where a video came from.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct RecordedVideo {
+    /// The address, without passwords.
+    pub address: String,
+    /// Whether the video was live: a live decoder returns pictures at once, that of a file in the order of display.
+    pub is_live: bool,
+}
+
+impl RecordedVideo {
+    /// The videos of a run with one.
+    pub fn only(address: impl Into<String>, is_live: bool) -> Videos<Self> {
+        Videos::one(Self { address: address.into(), is_live })
+    }
+}
+
 /// Program, configuration and clocks of a run.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct RecordingStart {
@@ -49,16 +65,21 @@ pub struct RecordingStart {
     pub unix_ns: u64,
     /// The full effective configuration, TOML.
     pub configuration: String,
-    /// URL of the video, without passwords.
-    pub video: String,
+    /// The video or videos.
+    pub videos: Videos<RecordedVideo>,
     /// URL of the link; empty for a dry run.
     pub link: String,
-    /// Whether the video was live: a live decoder returns pictures at once, that of a file in the order of display.
-    pub live_video: bool,
     /// Where the pilot's commands went.
     pub command_path: CommandPath,
     /// The simulated trial that the recording shows; `None` for other recordings.
     pub trial: Option<SimulatedTrial>,
+}
+
+impl RecordingStart {
+    /// Whether the recording is of a simulated trial, as far as its address tells.
+    pub fn is_simulated_trial(&self) -> bool {
+        self.videos.first.address.starts_with("sim:") && !self.videos.first.is_live
+    }
 }
 
 /// What it takes to run a simulated trial again.

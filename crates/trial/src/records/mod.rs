@@ -27,8 +27,8 @@ mod stored_sortie;
 mod foxglove_view;
 
 pub use entry::{
-    Entry, RecordedMark, RecordedOutcome, RecordedProgress, RecordedTruth, RecordedVessel, RecordingStart,
-    SimulatedTrial,
+    Entry, RecordedMark, RecordedOutcome, RecordedProgress, RecordedTruth, RecordedVessel, RecordedVideo,
+    RecordingStart, SimulatedTrial,
 };
 pub use reader::{ReadError, RecordingReader};
 pub use recorded_input::{FrameFingerprint, RecordedInput};

@@ -96,7 +96,7 @@ fn decode(
     pending_unit: &mut Option<stored::VideoUnit>,
 ) -> Result<Option<Entry>, Malformed> {
     let mut unit = |payload: Bytes| match pending_unit.take() {
-        Some(unit) => unit.with_payload(payload).map(|unit| Some(Entry::Unit(unit))),
+        Some(unit) => unit.with_payload(payload).map(|(video, unit)| Some(Entry::Unit(video, unit))),
         None => Err(Malformed("a picture that no unit announced".to_owned())),
     };
     Ok(Some(match topic {
@@ -105,9 +105,9 @@ fn decode(
             *pending_unit = Some(stored::VideoUnit::decode(data)?);
             return Ok(None);
         }
-        Topic::Video => return unit(CompressedVideo::decode(data)?.data),
-        Topic::VideoPicture => return unit(CompressedImage::decode(data)?.data),
-        Topic::VideoRaw => return unit(stored::RawPicture::decode(data)?.samples.into()),
+        Topic::Video | Topic::SecondVideo => return unit(CompressedVideo::decode(data)?.data),
+        Topic::VideoPicture | Topic::SecondPicture => return unit(CompressedImage::decode(data)?.data),
+        Topic::VideoRaw | Topic::SecondRaw => return unit(stored::RawPicture::decode(data)?.samples.into()),
         Topic::InputFrame => stored::FrameInput::decode(data)?.try_into()?,
         Topic::InputLocalisation => stored::LocalisationInput::decode(data)?.try_into()?,
         Topic::InputTelemetry => stored::TelemetryInput::decode(data)?.try_into()?,

@@ -2,7 +2,7 @@
 
 use barrelman_pilot::Input;
 use barrelman_vocab::video::{Capture, ColourEncoding};
-use barrelman_vocab::{OperatorRequest, PictureSize, Telemetry, Track, VideoFrame};
+use barrelman_vocab::{OperatorRequest, PictureSize, Telemetry, Track, VideoFrame, VideoNumber};
 
 /// An input of the pilot as stored: the fingerprint stands for a video frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -22,9 +22,10 @@ pub enum RecordedInput {
 }
 
 impl RecordedInput {
-    /// Converts an input. Reads the whole luma plane of a video frame.
+    /// Converts an input of a run with one video. Reads the whole luma plane of a video frame.
     pub fn from_input(input: &Input<'_>) -> Self {
-        Self::from_frameless(input).unwrap_or_else(|frame| Self::Frame(FrameFingerprint::from_frame(frame)))
+        let of_first = |frame| Self::Frame(FrameFingerprint::from_frame(VideoNumber::First, frame));
+        Self::from_frameless(input).unwrap_or_else(of_first)
     }
 
     /// Converts an input other than a video frame, at negligible cost.
@@ -76,7 +77,9 @@ impl RecordedInput {
 /// Identifies a video frame among those of a recording.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct FrameFingerprint {
-    /// Running number of the decoded frame.
+    /// The video that the frame belongs to.
+    pub video: VideoNumber,
+    /// Running number of the decoded frame of that video.
     pub sequence: u64,
     /// Time of capture, and its quality.
     pub capture: Capture,
@@ -89,10 +92,11 @@ pub struct FrameFingerprint {
 }
 
 impl FrameFingerprint {
-    /// The fingerprint of a frame. Reads the whole luma plane once.
-    pub fn from_frame(frame: &VideoFrame) -> Self {
+    /// The fingerprint of a frame of a video. Reads the whole luma plane once.
+    pub fn from_frame(video: VideoNumber, frame: &VideoFrame) -> Self {
         let luma = &frame.picture.samples()[..frame.picture.size().area()];
         Self {
+            video,
             sequence: frame.sequence,
             capture: frame.capture,
             size: frame.picture.size(),

@@ -16,6 +16,9 @@ pub(super) enum Topic {
     Video,
     VideoPicture,
     VideoRaw,
+    SecondVideo,
+    SecondPicture,
+    SecondRaw,
     InputFrame,
     InputLocalisation,
     InputTelemetry,
@@ -29,12 +32,15 @@ pub(super) enum Topic {
 }
 
 impl Topic {
-    pub(super) const ALL: [Self; 15] = [
+    pub(super) const ALL: [Self; 18] = [
         Self::Start,
         Self::VideoUnit,
         Self::Video,
         Self::VideoPicture,
         Self::VideoRaw,
+        Self::SecondVideo,
+        Self::SecondPicture,
+        Self::SecondRaw,
         Self::InputFrame,
         Self::InputLocalisation,
         Self::InputTelemetry,
@@ -54,6 +60,9 @@ impl Topic {
             Self::Video => "/video",
             Self::VideoPicture => "/video/picture",
             Self::VideoRaw => "/video/raw",
+            Self::SecondVideo => "/second/video",
+            Self::SecondPicture => "/second/video/picture",
+            Self::SecondRaw => "/second/video/raw",
             Self::InputFrame => "/input/frame",
             Self::InputLocalisation => "/input/localisation",
             Self::InputTelemetry => "/input/telemetry",
@@ -80,9 +89,9 @@ impl Topic {
         match self {
             Self::Start => own("RecordingStart"),
             Self::VideoUnit => own("VideoUnit"),
-            Self::Video => known(CompressedVideo::get_schema()),
-            Self::VideoPicture => known(CompressedImage::get_schema()),
-            Self::VideoRaw => own("RawPicture"),
+            Self::Video | Self::SecondVideo => known(CompressedVideo::get_schema()),
+            Self::VideoPicture | Self::SecondPicture => known(CompressedImage::get_schema()),
+            Self::VideoRaw | Self::SecondRaw => own("RawPicture"),
             Self::InputFrame => own("FrameInput"),
             Self::InputLocalisation => own("LocalisationInput"),
             Self::InputTelemetry => own("TelemetryInput"),

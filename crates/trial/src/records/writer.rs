@@ -9,7 +9,7 @@ use std::io::Write;
 use barrelman_pilot::Mode;
 use barrelman_vocab::profile::RegionShares;
 use barrelman_vocab::unit::UnitCodec;
-use barrelman_vocab::{EncodedUnit, Timestamp, VehicleProfile};
+use barrelman_vocab::{EncodedUnit, Timestamp, VehicleProfile, VideoNumber};
 use foxglove::messages::{CompressedImage, CompressedVideo};
 use mcap::records::MessageHeader;
 use mcap::write::NoSeek;
@@ -44,6 +44,17 @@ impl Channel {
             UnitCodec::Jpeg => Self::Picture("jpeg"),
             UnitCodec::Png => Self::Picture("png"),
             UnitCodec::RawYuv420 { .. } => Self::Raw,
+        }
+    }
+
+    const fn topic(&self, video: VideoNumber) -> Topic {
+        match (self, video) {
+            (Self::Video(_), VideoNumber::First) => Topic::Video,
+            (Self::Picture(_), VideoNumber::First) => Topic::VideoPicture,
+            (Self::Raw, VideoNumber::First) => Topic::VideoRaw,
+            (Self::Video(_), VideoNumber::Second) => Topic::SecondVideo,
+            (Self::Picture(_), VideoNumber::Second) => Topic::SecondPicture,
+            (Self::Raw, VideoNumber::Second) => Topic::SecondRaw,
         }
     }
 }
@@ -104,7 +115,7 @@ impl<W: Write> RecordingWriter<W> {
             Entry::Start(start) => {
                 self.write_message(Topic::Start, Timestamp::ZERO, &stored::RecordingStart::from(start))
             }
-            Entry::Unit(unit) => self.write_unit(unit),
+            Entry::Unit(video, unit) => self.write_unit(*video, unit),
             Entry::Input { step, now, input } => self.write_input(*step, *now, input),
             Entry::Outcome(outcome) => {
                 self.write_message(Topic::Outcome, outcome.at, &stored::Outcome::from(outcome))?;
@@ -116,24 +127,28 @@ impl<W: Write> RecordingWriter<W> {
         }
     }
 
-    fn write_unit(&mut self, unit: &EncodedUnit) -> Result<(), WriteError> {
+    fn write_unit(&mut self, video: VideoNumber, unit: &EncodedUnit) -> Result<(), WriteError> {
         let at = unit.capture.at;
-        self.write_message(Topic::VideoUnit, at, &stored::VideoUnit::from(unit))?;
+        self.write_message(Topic::VideoUnit, at, &stored::VideoUnit::announcing(video, unit))?;
         let timestamp = Some(self.foxglove_time(at));
-        let frame_id = "camera".to_owned();
+        let frame_id = match video {
+            VideoNumber::First => "camera",
+            VideoNumber::Second => "second camera",
+        };
+        let frame_id = frame_id.to_owned();
         let data = unit.payload.clone();
-        match Channel::of(unit.codec) {
+        let channel = Channel::of(unit.codec);
+        let topic = channel.topic(video);
+        match channel {
             Channel::Video(format) => {
                 let format = format.to_owned();
-                self.write_message(Topic::Video, at, &CompressedVideo { timestamp, frame_id, data, format })
+                self.write_message(topic, at, &CompressedVideo { timestamp, frame_id, data, format })
             }
             Channel::Picture(format) => {
                 let image = CompressedImage { timestamp, frame_id, data, format: format.to_owned() };
-                self.write_message(Topic::VideoPicture, at, &image)
+                self.write_message(topic, at, &image)
             }
-            Channel::Raw => {
-                self.write_message(Topic::VideoRaw, at, &stored::RawPicture { samples: data.to_vec() })
-            }
+            Channel::Raw => self.write_message(topic, at, &stored::RawPicture { samples: data.to_vec() }),
         }
     }
 

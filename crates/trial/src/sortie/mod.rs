@@ -108,13 +108,13 @@ impl SortieObserver {
                 }
             }
             Entry::Outcome(outcome) => self.add_outcome(outcome),
-            Entry::Unit(_) | Entry::Truth(_) => {}
+            Entry::Unit(..) | Entry::Truth(_) => {}
         }
     }
 
     pub(crate) fn begin(&mut self, start: &RecordingStart) {
         self.unix_ns = start.unix_ns;
-        self.sortie.video.clone_from(&start.video);
+        self.sortie.video.clone_from(&start.videos.first.address);
         self.sortie.link.clone_from(&start.link);
     }
 

@@ -1,18 +1,18 @@
 //! Truncated recordings, as of a killed process.
 
 use barrelman_trial::records::{Entry, ReadError, RecordedInput, RecordingWriter};
-use barrelman_vocab::VehicleProfile;
 use barrelman_vocab::unit::UnitCodec;
+use barrelman_vocab::{VehicleProfile, VideoNumber};
 
 use crate::entries::{input, outcome, read, start, unit, written};
 
 /// A recording flushed after every second entry, and its entries.
 fn recording() -> (Vec<u8>, Vec<Entry>) {
     let entries = vec![
-        Entry::Unit(unit(UnitCodec::H264AnnexB, &[0, 0, 0, 1, 9, 0xf0])),
+        Entry::Unit(VideoNumber::First, unit(UnitCodec::H264AnnexB, &[0, 0, 0, 1, 9, 0xf0])),
         input(RecordedInput::Tick),
         Entry::Outcome(outcome(0.5)),
-        Entry::Unit(unit(UnitCodec::Jpeg, &[0xff, 0xd8])),
+        Entry::Unit(VideoNumber::First, unit(UnitCodec::Jpeg, &[0xff, 0xd8])),
         input(RecordedInput::Tick),
     ];
     let mut bytes = Vec::new();

@@ -6,7 +6,7 @@ use barrelman_control::{Percept, Sector};
 use barrelman_pilot::{Advice, CommandPath, Mode};
 use barrelman_trial::records::{
     Entry, FrameFingerprint, ReadError, RecordedInput, RecordedMark, RecordedOutcome, RecordedProgress,
-    RecordedTruth, RecordedVessel, RecordingReader, RecordingStart, RecordingWriter,
+    RecordedTruth, RecordedVessel, RecordedVideo, RecordingReader, RecordingStart, RecordingWriter,
 };
 use barrelman_trial::target_in_picture::TargetInPicture;
 use barrelman_vocab::VehicleProfile;
@@ -21,7 +21,7 @@ use barrelman_vocab::video::{Capture, CaptureQuality, ColourEncoding, ColourMatr
 use barrelman_vocab::{
     Angle, AngularRate, CameraCommand, CameraRequest, DrawnMark, EncodedUnit, HoldCause, ImagePoint,
     Localisation, MarkKind, MovedMark, OperatorRequest, PictureSize, PixelBox, PixelPoint, StopCause,
-    Telemetry, Timestamp, Track, VesselCommand, VesselRequest, VesselStopper, WaterPoint,
+    Telemetry, Timestamp, Track, VesselCommand, VesselRequest, VesselStopper, VideoNumber, WaterPoint,
 };
 use bytes::Bytes;
 
@@ -33,9 +33,8 @@ pub(crate) fn start() -> RecordingStart {
         monotonic_ns: 123,
         unix_ns: 1_493_598_415_000_000_000,
         configuration: "[video]\nurl = \"file:clip.mp4\" # a, b\n".to_owned(),
-        video: "file:clip.mp4".to_owned(),
+        videos: RecordedVideo::only("file:clip.mp4", true),
         link: String::new(),
-        live_video: true,
         command_path: CommandPath::Link,
         trial: None,
     }
@@ -265,16 +264,23 @@ pub(crate) fn every_kind() -> Vec<Entry> {
         (UnitCodec::RawYuv420 { size, colour: COLOURS[0] }, &[1, 2, 3, 4, 5, 6, 7]),
         (UnitCodec::RawYuv420 { size: PictureSize::new(0, 0), colour: COLOURS[1] }, &[]),
     ];
-    entries.extend(codecs.map(|(codec, payload)| Entry::Unit(unit(codec, payload))));
+    for video in VideoNumber::ALL {
+        entries.extend(codecs.map(|(codec, payload)| Entry::Unit(video, unit(codec, payload))));
+    }
     let rotations = [Rotation::Clockwise90, Rotation::Half, Rotation::Clockwise270];
     entries.extend(rotations.map(|rotation| {
-        Entry::Unit(EncodedUnit { rotation, key: false, shown: true, ..unit(UnitCodec::Jpeg, &[1]) })
+        Entry::Unit(
+            VideoNumber::Second,
+            EncodedUnit { rotation, key: false, shown: true, ..unit(UnitCodec::Jpeg, &[1]) },
+        )
     }));
     let qualities = [CaptureQuality::Sensor, CaptureQuality::Sender, CaptureQuality::Arrival];
     entries.extend(qualities.map(|quality| {
+        let video = VideoNumber::Second;
         let capture = Capture { at: ns(77), quality };
         let (sequence, luma_hash) = (u64::MAX, u64::MAX);
         input(RecordedInput::Frame(FrameFingerprint {
+            video,
             sequence,
             capture,
             size,

@@ -8,12 +8,12 @@ use std::rc::Rc;
 use barrelman_trial::records::{
     Entry, FrameFingerprint, ReadError, RecordedInput, RecordedOutcome, RecordingStart, RecordingWriter,
 };
-use barrelman_vocab::VehicleProfile;
 use barrelman_vocab::unit::UnitCodec;
 use barrelman_vocab::video::{Capture, CaptureQuality};
 use barrelman_vocab::{
     EncodedUnit, Picture, PictureSize, Timestamp, Track, VesselCommand, VesselRequest, VideoFrame,
 };
+use barrelman_vocab::{VehicleProfile, VideoNumber};
 use proptest::prelude::*;
 
 use crate::entries::{
@@ -80,12 +80,15 @@ fn times_at_their_end_are_kept() {
             track: Track::Lost { since: end, confidence: 0.5 },
             ..outcome(1.0)
         }),
-        Entry::Unit(EncodedUnit {
-            epoch: u32::MAX,
-            index: u64::MAX,
-            capture: Capture { at: end, quality: CaptureQuality::Arrival },
-            ..unit(UnitCodec::H264AnnexB, &[1])
-        }),
+        Entry::Unit(
+            VideoNumber::First,
+            EncodedUnit {
+                epoch: u32::MAX,
+                index: u64::MAX,
+                capture: Capture { at: end, quality: CaptureQuality::Arrival },
+                ..unit(UnitCodec::H264AnnexB, &[1])
+            },
+        ),
     ]);
 }
 
@@ -113,7 +116,10 @@ fn a_frame_is_told_by_its_luma_alone() {
     let picture = Picture::black(PictureSize::new(5, 3), COLOURS[0]);
     let stamp = |picture: &Picture| {
         let picture = std::sync::Arc::new(picture.clone());
-        FrameFingerprint::from_frame(&VideoFrame { sequence: 4, capture: SENSOR, picture })
+        FrameFingerprint::from_frame(
+            VideoNumber::First,
+            &VideoFrame { sequence: 4, capture: SENSOR, picture },
+        )
     };
     let black = stamp(&picture);
     assert_eq!((black.sequence, black.capture, black.size), (4, SENSOR, PictureSize::new(5, 3)));
@@ -190,7 +196,7 @@ proptest! {
     #[test]
     fn any_picture_is_kept(payload in prop::collection::vec(any::<u8>(), 0..2_000), step in any::<u64>()) {
         let unit = EncodedUnit { payload: payload.into(), ..unit(UnitCodec::H264AnnexB, &[]) };
-        let entries = [Entry::Unit(unit), Entry::Input { step, now: Timestamp::ZERO, input: RecordedInput::Tick }];
+        let entries = [Entry::Unit(VideoNumber::First, unit), Entry::Input { step, now: Timestamp::ZERO, input: RecordedInput::Tick }];
         let (found, error) = read(&written(&entries));
         prop_assert!(error.is_none());
         prop_assert_eq!(&found[1..], &entries[..]);

@@ -101,7 +101,7 @@ fn a_recording_gives_its_summary_back_without_its_messages() {
     let mut writer = RecordingWriter::begin(&mut bytes, &start(), &VehicleProfile::fotokite_pro()).unwrap();
     writer.write(&Entry::Outcome(outcome(1.0))).unwrap();
     let sortie = writer.finish().unwrap();
-    assert_eq!(sortie.video, start().video);
+    assert_eq!(sortie.video, start().videos.first.address);
     assert_eq!(read_sortie(Cursor::new(&bytes)).unwrap(), Some(sortie));
     // A summary stands at the end: a recording that was cut has none, and any cut is survived.
     for length in (0..bytes.len()).step_by(97) {

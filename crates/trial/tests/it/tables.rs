@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use barrelman_trial::records::table::{TableRow, read_rows};
 use barrelman_trial::records::{Entry, ReadError, RecordedInput, RecordedOutcome};
 use barrelman_vocab::unit::UnitCodec;
-use barrelman_vocab::{OperatorRequest, StopCause, Track};
+use barrelman_vocab::{OperatorRequest, StopCause, Track, VideoNumber};
 
 use crate::entries::{every_kind, input, outcome, unit, written};
 
@@ -120,8 +120,11 @@ fn texts_are_quoted_where_a_csv_needs_it() {
 
 #[test]
 fn bytes_are_told_by_their_number() {
-    check(Entry::Unit(unit(UnitCodec::H264AnnexB, &[1, 2, 3])), &[("data", "3"), ("format", "h264")]);
-    check(Entry::Unit(unit(UnitCodec::Png, &[])), &[("data", "0"), ("format", "png")]);
+    check(
+        Entry::Unit(VideoNumber::First, unit(UnitCodec::H264AnnexB, &[1, 2, 3])),
+        &[("data", "3"), ("format", "h264")],
+    );
+    check(Entry::Unit(VideoNumber::First, unit(UnitCodec::Png, &[])), &[("data", "0"), ("format", "png")]);
 }
 
 #[test]
@@ -146,7 +149,7 @@ fn every_row_of_a_topic_has_the_same_columns() {
         assert_eq!(row.columns.len(), row.cells.len());
         assert_eq!(*columns.entry(&row.topic).or_insert(&row.columns), row.columns);
     }
-    assert_eq!(columns.len(), 15);
+    assert_eq!(columns.len(), 18);
 }
 
 #[test]

@@ -8,7 +8,9 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use serde_json::Value;
 use strum::VariantNames;
 
-use super::{CameraRequest, OperatorRequest, Request, SeatRequest, VesselRequest, WorldRequest};
+use super::{
+    CameraRequest, OperatorRequest, Request, SeatRequest, VesselRequest, VideoRequest, WorldRequest,
+};
 use crate::stop_cause::StopCause;
 
 /// A stop.
@@ -40,6 +42,7 @@ impl Serialize for Request {
         match self {
             Self::Operator(request) => request.serialize(serializer),
             Self::World(request) => request.serialize(serializer),
+            Self::Video(request) => request.serialize(serializer),
             Self::Seat(request) => request.serialize(serializer),
         }
     }
@@ -49,7 +52,9 @@ impl<'de> Deserialize<'de> for OperatorRequest {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         match Request::deserialize(deserializer)? {
             Request::Operator(request) => Ok(request),
-            Request::World(_) | Request::Seat(_) => Err(Error::custom("the request is not for the pilot")),
+            Request::World(_) | Request::Video(_) | Request::Seat(_) => {
+                Err(Error::custom("the request is not for the pilot"))
+            }
         }
     }
 }
@@ -69,6 +74,8 @@ impl<'de> Deserialize<'de> for Request {
             Self::Operator(OperatorRequest::Vessel(read(value)?))
         } else if has(WorldRequest::VARIANTS) {
             Self::World(read(value)?)
+        } else if has(VideoRequest::VARIANTS) {
+            Self::Video(read(value)?)
         } else if has(SeatRequest::VARIANTS) {
             Self::Seat(read(value)?)
         } else {
@@ -87,6 +94,7 @@ fn kinds() -> Vec<&'static str> {
         CameraRequest::VARIANTS,
         VesselRequest::VARIANTS,
         WorldRequest::VARIANTS,
+        VideoRequest::VARIANTS,
         SeatRequest::VARIANTS,
     ]
     .concat()
@@ -118,6 +126,7 @@ impl JsonSchema for Request {
                 generator.subschema_for::<CameraRequest>(),
                 generator.subschema_for::<VesselRequest>(),
                 generator.subschema_for::<WorldRequest>(),
+                generator.subschema_for::<VideoRequest>(),
                 generator.subschema_for::<SeatRequest>(),
             ],
         })

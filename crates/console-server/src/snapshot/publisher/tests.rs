@@ -5,7 +5,7 @@ use std::time::Duration;
 use barrelman_pilot::VesselOutcome;
 use barrelman_pilot::outcome::Unconfirmed;
 use barrelman_pilot::vessel::guiding::NoWater;
-use barrelman_vocab::{Angle, AngularRate, HoldCause, StopCause};
+use barrelman_vocab::{Angle, AngularRate, HoldCause, StopCause, VideoNumber};
 
 use super::*;
 use crate::test_scenes::{PICTURE, at, command, frame, idle, localisation};
@@ -64,13 +64,13 @@ fn late_video_is_an_alarm_whether_engaged_or_not_and_is_logged_once() {
     let readers = publisher.subscribe();
     for by_ms in [1500, 2000, 3000] {
         let timing = VideoTiming::Late { by: Duration::from_millis(by_ms), since: at(0) };
-        publisher.set_video_timing(timing, at(by_ms));
+        publisher.set_video_timing(VideoNumber::First, timing, at(by_ms));
     }
     let newest = readers.borrow().clone();
     assert_eq!(newest.alarms, [Alarm::StaleVideo]);
     let text = newest.video.timing_text.as_deref().unwrap();
     assert!(text.starts_with("video 3.0 s late since ") && text.ends_with("; reconnect"), "{text}");
-    publisher.set_video_timing(VideoTiming::InTime, at(4000));
+    publisher.set_video_timing(VideoNumber::First, VideoTiming::InTime, at(4000));
     assert_eq!(readers.borrow().alarms, []);
     assert_eq!(readers.borrow().video.timing_text, None);
     assert_eq!(keys(&publisher), ["video-timing", "stale-video", "video-timing"]);
@@ -189,7 +189,7 @@ fn with_report(of: Report) -> impl Fn(&mut Publisher) {
 }
 
 fn with_video(state: VideoSourceState) -> impl Fn(&mut Publisher) {
-    move |publisher| publisher.set_video(state.clone(), at(0))
+    move |publisher| publisher.set_video(VideoNumber::First, state.clone(), at(0))
 }
 
 fn console_lost(is_lost: bool) -> impl Fn(&mut Publisher) {
@@ -411,7 +411,7 @@ fn changes_of_the_video_are_logged_once_however_often_it_fails_to_connect() {
         VideoSourceState::Ended,
         VideoSourceState::Ended,
     ] {
-        publisher.set_video(state, at(0));
+        publisher.set_video(VideoNumber::First, state, at(0));
     }
     let mut keys = keys(&publisher);
     keys.retain(|key| key.starts_with("video-"));

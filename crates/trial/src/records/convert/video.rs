@@ -2,7 +2,7 @@
 
 use barrelman_vocab::unit::{Rotation, UnitCodec};
 use barrelman_vocab::video::{Capture, ColourEncoding};
-use barrelman_vocab::{EncodedUnit, PictureSize, Timestamp};
+use barrelman_vocab::{EncodedUnit, PictureSize, Timestamp, VideoNumber};
 use bytes::Bytes;
 
 use super::malformed::{Malformed, missing};
@@ -17,14 +17,20 @@ fn stored_capture(capture: Capture) -> (u64, i32) {
     (capture.at.as_nanos(), stored::CaptureQuality::from(capture.quality) as i32)
 }
 
-impl From<&EncodedUnit> for stored::VideoUnit {
-    fn from(unit: &EncodedUnit) -> Self {
+const fn number(is_second: bool) -> VideoNumber {
+    if is_second { VideoNumber::Second } else { VideoNumber::First }
+}
+
+impl stored::VideoUnit {
+    /// Announces a unit of this video.
+    pub(in crate::records) fn announcing(video: VideoNumber, unit: &EncodedUnit) -> Self {
         let (captured_ns, capture_quality) = stored_capture(unit.capture);
         let mut message = Self {
             epoch: unit.epoch,
             index: unit.index,
             captured_ns,
             capture_quality,
+            second: video == VideoNumber::Second,
             key: unit.key,
             shown: unit.shown,
             rotation_deg: match unit.rotation {
@@ -52,11 +58,12 @@ impl From<&EncodedUnit> for stored::VideoUnit {
         } as i32;
         message
     }
-}
 
-impl stored::VideoUnit {
     /// The unit that this message announced, with its payload.
-    pub(in crate::records) fn with_payload(self, payload: Bytes) -> Result<EncodedUnit, Malformed> {
+    pub(in crate::records) fn with_payload(
+        self,
+        payload: Bytes,
+    ) -> Result<(VideoNumber, EncodedUnit), Malformed> {
         let unit = self;
         let codec = match unit.codec() {
             stored::UnitCodec::H264 => UnitCodec::H264AnnexB,
@@ -78,7 +85,8 @@ impl stored::VideoUnit {
             270 => Rotation::Clockwise270,
             _ => return Err(missing("rotation_deg")),
         };
-        Ok(EncodedUnit {
+        let number = number(unit.second);
+        let unit = EncodedUnit {
             epoch: unit.epoch,
             index: unit.index,
             capture: capture(unit.captured_ns, unit.capture_quality())?,
@@ -87,7 +95,8 @@ impl stored::VideoUnit {
             rotation,
             codec,
             payload,
-        })
+        };
+        Ok((number, unit))
     }
 }
 
@@ -105,6 +114,7 @@ impl From<&FrameFingerprint> for stored::FrameInput {
             matrix: stored::ColourMatrix::from(stamp.colour.matrix) as i32,
             range: stored::SampleRange::from(stamp.colour.range) as i32,
             luma_hash: stamp.luma_hash,
+            second: stamp.video == VideoNumber::Second,
         }
     }
 }
@@ -114,6 +124,7 @@ impl TryFrom<&stored::FrameInput> for FrameFingerprint {
 
     fn try_from(frame: &stored::FrameInput) -> Result<Self, Malformed> {
         Ok(Self {
+            video: number(frame.second),
             sequence: frame.sequence,
             capture: capture(frame.captured_ns, frame.capture_quality())?,
             size: PictureSize::new(frame.width, frame.height),
