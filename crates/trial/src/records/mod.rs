@@ -9,6 +9,7 @@
 mod entry;
 mod recorded_input;
 
+mod indexed;
 mod reader;
 mod writer;
 
@@ -30,6 +31,7 @@ pub use entry::{
     Entry, RecordedMark, RecordedOutcome, RecordedProgress, RecordedTruth, RecordedVessel, RecordedVideo,
     RecordingStart, SimulatedTrial,
 };
+pub use indexed::IndexedRecording;
 pub use reader::{ReadError, RecordingReader};
 pub use recorded_input::{FrameFingerprint, RecordedInput};
 pub use stored_sortie::read_sortie;

@@ -90,7 +90,7 @@ pub(super) fn is_truncation(error: &mcap::McapError) -> bool {
 }
 
 /// The entry of a message; `None` where the message only announces the next.
-fn decode(
+pub(super) fn decode(
     topic: Topic,
     data: &[u8],
     pending_unit: &mut Option<stored::VideoUnit>,

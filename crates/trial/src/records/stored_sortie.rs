@@ -3,9 +3,9 @@
 use std::collections::BTreeMap;
 use std::io::{self, Read, Seek, SeekFrom};
 
-use mcap::McapError;
 use mcap::records::{Metadata, MetadataIndex, Record};
 use mcap::sans_io::summary_reader::{SummaryReadEvent, SummaryReader, SummaryReaderOptions};
+use mcap::{McapError, Summary};
 
 use super::record_lengths::MAX_RECORD_BYTES;
 use crate::sortie::Sortie;
@@ -53,6 +53,12 @@ pub fn read_sortie<R: Read + Seek>(mut input: R) -> io::Result<Option<Sortie>> {
 
 /// Where the summary's record is.
 fn metadata_index<R: Read + Seek>(input: &mut R, bytes: u64) -> mcap::McapResult<Option<MetadataIndex>> {
+    let summary = summary_of(input, bytes)?;
+    Ok(summary.and_then(|summary| summary.metadata_indexes.into_iter().find(|index| index.name == NAME)))
+}
+
+/// The index of a file of this length; `None`: it has none.
+pub(super) fn summary_of<R: Read + Seek>(input: &mut R, bytes: u64) -> mcap::McapResult<Option<Summary>> {
     let options =
         SummaryReaderOptions::default().with_file_size(bytes).with_record_length_limit(MAX_RECORD_BYTES);
     let mut reader = SummaryReader::new_with_options(options);
@@ -65,6 +71,5 @@ fn metadata_index<R: Read + Seek>(input: &mut R, bytes: u64) -> mcap::McapResult
             SummaryReadEvent::SeekRequest(to) => reader.notify_seeked(input.seek(to)?),
         }
     }
-    let summary = reader.finish();
-    Ok(summary.and_then(|summary| summary.metadata_indexes.into_iter().find(|index| index.name == NAME)))
+    Ok(reader.finish())
 }

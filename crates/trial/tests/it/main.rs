@@ -11,6 +11,7 @@ mod trial_world;
 mod camera_law;
 mod camera_work;
 mod excursions;
+mod indexed_recordings;
 mod laboratory;
 mod log_text;
 mod lost_trials;
