@@ -48,23 +48,25 @@ export class ControlSeat {
 
   #show(seat) {
     const before = this.#holder;
+    const nameOf = (client) => words.client(client, client === seat.program);
+    const holder = nameOf(seat.holder);
     const was = this.isControlling;
     this.#holder = seat.holder;
     this.isControlling = seat.holder === this.#own && seat.holder_connected;
-    if (was && !this.isControlling && seat.holder !== null) toast(words.took(seat.holder), true);
+    if (was && !this.isControlling && seat.holder !== null) toast(words.took(holder), true);
     else if (!was && this.isControlling && before !== undefined) toast(words.gotControl);
     const text = !this.#mayControl ? words.mayWatch
       : this.isControlling ? words.youControl
       : seat.holder === null ? words.nobodyControls
-      : seat.holder_connected ? words.youWatch(seat.holder) : words.holderLost(seat.holder);
+      : seat.holder_connected ? words.youWatch(holder) : words.holderLost(holder);
     at("seat").textContent = text;
     this.hasAsked = !this.isControlling && seat.asking.includes(this.#own);
     at("ask-control").textContent = this.hasAsked ? words.askedControl : words.askControl;
     const asking = this.isControlling ? seat.asking.filter((client) => client !== this.#own) : [];
     at("asking").replaceChildren(...asking.map((client) => {
       const [row, button, text] = ["p", "button", "span"].map((name) => document.createElement(name));
-      text.textContent = words.asks(client);
-      button.textContent = words.giveControl(client);
+      text.textContent = words.asks(nameOf(client));
+      button.textContent = words.giveControl(nameOf(client));
       button.dataset.give = client;
       button.addEventListener("click", () => this.give(client));
       row.append(text, button);

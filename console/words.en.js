@@ -5,6 +5,8 @@ import states from "./states.en.js";
 const placeText = ({ latitude_deg, longitude_deg }) =>
   `${fixed(Math.abs(latitude_deg), 5)}° ${latitude_deg < 0 ? "S" : "N"}, ${fixed(Math.abs(longitude_deg), 5)}° ${longitude_deg < 0 ? "W" : "E"}`;
 
+const capital = (text) => text.charAt(0).toUpperCase() + text.slice(1);
+
 export default {
   // Laws, causes and alarms: the program's own words
   ...states,
@@ -26,7 +28,7 @@ export default {
   nudgeLeft: "Pan the camera left", nudgeRight: "Pan the camera right",
   drive: "Drive boat", helmAhead: "Boat ahead", helmAstern: "Boat astern", helmLeft: "Boat left", helmRight: "Boat right",
   pause: "Pause", resume: "Resume", helmsman: "Helmsman", law: "Camera law",
-  takeControl: "Take control", askControl: "Ask for control", askedControl: "Asked: waiting", giveControl: (page) => `Give control to page ${page}`,
+  takeControl: "Take control", askControl: "Ask for control", askedControl: "Asked: waiting", giveControl: (who) => `Give control to ${who}`,
   newDrive: "New drive", beginDrive: "Begin", scenario: "Scenario", seed: "Seed",
   newDriveText: "Another world takes the place of this one. The camera stops, and the marks go.",
   worldText: (command, { scenario, seed }) => `${command}  sim:${scenario}, seed ${seed}`,
@@ -61,10 +63,10 @@ export default {
     connecting: "Connecting to the program", waiting: "Waiting for the first picture", old: "The last picture", ended: "The video has ended",
     videoConnecting: "Connecting to the video", lost: (reason) => `No picture: the video is lost${reason ? `: ${reason}` : ""}`, none: (s) => `No video for ${s} s`,
   },
-  youControl: "You control", youWatch: (page) => `Page ${page} controls; you watch`, nobodyControls: "Nobody controls",
-  mayWatch: "You watch (watch link)", holderLost: (page) => `Page ${page} controls, but is not connected`,
-  took: (page) => `Page ${page} took the control.`, gotControl: "You have the control.",
-  asks: (page) => `Page ${page} asks for the control.`,
+  youControl: "You control", client: (id, isProgram) => (isProgram ? "a program" : `page ${id}`), youWatch: (who) => `${capital(who)} controls; you watch`, nobodyControls: "Nobody controls",
+  mayWatch: "You watch (watch link)", holderLost: (who) => `${capital(who)} controls, but is not connected`,
+  took: (who) => `${capital(who)} took the control.`, gotControl: "You have the control.",
+  asks: (who) => `${capital(who)} asks for the control.`,
   modes: { idle: "DISENGAGED", servoing: "FOLLOWING", holding: "HOLDING", nudging: "TURNED BY HAND", searching: "SEARCHING",
     calibrating: "CALIBRATING", stopped: "STOPPED" },
   tracks: { unseeded: "nothing selected", tracking: "tracking", coasting: "coasting", lost: "lost", confirming: "confirming" },

@@ -57,13 +57,15 @@ pub(super) fn begin_request(console: &Console, from: Requester, request: Request
             _ => Pending::Answered(refused("a page or a program stops with the cause `operator` alone")),
         };
     }
+    if from.client.is_none() {
+        console.hear_program(from.role);
+    }
     if let Some(reason) = console.with_seats(|seats| refusal(seats, from, &request)) {
         return Pending::Answered(refused(reason));
     }
     let request = match request {
         Request::Seat(request) => {
-            let page = from.client.ok_or("only a page on a socket can control");
-            let result = page.and_then(|page| change_seats(console, page, request));
+            let result = change_seats(console, from.client, request);
             return Pending::Answered(result.map_or_else(refused, |()| ACCEPTED));
         }
         Request::World(request) => SessionRequest::World(request),
@@ -114,12 +116,15 @@ fn refusal(seats: &Seats, from: Requester, request: &Request) -> Option<String> 
     let commands_vessel = matches!(request, Request::Operator(request) if commands_vessel(request));
     match from.client {
         // A boat that no page watches over is stopped at once.
-        None if seats.is_empty() && commands_vessel => {
+        None if (seats.is_empty() || seats.program_controls()) && commands_vessel => {
             Some("only a page on a socket can command the boat".to_owned())
         }
-        None if seats.is_empty() => None,
-        None => Some("a page is in control".to_owned()),
+        None if seats.is_empty() || seats.program_controls() => None,
+        None => Some("a page is in control: ask for the control, or take it".to_owned()),
         Some(id) if seats.controls(id) => None,
+        Some(_) if seats.program_controls() => {
+            Some("a program is in control: ask for the control, or take it".to_owned())
+        }
         Some(_) => Some("another page is in control: ask for the control, or take it".to_owned()),
     }
 }
@@ -132,20 +137,34 @@ const fn commands_vessel(request: &OperatorRequest) -> bool {
     )
 }
 
-/// Changes who controls.
-fn change_seats(console: &Console, id: ClientId, request: SeatRequest) -> Result<(), &'static str> {
-    let (result, text) = match request {
-        SeatRequest::TakeControl => (console.with_seats(|seats| seats.take(id)), "took the control"),
-        SeatRequest::AskControl => (console.with_seats(|seats| seats.ask(id)), "asks for the control"),
+/// Changes who controls. `page`: who asks for it; `None`: a program without a socket.
+fn change_seats(console: &Console, page: Option<ClientId>, request: SeatRequest) -> Result<(), &'static str> {
+    let now = console.time.clock();
+    let joined = |seats: &mut Seats| page.unwrap_or_else(|| seats.join_program(now));
+    let known = |seats: &Seats| page.or_else(|| seats.program()).ok_or("a program is not in control");
+    let change = |seats: &mut Seats| match request {
+        SeatRequest::TakeControl => {
+            let id = joined(seats);
+            seats.take(id).map(|()| "took the control")
+        }
+        SeatRequest::AskControl => {
+            let id = joined(seats);
+            seats.ask(id).map(|()| "asks for the control")
+        }
         SeatRequest::GiveControl { client } => {
-            (console.with_seats(|seats| seats.give(id, client)), "gave the control away")
+            let id = known(seats)?;
+            seats.give(id, client).map(|()| "gave the control away")
+        }
+        SeatRequest::ReleaseControl => {
+            let id = known(seats)?;
+            seats.release(id).map(|()| "gave the control up")
         }
     };
-    if result.is_ok() {
-        console.events.add(console.time.now(), Level::Info, "control", format!("page {id} {text}"));
-        console.publish_seats();
-    }
-    result
+    let text = console.with_seats(change)?;
+    let who = page.map_or_else(|| "a program".to_owned(), |id| format!("page {id}"));
+    console.events.add(console.time.now(), Level::Info, "control", format!("{who} {text}"));
+    console.publish_seats();
+    Ok(())
 }
 
 /// Whether the values of a request make sense, and are for a page or a program to give.

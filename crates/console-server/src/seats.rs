@@ -3,6 +3,9 @@
 //! A page that may control takes the empty seat when it connects. Otherwise control is taken or given by an explicit
 //! request. The seat of a page that was lost is kept for [`GRACE`], so that a reload keeps the control. A page that sends
 //! nothing for [`MAX_SILENCE`] counts as lost.
+//!
+//! Programs without a socket are one client together. They join by asking for the control or taking it, and are gone after
+//! [`MAX_SILENCE`] without a request.
 
 use std::time::Duration;
 
@@ -27,6 +30,9 @@ pub(super) const MAX_CLIENTS: usize = 16;
 /// Number of a page.
 pub(super) type ClientId = u64;
 
+/// The name of the programs without a socket. No page has it: a page's own name has hexadecimal digits alone.
+const PROGRAMS: &str = "programs";
+
 #[derive(Debug, Clone)]
 struct Client {
     id: ClientId,
@@ -36,6 +42,12 @@ struct Client {
     /// When the page last sent anything.
     heard: Timestamp,
     asks: bool,
+}
+
+impl Client {
+    fn is_program(&self) -> bool {
+        self.name == PROGRAMS
+    }
 }
 
 /// The page in control.
@@ -77,7 +89,8 @@ impl Seats {
     pub(super) fn join(&mut self, name: &str, role: Role, now: Timestamp) -> Joined {
         let id = self.next_id;
         self.next_id += 1;
-        let dropped = (self.clients.len() >= MAX_CLIENTS).then(|| self.idlest()).flatten();
+        let pages = self.clients.iter().filter(|client| !client.is_program()).count();
+        let dropped = (pages >= MAX_CLIENTS).then(|| self.idlest()).flatten();
         self.clients.retain(|client| Some(client.id) != dropped);
         // A page without a name of its own is another one each time.
         let name = if name.is_empty() { format!("page {id}") } else { name.to_owned() };
@@ -90,6 +103,35 @@ impl Seats {
             _ => {}
         }
         Joined { id, dropped }
+    }
+
+    /// The number of the programs without a socket, which join where they have not.
+    pub(super) fn join_program(&mut self, now: Timestamp) -> ClientId {
+        self.hear_program(now);
+        self.program().unwrap_or_else(|| {
+            let id = self.next_id;
+            self.next_id += 1;
+            let (name, role) = (PROGRAMS.to_owned(), Role::Control);
+            self.clients.push(Client { id, name, role, heard: now, asks: false });
+            id
+        })
+    }
+
+    /// The number of the programs without a socket; `None`: none has joined.
+    pub(super) fn program(&self) -> Option<ClientId> {
+        self.clients.iter().find(|client| client.is_program()).map(|client| client.id)
+    }
+
+    /// A program without a socket made a request.
+    pub(super) fn hear_program(&mut self, now: Timestamp) {
+        if let Some(id) = self.program() {
+            self.hear(id, now);
+        }
+    }
+
+    /// Whether programs without a socket are in control.
+    pub(super) fn program_controls(&self) -> bool {
+        self.program().is_some_and(|id| self.controls(id))
     }
 
     /// A page is gone.
@@ -111,6 +153,7 @@ impl Seats {
     /// Frees the seat of a page that was lost for longer than [`GRACE`], or silent for longer than [`MAX_SILENCE`]. A page
     /// that asks for the control gets it. Returns whether the seat was freed now.
     pub(super) fn expire(&mut self, now: Timestamp) -> bool {
+        self.clients.retain(|client| !client.is_program() || now.since(client.heard) <= MAX_SILENCE);
         let Some(holder) = &self.holder else { return false };
         let is_over = match holder.lost {
             Some(lost) => now.since(lost.at) > GRACE,
@@ -120,16 +163,21 @@ impl Seats {
             }
         };
         if is_over {
-            self.holder = None;
-            let asking = self.clients.iter().find(|client| client.asks).map(|client| client.id);
-            asking.into_iter().for_each(|id| self.seat(id));
+            self.free();
         }
         is_over
     }
 
+    /// Frees the seat. A client that asks for the control gets it.
+    fn free(&mut self) {
+        self.holder = None;
+        let asking = self.clients.iter().find(|client| client.asks).map(|client| client.id);
+        asking.into_iter().for_each(|id| self.seat(id));
+    }
+
     /// Whether no page watches over the boat: the page in control is gone, or was silent for [`BOAT_SILENCE`].
     pub(super) fn is_vessel_left(&self, now: Timestamp) -> bool {
-        let Some(holder) = &self.holder else { return true };
+        let Some(holder) = self.holder.as_ref().filter(|_| !self.program_controls()) else { return true };
         let heard = match holder.lost {
             Some(lost) => Some(lost.heard),
             None => self.clients.iter().find(|client| client.id == holder.id).map(|client| client.heard),
@@ -195,6 +243,18 @@ impl Seats {
         Ok(())
     }
 
+    /// The client in control gives the control up.
+    ///
+    /// # Errors
+    /// The reason, in words.
+    pub(super) fn release(&mut self, id: ClientId) -> Result<(), &'static str> {
+        if !self.controls(id) {
+            return Err("only who is in control can give the control up");
+        }
+        self.free();
+        Ok(())
+    }
+
     /// The state for the pages.
     pub(super) fn state(&self) -> ControlSeat {
         ControlSeat {
@@ -202,6 +262,7 @@ impl Seats {
             holder_connected: self.holder.as_ref().is_some_and(|holder| holder.lost.is_none()),
             clients: self.clients.iter().map(|client| client.id).collect(),
             asking: self.clients.iter().filter(|client| client.asks).map(|client| client.id).collect(),
+            program: self.program(),
         }
     }
 
@@ -226,8 +287,8 @@ impl Seats {
 
     /// The page that was silent longest: of those that may only watch, then of the others, the page in control last.
     fn idlest(&self) -> Option<ClientId> {
-        let idlest =
-            self.clients.iter().min_by_key(|client| (self.controls(client.id), client.role, client.heard));
+        let pages = self.clients.iter().filter(|client| !client.is_program());
+        let idlest = pages.min_by_key(|client| (self.controls(client.id), client.role, client.heard));
         idlest.map(|client| client.id)
     }
 }

@@ -139,23 +139,39 @@ impl Console {
     pub(super) async fn end(&self) {
         let mut seats = self.seat_changes.subscribe();
         self.ending.send_replace(true);
-        let _ = timeout(FAREWELL, seats.wait_for(|seats| seats.clients.is_empty())).await;
+        let _ = timeout(FAREWELL, seats.wait_for(has_no_page)).await;
+    }
+
+    /// A program without a socket made a request: one that may control is still there.
+    pub(super) fn hear_program(&self, role: Role) {
+        if role == Role::Control {
+            self.with_seats(|seats| seats.hear_program(self.time.clock()));
+        }
     }
 
     /// Frees the seat of a page that was lost for too long, and does what the session says for that case.
     pub(super) fn expire_seats(&self) {
         self.gateway.set_vessel_left(self.with_seats(|seats| seats.is_vessel_left(self.time.clock())));
+        let who = if self.with_seats(|seats| seats.program_controls()) {
+            "the program in control is silent"
+        } else {
+            "the controlling page is gone"
+        };
         if !self.with_seats(|seats| seats.expire(self.time.clock())) {
+            // A program that asked may be gone.
+            if *self.seat_changes.borrow() != self.with_seats(|seats| seats.state()) {
+                self.publish_seats();
+            }
             return;
         }
         let now = self.time.now();
         let is_engaged = self.status().mode.engaged;
         if self.on_lost == OnConsoleLost::Stop {
-            self.events.add(now, Level::Alarm, "console-lost", "the controlling page is gone: stopped");
+            self.events.add(now, Level::Alarm, "console-lost", format!("{who}: stopped"));
             self.gateway.stop();
         } else {
             let text = if is_engaged { "; the camera stays engaged" } else { "" };
-            let text = format!("the controlling page is gone{text}");
+            let text = format!("{who}{text}");
             self.events.add(now, Level::Warning, "console-lost", text);
         }
         self.gateway.set_console_lost(true);
@@ -179,4 +195,9 @@ impl Console {
             on_console_lost: if self.on_lost == OnConsoleLost::Stop { "stop" } else { "stay" },
         }
     }
+}
+
+/// Whether no page is connected.
+fn has_no_page(seats: &ControlSeat) -> bool {
+    seats.clients.iter().all(|client| Some(*client) == seats.program)
 }

@@ -243,6 +243,7 @@ mod tests {
                 ServerMessage::Control(ControlSeat { holder: Some(1), ..ControlSeat::default() }),
                 json!({
                     "type": "control", "holder": 1, "holder_connected": false, "clients": [], "asking": [],
+                    "program": null,
                 }),
             ),
             (

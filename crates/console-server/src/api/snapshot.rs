@@ -273,12 +273,15 @@ pub struct WorkFigures {
 /// Who controls.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, JsonSchema)]
 pub struct ControlSeat {
-    /// Number of the page in control; `null`: nobody.
+    /// Number of who is in control; `null`: nobody.
     pub holder: Option<u64>,
     /// Whether the page in control is connected; `false` in the seconds after it was lost.
     pub holder_connected: bool,
-    /// Numbers of all connected pages.
+    /// Numbers of all connected pages, and that of the programs.
     pub clients: Vec<u64>,
-    /// Numbers of the pages that ask for the control.
+    /// Numbers of those that ask for the control.
     pub asking: Vec<u64>,
+    /// Number of the programs without a socket, which are one client together; `null`: none has asked for the control or
+    /// taken it in the last 3 s.
+    pub program: Option<u64>,
 }

@@ -231,8 +231,14 @@ fn control_moves_between_pages_that_may_control() {
     for request in [take, ask, give(0)] {
         check_from(Viewer, request, may_watch);
         check_from(ViewingProgram, request, may_watch);
-        check_from(Program, request, "only a page on a socket can control");
     }
+    check_from(Program, take, "");
+    check_from(Program, ask, "");
+    check_from(Program, give(0), "a program is not in control");
+    check_from(Program, SeatRequest::ReleaseControl, "a program is not in control");
+    check_from(Viewer, SeatRequest::ReleaseControl, may_watch);
+    check_from(Holder, SeatRequest::ReleaseControl, "");
+    check_from(Other, SeatRequest::ReleaseControl, "only who is in control");
     check_from(Holder, take, "");
     check_from(Holder, ask, "");
     check_from(Holder, give(1), "");
@@ -272,6 +278,29 @@ fn a_program_may_command_while_no_page_is_there() {
     let reply = session.request(CONTROL, None, CameraRequest::Engage);
     assert_eq!(reply.0, AnswerKind::Refused, "the seat of a lost page is kept for a reload");
     assert_eq!(session.request(WATCH, Some(watcher), STOP), ACCEPTED);
+}
+
+#[test]
+fn a_program_asks_for_takes_and_gives_up_the_control() {
+    let mut session = InMemory::new(LIVE);
+    let page = session.join("a", CONTROL);
+    let seat = session.console.seat_changes.subscribe();
+    session.request(CONTROL, None, SeatRequest::AskControl);
+    let program = seat.borrow().program.unwrap();
+    assert_eq!((seat.borrow().holder, seat.borrow().asking.clone()), (Some(page), vec![program]));
+    session.request(CONTROL, Some(page), SeatRequest::GiveControl { client: program });
+    assert_eq!(seat.borrow().holder, Some(program));
+    assert_eq!(session.request(CONTROL, None, CameraRequest::Engage), ACCEPTED);
+    let reason = session.request(CONTROL, Some(page), CameraRequest::Engage).1.unwrap_or_default();
+    assert!(reason.starts_with("a program is in control"), "{reason}");
+    let reason = session.request(CONTROL, None, VesselRequest::Guide).1.unwrap_or_default();
+    assert!(reason.contains("only a page on a socket"), "{reason}");
+    assert_eq!(session.request(CONTROL, None, SeatRequest::ReleaseControl), ACCEPTED);
+    assert_eq!(seat.borrow().holder, None);
+    session.request(CONTROL, Some(page), SeatRequest::TakeControl);
+    session.request(CONTROL, None, SeatRequest::TakeControl);
+    assert_eq!(seat.borrow().holder, Some(program));
+    assert_eq!(session.logged("control").last().map(String::as_str), Some("a program took the control"));
 }
 
 #[test]

@@ -110,7 +110,7 @@ fn seated(acts: &[(u64, Act)]) -> String {
         }
         text += if result.is_ok() { "" } else { "refused; " };
     }
-    let ControlSeat { holder, holder_connected, clients, asking } = seats.state();
+    let ControlSeat { holder, holder_connected, clients, asking, .. } = seats.state();
     assert!(clients.is_sorted() && asking.iter().all(|id| clients.contains(id)), "{clients:?} {asking:?}");
     assert_eq!(seats.is_empty(), holder.is_none());
     for id in 0..10 {
@@ -286,4 +286,29 @@ fn a_page_that_hangs_before_it_is_lost_leaves_the_boat_when_it_was_silent_for_to
     assert!(seats.is_vessel_left(at(1_901)), "not another 0.9 s from the loss");
     seats.join("page", Role::Control, at(2_000));
     assert!(!seats.is_vessel_left(at(2_900)));
+}
+
+#[test]
+fn a_program_that_makes_no_request_loses_the_seat() {
+    let mut seats = pages(&[("a", Role::Control)]);
+    let program = seats.join_program(at(0));
+    assert_eq!(seats.join_program(at(10)), program, "programs are one client");
+    assert_eq!(seats.take(program), Ok(()));
+    assert!(seats.program_controls() && seats.is_vessel_left(at(20)), "no page watches over the boat");
+    seats.hear(0, at(3000));
+    seats.hear_program(at(2000));
+    assert!(!seats.expire(at(5000)) && seats.program_controls());
+    assert!(seats.expire(at(5001)) && seats.is_empty());
+    assert_eq!(seats.program(), None);
+}
+
+#[test]
+fn a_program_takes_no_place_of_a_page() {
+    let mut seats = Seats::default();
+    let program = seats.join_program(at(0));
+    for number in 0..MAX_CLIENTS as u64 {
+        assert_eq!(seats.join(&number.to_string(), Role::Watch, at(10 + number)).dropped, None);
+    }
+    assert_eq!(seats.join("new", Role::Watch, at(1000)).dropped, Some(program + 1));
+    assert_eq!(seats.program(), Some(program));
 }
