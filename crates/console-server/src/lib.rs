@@ -39,6 +39,7 @@ mod states;
 mod status;
 mod vessel_status;
 
+mod newest_picture;
 mod picker;
 mod pictures;
 mod video_relay;

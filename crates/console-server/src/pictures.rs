@@ -5,13 +5,15 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Duration;
 
 use barrelman_host::latest::Latest;
+use barrelman_pilot::Outcome;
 use barrelman_video::jpeg;
-use barrelman_vocab::VideoFrame;
 use barrelman_vocab::unit::Rotation;
+use barrelman_vocab::{VehicleRates, VideoFrame};
 use bytes::Bytes;
 use tokio::sync::watch;
 
 use super::api::{HEAD_BYTES, VideoHead, VideoKind};
+use super::newest_picture::NewestPicture;
 
 /// Interval at which the thread looks for a page that asks for pictures.
 const POLL_INTERVAL: Duration = Duration::from_millis(100);
@@ -22,6 +24,8 @@ pub struct PictureSlot {
     frames: Latest<VideoFrame>,
     pictures: watch::Sender<Bytes>,
     viewers: AtomicUsize,
+    /// For programs, which ask for one picture.
+    pub(super) newest: NewestPicture,
 }
 
 impl Default for PictureSlot {
@@ -30,6 +34,7 @@ impl Default for PictureSlot {
             frames: Latest::default(),
             pictures: watch::Sender::new(Bytes::new()),
             viewers: AtomicUsize::new(0),
+            newest: NewestPicture::default(),
         }
     }
 }
@@ -66,8 +71,14 @@ impl Drop for PictureViewer {
 }
 
 impl PictureSlot {
-    /// The newest video frame. The picture is shared, not copied.
-    pub fn put(&self, frame: &VideoFrame) {
+    /// The newest video frame, and what the pilot made of it. The picture is shared, not copied.
+    pub fn put(&self, frame: &VideoFrame, outcome: &Outcome, rates: VehicleRates) {
+        self.newest.put(frame, outcome, rates);
+        self.show(frame);
+    }
+
+    /// The newest frame of a video that the pilot does not see.
+    pub fn show(&self, frame: &VideoFrame) {
         self.frames.put(frame.clone());
     }
 
@@ -112,7 +123,11 @@ pub(super) fn encode_pictures(slot: &PictureSlot) {
 mod tests {
     use super::super::in_memory::block_on;
     use super::*;
-    use crate::test_scenes::{at, frame};
+    use crate::test_scenes::{at, frame, idle};
+
+    fn put(slot: &PictureSlot, number: u64) {
+        slot.put(&frame(number, at(number)), &idle(at(number)), VehicleRates::REST);
+    }
 
     /// The number of the frame, its time of capture and its size, from the head of a message.
     fn head_of(message: &[u8]) -> (u64, u64, u16, u16) {
@@ -125,15 +140,15 @@ mod tests {
     fn every_page_that_asks_gets_the_newest_frame_as_jpeg() {
         let slot = Arc::new(PictureSlot::default());
         let mut first = PictureViewer::new(Arc::clone(&slot));
-        slot.put(&frame(6, at(6)));
-        slot.put(&frame(7, at(7)));
+        put(&slot, 6);
+        put(&slot, 7);
         let received = std::thread::scope(|scope| {
             scope.spawn(|| encode_pictures(&slot));
             let next = |viewer: &mut PictureViewer| block_on(viewer.next()).unwrap_or_default();
             let shown = next(&mut first);
             let mut second = PictureViewer::new(Arc::clone(&slot));
             let shown_again = next(&mut second);
-            slot.put(&frame(8, at(8)));
+            put(&slot, 8);
             let later = [next(&mut first), next(&mut second)];
             slot.close();
             (shown, shown_again, later)

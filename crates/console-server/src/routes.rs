@@ -8,12 +8,14 @@
 //! | `GET /api/v1/access` | what the token permits | token |
 //! | `POST /api/v1/login` | a cookie for the token of the page's link | token |
 //! | `GET /api/v1/status` | [`super::api::StatusSnapshot`] | token |
+//! | `GET /api/v1/picture.jpg` | the newest picture; `?overlay=true`: with box, ellipse and mode | token |
+//! | `GET /api/v1/control` | [`super::api::ControlSeat`] | token |
 //! | `POST /api/v1/requests` | takes [`RequestBody`], answers [`Answer`] | token |
 //! | `GET /api/v1/socket` | the socket of a page ([`super::socket`]) | token |
 //! | `GET /metrics` | metrics for Prometheus | token |
 //!
 //! Those of the recordings are in [`super::library::routes`]. Each request is judged by [`super::guard`]. No
-//! other file is served.
+//! other file is served. A test compares the routes with the OpenAPI document (`super::api::schema`).
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -24,8 +26,9 @@ use axum::extract::{DefaultBodyLimit, FromRequest as _, Path, Request, State};
 use axum::http::{HeaderMap, HeaderName, HeaderValue, Method, StatusCode, header};
 use axum::middleware::{Next, from_fn_with_state};
 use axum::response::{IntoResponse as _, Response};
-use axum::routing::{get, post};
+use axum::routing::{MethodRouter, get, post};
 use bytes::Bytes;
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use barrelman_vocab::{self as vocab, OperatorRequest};
@@ -37,6 +40,7 @@ use super::guard::{Hosts, Provenance};
 use super::library;
 use super::limits::{BODY_TIMEOUT, MAX_MESSAGE_BYTES, SOCKET_REQUESTS};
 use super::metrics::metrics_text;
+use super::newest_picture::{Drawing, StillPicture};
 use super::places::Place;
 use super::requests::{Requester, answer, begin_request};
 use super::shared::Console;
@@ -59,6 +63,9 @@ static SINGLE_HEADERS: [HeaderName; 7] = [
     HeaderName::from_static("sec-fetch-dest"),
 ];
 
+/// The time of capture of a picture, as `select` has it.
+const CAPTURED: HeaderName = HeaderName::from_static("captured-ns");
+
 /// A request beyond the limit, of which only a Stop is taken.
 #[derive(Debug, Clone, Copy)]
 struct BeyondLimit;
@@ -77,19 +84,32 @@ const SECURITY_HEADERS: [(HeaderName, &str); 6] = [
     ),
 ];
 
+/// A path and what answers there.
+pub(super) type Route = (&'static str, MethodRouter<Arc<Console>>);
+
+/// All routes.
+fn routes() -> Vec<Route> {
+    let mut routes = vec![
+        ("/", get(|| async { files::response("index.html") })),
+        ("/console/{name}", get(|Path(name): Path<String>| async move { files::response(&name) })),
+        ("/healthz", get(|| async { "ok\n" })),
+        ("/api/v1/access", get(access)),
+        ("/api/v1/login", post(login)),
+        ("/api/v1/status", get(status)),
+        ("/api/v1/picture.jpg", get(picture)),
+        ("/api/v1/control", get(control)),
+        (REQUESTS_PATH, post(requests)),
+        (SOCKET_PATH, get(open_socket)),
+        ("/metrics", get(metrics)),
+    ];
+    routes.extend(library::routes::routes());
+    routes
+}
+
 /// The router of all routes.
 pub(super) fn router(console: Arc<Console>) -> Router {
-    Router::new()
-        .route("/", get(|| async { files::response("index.html") }))
-        .route("/console/{name}", get(|Path(name): Path<String>| async move { files::response(&name) }))
-        .route("/healthz", get(|| async { "ok\n" }))
-        .route("/api/v1/access", get(access))
-        .route("/api/v1/login", post(login))
-        .route("/api/v1/status", get(status))
-        .route(REQUESTS_PATH, post(requests))
-        .route(SOCKET_PATH, get(open_socket))
-        .route("/metrics", get(metrics))
-        .merge(library::routes::routes())
+    let router = routes().into_iter().fold(Router::new(), |router, (path, at)| router.route(path, at));
+    router
         .layer(DefaultBodyLimit::max(MAX_MESSAGE_BYTES))
         .layer(from_fn_with_state(Arc::clone(&console), guard))
         .with_state(console)
@@ -113,7 +133,11 @@ pub(super) async fn guarded(access: &Access, hosts: &Hosts, mut request: Request
         Err(response) => *response,
     };
     for (name, value) in SECURITY_HEADERS {
-        response.headers_mut().insert(name, HeaderValue::from_static(value));
+        // A route may be stricter about what is kept.
+        let is_stricter = name == header::CACHE_CONTROL && response.headers().contains_key(&name);
+        if !is_stricter {
+            response.headers_mut().insert(name, HeaderValue::from_static(value));
+        }
     }
     response
 }
@@ -211,8 +235,11 @@ pub(super) fn json(value: &impl Serialize) -> Response {
     }
 }
 
-#[derive(Serialize)]
-struct AccessBody {
+/// What a token permits.
+#[derive(Serialize, JsonSchema)]
+#[schemars(rename = "Access")]
+pub(super) struct AccessBody {
+    /// Whether the token permits more than watching and stopping.
     may_control: bool,
 }
 
@@ -253,8 +280,48 @@ pub(super) fn log_in(access: &Access, headers: &HeaderMap) -> Response {
 
 async fn status(State(console): Shared, headers: HeaderMap) -> Response {
     match role_of(&console, &headers) {
-        Ok(_) => json(&console.status()),
+        Ok(role) => {
+            console.hear_program(role);
+            json(&console.status())
+        }
         Err(response) => *response,
+    }
+}
+
+/// Who controls, for programs: pages are told on their sockets.
+async fn control(State(console): Shared, headers: HeaderMap) -> Response {
+    match role_of(&console, &headers) {
+        Ok(_) => json(&console.with_seats(|seats| seats.state())),
+        Err(response) => *response,
+    }
+}
+
+/// The newest picture, which no cache keeps.
+async fn picture(State(console): Shared, request: Request) -> Response {
+    if let Err(response) = role_of(&console, request.headers()) {
+        return *response;
+    }
+    let drawing = match request.uri().query() {
+        None | Some("" | "overlay=false") => Drawing::Plain,
+        Some("overlay=true") => Drawing::Overlay,
+        Some(_) => return (StatusCode::BAD_REQUEST, "send ?overlay=true, or no query\n").into_response(),
+    };
+    let time = console.time.clone();
+    match console.tracked_video().pictures.newest.get(drawing, move |at| time.time_of_day(at)).await {
+        Ok(Some(StillPicture { jpeg, captured })) => {
+            let headers = [
+                (header::CONTENT_TYPE, "image/jpeg".to_owned()),
+                (header::CACHE_CONTROL, "no-store".to_owned()),
+                (CAPTURED, captured.as_nanos().to_string()),
+            ];
+            (headers, Body::from(jpeg)).into_response()
+        }
+        Ok(None) => {
+            let video = console.status().video.state;
+            let text = format!("there is no picture yet: the video is {video}\n");
+            (StatusCode::SERVICE_UNAVAILABLE, [(header::CACHE_CONTROL, "no-store")], text).into_response()
+        }
+        Err(error) => (StatusCode::INTERNAL_SERVER_ERROR, format!("{error}\n")).into_response(),
     }
 }
 

@@ -37,6 +37,16 @@ impl SessionTime {
         self.clock.now()
     }
 
+    /// The time of day at a time of the session, such as "14:03:07.4"; `None`: the time is simulated.
+    pub(super) fn time_of_day(&self, at: Timestamp) -> Option<String> {
+        if self.offset_ns.load(Ordering::Relaxed) != 0 {
+            return None;
+        }
+        let ago = self.clock.now().since(at);
+        let zoned = jiff::Zoned::now().checked_sub(ago).ok()?;
+        Some(zoned.strftime("%H:%M:%S%.1f").to_string())
+    }
+
     /// The program's clock.
     pub(super) const fn program_clock(&self) -> Clock {
         self.clock

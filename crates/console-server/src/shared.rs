@@ -110,6 +110,12 @@ impl Console {
         }
     }
 
+    /// The video that the pilot sees.
+    pub(super) fn tracked_video(&self) -> &VideoOutlet {
+        let number = self.snapshots.borrow().video.number;
+        self.videos.get(number).unwrap_or(&self.videos.first)
+    }
+
     /// The newest state, in the API's form.
     pub(super) fn status(&self) -> StatusSnapshot {
         self.status_of(&self.snapshots.borrow())

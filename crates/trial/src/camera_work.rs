@@ -2,13 +2,15 @@
 //! done.
 
 use barrelman_vocab::{CameraCommand, LawId, Timestamp, VehicleProfile};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::shadow::MotorSchemaShadow;
 use crate::work_step::WorkStep;
 
 /// Figures of a camera's work since the first engage.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
+#[schemars(rename = "SortieWork")]
 pub struct WorkFigures {
     /// Starts of a command from rest.
     pub moves: u64,

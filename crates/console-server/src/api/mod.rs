@@ -16,6 +16,7 @@ mod place;
 mod snapshot;
 mod vessel;
 
+mod paths;
 mod schema;
 mod video_message;
 

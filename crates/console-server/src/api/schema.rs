@@ -3,63 +3,25 @@
 use schemars::{JsonSchema, SchemaGenerator, generate::SchemaSettings};
 use serde_json::{Value, json};
 
-use super::{Answer, ClientMessage, RequestBody, ServerMessage, StatusSnapshot};
+use super::{ClientMessage, ServerMessage, paths};
 
 /// The OpenAPI 3.1 document. OpenAPI has no WebSockets: the schemas of the socket's messages are those of
 /// `components.schemas`, named in the description of the socket.
 pub fn api_document() -> Value {
     let mut sent = generator(true);
     let mut taken = generator(false);
-    let status = reference::<StatusSnapshot>(&mut sent);
-    let answer = reference::<Answer>(&mut sent);
+    let paths = paths::paths(&mut sent, &mut taken);
     let to_page = reference::<ServerMessage>(&mut sent);
-    let request = reference::<RequestBody>(&mut taken);
     let to_program = reference::<ClientMessage>(&mut taken);
     let mut schemas = sent.take_definitions(true);
     schemas.extend(taken.take_definitions(true));
     schemas.insert("MessageToPage".to_owned(), to_page);
     schemas.insert("MessageToProgram".to_owned(), to_program);
-    let socket = "WebSocket. Text messages to the program: `#/components/schemas/MessageToProgram`; text messages from \
-         the program: `#/components/schemas/MessageToPage`; binary messages from the program: video.";
     json!({
         "openapi": "3.1.0",
         "info": {"title": "Barrelman", "version": env!("CARGO_PKG_VERSION")},
         "security": [{"token": []}, {}],
-        "paths": {
-            "/api/v1/status": {"get": {
-                "summary": "The newest state",
-                "responses": {"200": response("The state", &status), "401": refused()},
-            }},
-            "/api/v1/requests": {"post": {
-                "summary": "Makes a request, and waits for its answer",
-                "requestBody": {"required": true, "content": {"application/json": {"schema": request}}},
-                "responses": {"200": response("The answer", &answer), "401": refused()},
-            }},
-            "/api/v1/socket": {"get": {
-                "summary": "The socket of a page",
-                "description": socket,
-                "responses": {"101": {"description": "The socket is open"}, "401": refused()},
-            }},
-            "/api/v1/access": {"get": {
-                "summary": "What the token permits",
-                "responses": {
-                    "200": {"description": "`may_control`: whether the token permits more than watching and stopping"},
-                    "401": refused(),
-                },
-            }},
-            "/api/v1/login": {"post": {
-                "summary": "A cookie for the token, for pages",
-                "responses": {"204": {"description": "The cookie is set"}, "401": refused()},
-            }},
-            "/metrics": {"get": {
-                "summary": "Metrics for Prometheus",
-                "responses": {"200": {"description": "Text format 0.0.4"}, "401": refused()},
-            }},
-            "/healthz": {"get": {
-                "summary": "Whether the server answers", "security": [],
-                "responses": {"200": {"description": "`ok`"}},
-            }},
-        },
+        "paths": paths,
         "components": {
             "securitySchemes": {"token": {"type": "http", "scheme": "bearer"}},
             "schemas": schemas,
@@ -76,16 +38,8 @@ fn generator(is_sent: bool) -> SchemaGenerator {
 }
 
 /// The schema of a type: a reference to its definition.
-fn reference<T: JsonSchema>(generator: &mut SchemaGenerator) -> Value {
+pub(super) fn reference<T: JsonSchema>(generator: &mut SchemaGenerator) -> Value {
     generator.subschema_for::<T>().to_value()
-}
-
-fn response(description: &str, schema: &Value) -> Value {
-    json!({"description": description, "content": {"application/json": {"schema": schema}}})
-}
-
-fn refused() -> Value {
-    json!({"description": "A token is needed"})
 }
 
 #[cfg(test)]

@@ -9,6 +9,8 @@ mod name;
 
 pub(super) mod routes;
 
+pub(crate) use routes::NewName;
+
 use std::collections::BTreeMap;
 use std::fs::File;
 use std::io;
@@ -19,6 +21,7 @@ use std::sync::{Mutex, PoisonError};
 use barrelman_host::output::is_being_written;
 use barrelman_trial::records::read_sortie;
 use barrelman_trial::sortie::Sortie;
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use name::RecordingName;
@@ -38,8 +41,9 @@ pub struct Library {
 }
 
 /// A recording, as the page lists it.
-#[derive(Debug, Serialize)]
-struct Listed {
+#[derive(Debug, Serialize, JsonSchema)]
+#[schemars(rename = "Recording")]
+pub(crate) struct Listed {
     name: RecordingName,
     bytes: u64,
     state: RecordingState,
@@ -49,7 +53,7 @@ struct Listed {
 }
 
 /// How far a recording is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 enum RecordingState {
     /// A program writes it now.
@@ -61,7 +65,7 @@ enum RecordingState {
 }
 
 /// Whether a recording has a film.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 enum FilmState {
     /// Nobody asked for one.

@@ -2,6 +2,7 @@
 
 use std::str::FromStr;
 
+use schemars::JsonSchema;
 use serde::Serialize;
 
 const ENDING: &str = ".mcap";
@@ -10,7 +11,7 @@ const MAX_BYTES: usize = 128;
 
 /// The name of a recording within its folder: letters, digits, `-`, `_`, `.`, blanks, and `.mcap` at the end.
 /// A name does not begin with a dot, so it leads nowhere else.
-#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Serialize, JsonSchema)]
 #[serde(transparent)]
 pub(super) struct RecordingName(String);
 

@@ -12,12 +12,12 @@
 use std::io;
 use std::sync::Arc;
 
-use axum::Router;
 use axum::extract::{Path, Request, State};
 use axum::http::{HeaderMap, StatusCode, header};
 use axum::response::{IntoResponse as _, Response};
 use axum::routing::{delete, get, post};
 use barrelman_pilot::Mode;
+use schemars::JsonSchema;
 use serde::Deserialize;
 use tower::ServiceExt as _;
 use tower_http::services::ServeFile;
@@ -26,26 +26,29 @@ use super::Library;
 use super::name::RecordingName;
 use crate::access::Role;
 use crate::files;
-use crate::routes::{json, json_body, may_enter};
+use crate::routes::{Route, json, json_body, may_enter};
 use crate::shared::Console;
 
 type Shared = State<Arc<Console>>;
 type Refusal = Box<Response>;
 
 /// The routes, without the guard of all routes.
-pub(crate) fn routes() -> Router<Arc<Console>> {
-    Router::new()
-        .route("/library", get(|| async { files::response("library.html") }))
-        .route("/api/v1/recordings", get(list))
-        .route("/api/v1/recordings/{name}", delete(remove))
-        .route("/api/v1/recordings/{name}/film", post(make_film))
-        .route("/api/v1/recordings/{name}/name", post(rename))
-        .route("/api/v1/recordings/{name}/{file}", get(file))
+pub(crate) fn routes() -> [Route; 6] {
+    [
+        ("/library", get(|| async { files::response("library.html") })),
+        ("/api/v1/recordings", get(list)),
+        ("/api/v1/recordings/{name}", delete(remove)),
+        ("/api/v1/recordings/{name}/film", post(make_film)),
+        ("/api/v1/recordings/{name}/name", post(rename)),
+        ("/api/v1/recordings/{name}/{file}", get(file)),
+    ]
 }
 
-#[derive(Deserialize)]
+/// A new name of a recording.
+#[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-struct NewName {
+pub(crate) struct NewName {
+    /// The name, with `.mcap` at its end.
     to: String,
 }
 

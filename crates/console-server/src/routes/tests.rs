@@ -2,7 +2,8 @@
 
 use std::collections::BTreeSet;
 
-use barrelman_vocab::{CameraRequest, OperatorRequest};
+use barrelman_vocab::{CameraRequest, OperatorRequest, VehicleRates};
+use tower::ServiceExt as _;
 
 use super::super::access::Role;
 use super::super::in_memory::{
@@ -11,7 +12,7 @@ use super::super::in_memory::{
 use super::super::limits::REQUESTS;
 use super::*;
 use crate::operator::SessionRequest;
-use crate::test_scenes::{at, idle};
+use crate::test_scenes::{at, frame, idle};
 
 const CONTROL: &str = "authorization: Bearer control-0123456789";
 const WATCH: &str = "authorization: Bearer watch-0123456789ab";
@@ -256,6 +257,53 @@ fn the_status_is_json_and_the_metrics_are_text() {
     session.step(&idle(at(40)));
     let (_, text) = call(&mut session, "GET /api/v1/status", &[CONTROL]);
     assert!(text.contains(r#"{"step":1,"at_ns":40000000,"#), "{text}");
+}
+
+#[test]
+fn the_document_names_every_route_and_every_method() {
+    let document = crate::api::api_document();
+    let documented: BTreeSet<(String, String)> =
+        document["paths"].as_object().unwrap().iter().flat_map(of_path).collect();
+    let mut session = InMemory::new(LIVE);
+    let mut served = BTreeSet::new();
+    for (path, _) in routes() {
+        let line = format!("TRACE {}", path.replace("{name}", "a.mcap").replace("{file}", "trial.csv"));
+        let (status, text) = call(&mut session, &line, &[CONTROL]);
+        assert_eq!(status, 405, "{line}");
+        let allowed = text.lines().find_map(|line| line.strip_prefix("allow: ")).unwrap();
+        let methods = allowed.split(',').filter(|method| *method != "HEAD");
+        served.extend(methods.map(|method| (path.to_owned(), method.to_lowercase())));
+    }
+    assert_eq!(documented, served);
+}
+
+/// The path and the methods of an item of the document.
+fn of_path((path, item): (&String, &serde_json::Value)) -> Vec<(String, String)> {
+    item.as_object().unwrap().keys().map(|method| (path.clone(), method.clone())).collect()
+}
+
+#[test]
+fn the_newest_picture_is_a_jpeg_file_that_nobody_keeps() {
+    let mut session = InMemory::new(LIVE);
+    let ask = |session: &InMemory, line: &str, token: &str| {
+        let router = router(Arc::clone(&session.console));
+        let answer = block_on(router.oneshot(request(line, &[token]))).unwrap();
+        let header = |name: &str| answer.headers().get(name).map(|value| value.to_str().unwrap().to_owned());
+        (answer.status().as_u16(), header("content-type"), header("cache-control"), header("captured-ns"))
+    };
+    let plain = "GET /api/v1/picture.jpg";
+    let (status, text) = session.call(request(plain, &[WATCH]));
+    assert_eq!(status, 503);
+    assert!(text.contains("there is no picture yet: the video is "), "{text}");
+    session.console.videos.first.pictures.put(&frame(1, at(40)), &idle(at(41)), VehicleRates::REST);
+    let jpeg = |captured: &str| {
+        let text = |text: &str| Some(text.to_owned());
+        (200, text("image/jpeg"), text("no-store"), text(captured))
+    };
+    assert_eq!(ask(&session, plain, WATCH), jpeg("40000000"));
+    assert_eq!(ask(&session, "GET /api/v1/picture.jpg?overlay=true", WATCH), jpeg("40000000"));
+    assert_eq!(ask(&session, "GET /api/v1/picture.jpg?overlay=1", WATCH).0, 400);
+    assert_eq!(session.call(request(plain, &[])).0, 401);
 }
 
 #[test]

@@ -47,7 +47,7 @@ impl StepObserver for DriveObservers<'_> {
         self.first_selection.on_step(input, outcome);
         if let Some(console) = &mut self.console {
             if let Input::Frame(frame) = input {
-                console.pictures.put(frame);
+                console.pictures.put(frame, outcome, rates);
             }
             if !matches!(input, Input::Request(_)) {
                 console.answers.on_step(outcome);

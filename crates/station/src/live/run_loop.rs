@@ -12,6 +12,7 @@ use std::sync::Arc;
 use std::sync::mpsc::RecvTimeoutError;
 use std::time::Duration;
 
+use barrelman_console_server::PictureSlot;
 use barrelman_console_server::operator::{Answers, Gateway, SessionRequest, Submitted};
 use barrelman_console_server::snapshot::{Alarm, Publisher, RecordingState, link_state_text};
 use barrelman_pilot::{Input, Notice, Outcome, Pilot, Refusal, VesselMode};
@@ -53,6 +54,15 @@ pub struct LiveStep<'a> {
 pub trait LiveStepObserver {
     /// The pilot made a step. Must not block.
     fn on_step(&mut self, step: &LiveStep<'_>);
+}
+
+/// Passes the frames of the tracked video on to the pages.
+impl LiveStepObserver for Videos<Arc<PictureSlot>> {
+    fn on_step(&mut self, step: &LiveStep<'_>) {
+        if let (Input::Frame(frame), Some(pictures)) = (step.input, self.get(step.video)) {
+            pictures.put(frame, step.outcome, step.rates);
+        }
+    }
 }
 
 /// How a run ended.

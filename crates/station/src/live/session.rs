@@ -292,7 +292,7 @@ impl Session<'_> {
             };
             ConsoleServer::open(settings, parts, report_panics(events.clone()))
         };
-        let console = console.zip(outlets).map(open_console).transpose()?;
+        let console = console.zip(outlets.clone()).map(open_console).transpose()?;
         let open_camera = |setup: TrackingCameraSetup| {
             let parts =
                 CameraParts { gateway: Arc::clone(&gateway), snapshots: publisher.subscribe(), clock };
@@ -309,6 +309,9 @@ impl Session<'_> {
             StatusWriter::start(stdout(), style, clock, fault_injector.clone(), events.clone())?;
         let mut observers: Vec<Box<dyn LiveStepObserver + '_>> = Vec::new();
         observers.extend(parts.overlay.as_ref().map(|overlay| observer(overlay.input())));
+        if let Some(outlets) = outlets {
+            observers.push(Box::new(outlets.map(|_, outlet| outlet.pictures)));
+        }
         if let Some(calibration) = &calibration {
             observers.push(observer(calibration.observer(Arc::clone(&gateway), events)));
         }

@@ -69,11 +69,11 @@ impl VideoSink for LiveVideoSink {
     }
 
     fn on_frame(&mut self, frame: VideoFrame) {
-        if let Some(outlet) = &self.outlet {
-            outlet.pictures.put(&frame);
-        }
-        let is_tracked = self.receivers.tracked.number() == self.number;
-        if is_tracked && self.receivers.latest.put((self.number, frame)) {
+        if self.receivers.tracked.number() != self.number {
+            if let Some(outlet) = &self.outlet {
+                outlet.pictures.show(&frame);
+            }
+        } else if self.receivers.latest.put((self.number, frame)) {
             self.send(Event::Frame);
         }
     }

@@ -13,6 +13,7 @@ use std::collections::BTreeMap;
 use barrelman_control::Region;
 use barrelman_pilot::Mode;
 use barrelman_vocab::{Named as _, StopCause, Timestamp, Track, VehicleProfile};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 pub use moment::{Happening, Moment};
@@ -25,7 +26,7 @@ use crate::work_step::WorkStep;
 const MAX_MOMENTS: usize = 10_000;
 
 /// What happened in a sortie.
-#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
 pub struct Sortie {
     /// Unix time of the first outcome, ns.
     pub began_unix_ns: u64,
@@ -54,7 +55,7 @@ pub struct Sortie {
 }
 
 /// How often and how long something lasted.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
 pub struct Spells {
     /// How often.
     pub count: u64,

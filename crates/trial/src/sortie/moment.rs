@@ -1,10 +1,11 @@
 //! The moments of a sortie that somebody looks for afterwards.
 
 use barrelman_vocab::{Named, OperatorRequest, StopCause, VesselRequest};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Something that happened, and when.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Moment {
     /// Time since the first outcome, s.
     pub at_s: f64,
@@ -14,7 +15,7 @@ pub struct Moment {
 }
 
 /// What happened.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "what", rename_all = "kebab-case")]
 pub enum Happening {
     /// The operator selected a target.

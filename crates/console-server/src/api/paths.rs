@@ -1,0 +1,193 @@
+//! The paths of the OpenAPI document: every route of the server, with the schemas of what it takes and answers.
+
+use schemars::SchemaGenerator;
+use serde_json::{Map, Value, json};
+
+use super::schema::reference;
+use super::{Answer, ControlSeat, RequestBody, StatusSnapshot};
+use crate::library::{Listed, NewName};
+use crate::routes::AccessBody;
+
+/// The paths. `sent`: what the program writes; `taken`: what it reads.
+pub(super) fn paths(sent: &mut SchemaGenerator, taken: &mut SchemaGenerator) -> Map<String, Value> {
+    let pages = [
+        ("/", "The page of the operator"),
+        ("/library", "The page of the recordings"),
+        ("/console/{name}", "A file of the pages"),
+    ];
+    let mut paths: Map<String, Value> =
+        pages.map(|(path, summary)| (path.to_owned(), page(path, summary))).into_iter().collect();
+    let others = [session(sent, taken), access(sent), recordings(sent, taken)];
+    paths.extend(others.into_iter().flatten());
+    paths
+}
+
+/// The running session.
+fn session(sent: &mut SchemaGenerator, taken: &mut SchemaGenerator) -> Vec<(String, Value)> {
+    let socket = "WebSocket. Text messages to the program: `#/components/schemas/MessageToProgram`; text messages from \
+         the program: `#/components/schemas/MessageToPage`; binary messages from the program: video.";
+    let requests = "Makes a request, and waits for its answer. Every kind of request is taken here, those about the control \
+         too: `ask-control`, `take-control`, `give-control`, `release-control`.";
+    let picture = json!({
+        "description": "The picture. `captured-ns`: its time of capture, as `select` has it",
+        "headers": {"captured-ns": {"schema": {"type": "integer"}}},
+        "content": {"image/jpeg": {}},
+    });
+    [
+        ("/api/v1/status", get("The newest state", &[], &answers::<StatusSnapshot>("The state", sent))),
+        (
+            "/api/v1/control",
+            get("Who controls, and who asks", &[], &answers::<ControlSeat>("The seat", sent)),
+        ),
+        (
+            "/api/v1/picture.jpg",
+            get(
+                "The newest picture",
+                &[query("overlay", "`true`: with the drawings of a film: box, ellipse and mode")],
+                &json!({
+                    "200": picture,
+                    "400": said("Another query"),
+                    "401": token_needed(),
+                    "503": said("There is no picture yet; the text says how the video is"),
+                }),
+            ),
+        ),
+        (
+            "/api/v1/requests",
+            json!({"post": {
+                "summary": requests,
+                "requestBody": body::<RequestBody>(taken),
+                "responses": answers::<Answer>("The answer", sent),
+            }}),
+        ),
+        (
+            "/api/v1/socket",
+            json!({"get": {
+                "summary": "The socket of a page",
+                "description": socket,
+                "responses": {"101": said("The socket is open"), "401": token_needed()},
+            }}),
+        ),
+        (
+            "/metrics",
+            get(
+                "Metrics for Prometheus",
+                &[],
+                &json!({"200": said("Text format 0.0.4"), "401": token_needed()}),
+            ),
+        ),
+    ]
+    .map(|(path, item)| (path.to_owned(), item))
+    .to_vec()
+}
+
+/// Tokens, and whether the server answers.
+fn access(sent: &mut SchemaGenerator) -> Vec<(String, Value)> {
+    let healthz = json!({"get": {
+        "summary": "Whether the server answers", "security": [], "responses": {"200": said("`ok`")},
+    }});
+    let login = json!({"post": {
+        "summary": "A cookie for the token, for pages",
+        "responses": {"204": said("The cookie is set"), "401": token_needed()},
+    }});
+    let access = get("What the token permits", &[], &answers::<AccessBody>("What it permits", sent));
+    [("/api/v1/access", access), ("/api/v1/login", login), ("/healthz", healthz)]
+        .map(|(path, item)| (path.to_owned(), item))
+        .to_vec()
+}
+
+/// The recordings of the folder.
+fn recordings(sent: &mut SchemaGenerator, taken: &mut SchemaGenerator) -> Vec<(String, Value)> {
+    let name = || path_parameter("name", "The recording, such as `run-2026-05-01-1.mcap`");
+    let changed = |code: &str, text: &str| {
+        json!({
+            code: said(text),
+            "400": said("No name of a recording"),
+            "401": token_needed(),
+            "403": said("The token is for watching"),
+            "404": said("No such recording, or no folder of recordings"),
+            "409": said("The camera is engaged, the recording is being written, or the name is taken"),
+        })
+    };
+    let file = "`recording.mcap`, and once the film is made `annotated.mp4`, `video.mp4` and `trial.csv`";
+    let found = json!({
+        "200": said("The file"), "206": said("A part of it, as `Range` asked"), "400": said("No name of a recording"),
+        "401": token_needed(), "404": said("No such file"),
+    });
+    [
+        (
+            "/api/v1/recordings",
+            get("The recordings, the newest first", &[], &answers::<Vec<Listed>>("The recordings", sent)),
+        ),
+        (
+            "/api/v1/recordings/{name}",
+            json!({"delete": {
+                "summary": "Deletes a recording and its film", "parameters": [name()],
+                "responses": changed("204", "It is deleted"),
+            }}),
+        ),
+        (
+            "/api/v1/recordings/{name}/film",
+            json!({"post": {
+                "summary": "Begins to make film and table; the list says `being-made`, then `ready`",
+                "parameters": [name()],
+                "responses": changed("202", "They are being made"),
+            }}),
+        ),
+        (
+            "/api/v1/recordings/{name}/name",
+            json!({"post": {
+                "summary": "Renames a recording", "parameters": [name()], "requestBody": body::<NewName>(taken),
+                "responses": changed("204", "It is renamed"),
+            }}),
+        ),
+        (
+            "/api/v1/recordings/{name}/{file}",
+            get("A file of a recording", &[name(), path_parameter("file", file)], &found),
+        ),
+    ]
+    .map(|(path, item)| (path.to_owned(), item))
+    .to_vec()
+}
+
+fn page(path: &str, summary: &str) -> Value {
+    let parameters: Vec<Value> =
+        path.contains("{name}").then(|| path_parameter("name", "The file")).into_iter().collect();
+    json!({"get": {
+        "summary": summary, "security": [], "parameters": parameters, "responses": {"200": said("The file")},
+    }})
+}
+
+fn get(summary: &str, parameters: &[Value], responses: &Value) -> Value {
+    json!({"get": {"summary": summary, "parameters": parameters, "responses": responses}})
+}
+
+fn query(name: &str, description: &str) -> Value {
+    json!({"name": name, "in": "query", "description": description, "schema": {"type": "boolean"}})
+}
+
+fn path_parameter(name: &str, description: &str) -> Value {
+    let schema = json!({"type": "string"});
+    json!({"name": name, "in": "path", "required": true, "description": description, "schema": schema})
+}
+
+/// A JSON answer, or that a token is needed.
+fn answers<T: schemars::JsonSchema>(description: &str, sent: &mut SchemaGenerator) -> Value {
+    let schema = reference::<T>(sent);
+    json!({
+        "200": {"description": description, "content": {"application/json": {"schema": schema}}},
+        "401": token_needed(),
+    })
+}
+
+fn body<T: schemars::JsonSchema>(taken: &mut SchemaGenerator) -> Value {
+    json!({"required": true, "content": {"application/json": {"schema": reference::<T>(taken)}}})
+}
+
+fn said(description: &str) -> Value {
+    json!({"description": description})
+}
+
+fn token_needed() -> Value {
+    said("A token is needed")
+}
