@@ -14,7 +14,7 @@ import jsonschema
 import pytest
 
 from camera import SELECTION, Camera
-from client import ASK_CONTROL, DISENGAGE, ENGAGE, STOP, TEXT, Program, Socket, select
+from client import ASK_CONTROL, DISENGAGE, ENGAGE, STOP, TEXT, Program, Request, Socket, select
 from machine import Delay, took
 from process import ROOT, memory_mb, run
 
@@ -38,17 +38,56 @@ def page_of(program: Program) -> Socket:
     return Socket(program.host, program.token)
 
 
-def test_client_of_the_documentation_asks_engages_and_stops(program: Program, tmp_path: pathlib.Path) -> None:
+def test_client_of_the_documentation_selects_and_engages(program: Program, tmp_path: pathlib.Path) -> None:
     found = re.search(r"```python\n(.*?)```", (ROOT / "docs/api.md").read_text(), re.DOTALL)
     assert found
     (tmp_path / "client.py").write_text(found[1])
-    done = run([sys.executable, tmp_path / "client.py", program.host, program.token])
+    box = [str(value) for value in program.status()["track"]["box"]]
+    done = run([sys.executable, tmp_path / "client.py", program.host, program.token, *box])
     assert done.returncode == 0, done.stderr
-    lines = done.stdout.split("\n")
-    assert lines[0] == "idle"
-    assert "accepted" in lines[1]
-    assert "accepted" in lines[2]
-    assert int(lines[3]) >= 1
+    took, selected, engaged, state, released = done.stdout.splitlines()
+    assert took.startswith("take-control accepted"), took
+    assert selected.startswith("select accepted"), selected
+    assert engaged.startswith("engage accepted"), engaged
+    assert re.match(r"(servoing|holding) tracking \[\d", state), state
+    assert released.startswith("release-control accepted"), released
+    assert program.request(STOP)["answer"] == "accepted"
+
+
+def test_picture_is_the_newest_one_and_kept_by_nobody(program: Program) -> None:
+    def picture(path: str) -> tuple[bytes, int]:
+        status, body, headers = program.ask("GET", f"/api/v1/picture.jpg{path}", token=program.watch_token)
+        assert (status, headers["cache-control"]) == (200, "no-store")
+        assert body.startswith(b"\xff\xd8")
+        assert body.endswith(b"\xff\xd9")
+        return body, int(headers["captured-ns"])
+
+    _, first = picture("")
+    program.wait(lambda status: status["track"]["captured_ns"] > first, "a later picture")
+    plain, second = picture("")
+    assert second > first
+    drawn, _ = picture("?overlay=true")
+    assert plain != drawn
+
+
+def test_program_takes_the_control_from_a_page_and_gives_it_up(program: Program) -> None:
+    page = page_of(program)
+    page.send(Request("take-control").message(1))
+    assert page.until("answer")["answer"] == "accepted"
+    assert "a page is in control" in program.request(ENGAGE)["reason"]
+    assert program.request(ASK_CONTROL)["answer"] == "accepted"
+
+    def seat() -> Any:
+        return json.loads(program.ask("GET", "/api/v1/control")[1])
+
+    assert seat()["asking"] == [seat()["program"]]
+    assert program.request(Request("take-control"))["answer"] == "accepted"
+    assert seat()["holder"] == seat()["program"]
+    assert program.request(ENGAGE)["answer"] == "accepted"
+    assert program.request(DISENGAGE)["answer"] == "accepted"
+    assert program.request(Request("release-control"))["answer"] == "accepted"
+    assert seat()["holder"] is None
+    page.close()
 
 
 @pytest.fixture(scope="module")
