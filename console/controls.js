@@ -24,6 +24,8 @@ export function enableControls({ snapshot, isConnected, seat, stage, video }) {
   const whyNot = seat.isControlling ? words.reasons.controls : seat.mayControl ? words.next.asked : words.reasons.watchLink;
   show("take-control", mayAsk, whyNot);
   show("ask-control", mayAsk && !seat.hasAsked, whyNot);
+  const isRecording = snapshot?.recording.state === "recording";
+  show("note", isAble && seat.mayControl && isRecording, !isAble ? words.reasons.notConnected : seat.mayControl ? words.reasons.notRecorded : words.reasons.watchLink);
   show("freeze", stage.hasPicture, words.reasons.noPicture);
   show("video", isAble, words.reasons.notConnected);
   const isShown = snapshot?.video.number === video.shown;

@@ -193,6 +193,7 @@ const act = {
   "stop-boat": () => request({ kind: "stop-vessel" }),
   "next-mark": () => request({ kind: "next-mark" }),
   "go-home": () => request({ kind: "go-home" }),
+  note: () => request({ kind: "note" }, words.noted),
   freeze: () => (stage.isFrozen ? stage.unfreeze() : stage.freeze()),
   stop: () => stopper.press(),
   video: () => twoVideos.change(),

@@ -70,6 +70,7 @@ pub(super) fn begin_request(console: &Console, from: Requester, request: Request
         }
         Request::World(request) => SessionRequest::World(request),
         Request::Video(request) => SessionRequest::Video(request),
+        Request::Note(request) => SessionRequest::Note(request),
         Request::Operator(request) => {
             if let Err(reason) = check_values(&request) {
                 return Pending::Answered(refused(reason));
@@ -110,10 +111,12 @@ fn refusal(seats: &Seats, from: Requester, request: &Request) -> Option<String> 
     if from.role == Role::Watch {
         return Some("this token may only watch and stop".to_owned());
     }
-    if matches!(request, Request::Seat(_)) {
-        return None;
-    }
-    let commands_vessel = matches!(request, Request::Operator(request) if commands_vessel(request));
+    let commands_vessel = match request {
+        Request::Operator(request) => commands_vessel(request),
+        Request::World(_) | Request::Video(_) => false,
+        // A note commands nothing.
+        Request::Seat(_) | Request::Note(_) => return None,
+    };
     match from.client {
         // A boat that no page watches over is stopped at once.
         None if (seats.is_empty() || seats.program_controls()) && commands_vessel => {

@@ -47,8 +47,8 @@ pub use link_command::LinkCommand;
 pub use named::Named;
 pub use profile::{VehicleProfile, VehicleRates};
 pub use request::{
-    CameraRequest, DrawnMark, DrawnSelection, MarkKind, MovedMark, NewDrive, Nudge, OperatorRequest, Request,
-    SeatRequest, VesselRequest, VesselStopper, VideoRequest, WorldRequest,
+    CameraRequest, DrawnMark, DrawnSelection, MarkKind, MovedMark, NewDrive, Note, NoteRequest, NoteText,
+    Nudge, OperatorRequest, Request, SeatRequest, VesselRequest, VesselStopper, VideoRequest, WorldRequest,
 };
 pub use stop_cause::StopCause;
 pub use telemetry::Telemetry;

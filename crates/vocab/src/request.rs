@@ -1,7 +1,7 @@
 //! Requests of the operator, or of a program on behalf of the operator.
 //!
 //! Each kind of request has an enum of its own, which the code that is about it matches without a wildcard:
-//! [`CameraRequest`], [`VesselRequest`], [`WorldRequest`], [`VideoRequest`] and [`SeatRequest`]; a stop concerns
+//! [`CameraRequest`], [`VesselRequest`], [`WorldRequest`], [`VideoRequest`], [`NoteRequest`] and [`SeatRequest`]; a stop concerns
 //! camera and vessel.
 //!
 //! The serialised form of a request is the same in the console's API, in a stored drive and in a recording: a
@@ -19,6 +19,7 @@
 //! ```
 
 mod camera;
+mod note;
 mod seat;
 mod vessel;
 mod video;
@@ -27,6 +28,7 @@ mod world;
 mod form;
 
 pub use camera::{CameraRequest, DrawnSelection, Nudge};
+pub use note::{Note, NoteRequest, NoteText};
 pub use seat::SeatRequest;
 pub use vessel::{DrawnMark, MarkKind, MovedMark, VesselRequest, VesselStopper};
 pub use video::VideoRequest;
@@ -56,6 +58,8 @@ pub enum Request {
     World(WorldRequest),
     /// About the choice between two videos.
     Video(VideoRequest),
+    /// About the recording.
+    Note(NoteRequest),
     /// About who has the control.
     Seat(SeatRequest),
 }
@@ -87,6 +91,12 @@ impl From<WorldRequest> for Request {
 impl From<VideoRequest> for Request {
     fn from(request: VideoRequest) -> Self {
         Self::Video(request)
+    }
+}
+
+impl From<NoteRequest> for Request {
+    fn from(request: NoteRequest) -> Self {
+        Self::Note(request)
     }
 }
 

@@ -16,6 +16,11 @@ pub enum Answer {
 impl Answer {
     /// Accepted, without a remark.
     pub const ACCEPTED: Self = Self::Accepted(None);
+
+    /// Refused: nothing is recorded in which a moment could be marked.
+    pub fn not_recorded() -> Self {
+        Self::Refused("nothing is recorded: start with `--record FILE`".to_owned())
+    }
 }
 
 /// Where the answer to a request goes. Answering never waits. A slot that is dropped without an answer tells its reader

@@ -7,7 +7,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use barrelman_pilot::VesselMode;
-use barrelman_vocab::{OperatorRequest, StopCause, VesselRequest, VesselStopper, VideoRequest, WorldRequest};
+use barrelman_vocab::{
+    NoteRequest, OperatorRequest, StopCause, VesselRequest, VesselStopper, VideoRequest, WorldRequest,
+};
 use tokio::sync::oneshot;
 
 use super::answer::{Answer, AnswerSlot};
@@ -25,6 +27,8 @@ pub enum SessionRequest {
     World(WorldRequest),
     /// A request about the choice between two videos.
     Video(VideoRequest),
+    /// A request about the recording.
+    Note(NoteRequest),
 }
 
 /// A request that waits for the loop.

@@ -1,7 +1,7 @@
 //! Requests of pages and programs, with the answers of a scripted session.
 
 use super::super::in_memory::{InMemory, LIVE, block_on};
-use barrelman_vocab::{LawId, MarkKind, NewDrive, Timestamp, WorldRequest};
+use barrelman_vocab::{LawId, MarkKind, NewDrive, Note, NoteRequest, Timestamp, WorldRequest};
 
 use super::*;
 use crate::operator::AnswerSlot;
@@ -85,6 +85,11 @@ fn each_request_reaches_the_session_in_its_own_words() {
     );
     check(r#"{"kind":"pause"}"#, SessionRequest::World(WorldRequest::Pause));
     check(r#"{"kind":"resume"}"#, SessionRequest::World(WorldRequest::Resume));
+    let note = |text: &str| {
+        SessionRequest::Note(NoteRequest::Note(Note { text: text.to_owned().try_into().unwrap() }))
+    };
+    check(r#"{"kind":"note","text":"smoke at the pier"}"#, note("smoke at the pier"));
+    check(r#"{"kind":"note"}"#, note(""));
     let wanted = NewDrive { scenario: "rescue".to_owned(), seed: u64::MAX };
     check(
         r#"{"kind":"new-drive","scenario":"rescue","seed":18446744073709551615}"#,
@@ -213,6 +218,17 @@ fn a_session_is_commanded_from_the_control_seat_only() {
         check_from(Dropped, request.clone(), "another page is in control");
         check_from(Program, request.clone(), "a page is in control");
         check_from(ViewingProgram, request, "this token may only watch and stop");
+    }
+}
+
+#[test]
+fn whoever_has_the_token_for_control_marks_a_moment() {
+    let note = || NoteRequest::Note(Note::default());
+    for from in [Holder, Other, Program] {
+        check_from(from, note(), "");
+    }
+    for from in [Viewer, ViewingProgram] {
+        check_from(from, note(), "this token may only watch and stop");
     }
 }
 

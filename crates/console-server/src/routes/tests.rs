@@ -356,6 +356,7 @@ fn a_body_that_cannot_be_read_is_refused_with_the_reason() {
             r#"{"request":{"kind":"select","bounds":{"u":1,"v":2,"w":3},"captured_ns":0}}"#,
             "missing field `h`",
         ),
+        (r#"{"request":{"kind":"note","text":"two\nlines"}}"#, "the text of a note is one line"),
         (r#"{"request":{"kind":"engage","law":"eco"}}"#, "unknown field `law`"),
         (r#"{"request":{"kind":"stop"}} {}"#, "trailing characters"),
         ("\u{feff}{}", "the request cannot be read"),

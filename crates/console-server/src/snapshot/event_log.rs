@@ -4,7 +4,8 @@ use std::collections::VecDeque;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
-use barrelman_vocab::Timestamp;
+use barrelman_trial::sortie::Happening;
+use barrelman_vocab::{Note, Timestamp};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use tokio::sync::broadcast;
@@ -80,6 +81,12 @@ impl EventLog {
         kept.push_back(entry.clone());
         // Sent under the lock, so that a new reader gets each event once.
         let _ = self.readers.send(entry);
+    }
+
+    /// Adds the mark of a moment.
+    pub fn add_note(&self, at: Timestamp, note: &Note) {
+        let text = Happening::Noted { text: note.text.clone() }.text();
+        self.add(at, Level::Info, "note", text);
     }
 
     /// The kept events, oldest first, and a receiver of all later ones.

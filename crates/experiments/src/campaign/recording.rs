@@ -13,7 +13,7 @@ use barrelman_trial::records::{
     SimulatedTrial,
 };
 use barrelman_trial::target_in_picture::TargetInPicture;
-use barrelman_vocab::{EncodedUnit, Timestamp, VehicleProfile, VehicleRates, VideoNumber};
+use barrelman_vocab::{EncodedUnit, Note, Timestamp, VehicleProfile, VehicleRates, VideoNumber};
 
 use barrelman_host::output::OutputFile;
 use barrelman_overlay::film::Film;
@@ -119,6 +119,13 @@ impl TrialRecorder {
     pub fn add_unit(&mut self, unit: EncodedUnit) {
         if self.error.is_none() {
             self.error = self.write(&Entry::Unit(VideoNumber::First, unit)).err();
+        }
+    }
+
+    /// Adds a moment that somebody marked.
+    pub fn add_note(&mut self, at: Timestamp, note: Note) {
+        if self.error.is_none() {
+            self.error = self.write(&Entry::Note { at, note }).err();
         }
     }
 

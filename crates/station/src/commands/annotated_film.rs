@@ -53,7 +53,7 @@ pub(super) fn write(recording: &Path, file: OutputFile) -> Result<u64> {
                     pictures += 1;
                 }
             }
-            Ok(Entry::Input { .. } | Entry::Truth(_) | Entry::Start(_)) => {}
+            Ok(Entry::Input { .. } | Entry::Truth(_) | Entry::Note { .. } | Entry::Start(_)) => {}
             Err(ReadError::Truncated) => break,
             Err(error) => return Err(error.into()),
         }

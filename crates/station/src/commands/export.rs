@@ -140,7 +140,7 @@ fn export_trial(args: &ExportArgs, trial: OutputFile, videos: Videos<OutputFile>
             Ok(Entry::Unit(number, unit)) => {
                 videos.get_mut(number).map_or(Ok(()), |video| video.add(&unit))?
             }
-            Ok(Entry::Input { .. } | Entry::Truth(_)) => {}
+            Ok(Entry::Input { .. } | Entry::Truth(_) | Entry::Note { .. }) => {}
             Err(ReadError::Truncated) => cut = true,
             Err(error) => return Err(error.into()),
         }

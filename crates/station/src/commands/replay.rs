@@ -142,7 +142,8 @@ fn replay(recording: File, changed: Option<Configuration>, keys: &[ChangedKey]) 
                     replayed.comparison.add(&recorded, &outcome);
                 }
             }
-            Ok(Entry::Truth(_)) => {}
+            // Neither is an input of the pilot.
+            Ok(Entry::Truth(_) | Entry::Note { .. }) => {}
             Ok(Entry::Start(_)) => bail!("it has two start messages"),
             Err(ReadError::Truncated) => replayed.is_truncated = true,
             Err(error) => return Err(error.into()),

@@ -102,7 +102,7 @@ fn read_recording(file: File, name: String) -> Result<TrialInput> {
             Ok(Entry::Input { input, .. }) => builder.add_input(&input),
             Ok(Entry::Truth(truth)) => builder.add_truth(truth),
             Ok(Entry::Start(found)) => start = Some(Box::new(found)),
-            Ok(_) => {}
+            Ok(Entry::Unit(..) | Entry::Note { .. }) => {}
             Err(ReadError::Truncated) => {
                 cut = Some(format!("{name}: the recording is cut off: everything before the cut was used"));
             }

@@ -13,7 +13,8 @@ use barrelman_experiments::scenario;
 use barrelman_host::clock::Clock;
 use barrelman_pilot::VesselMode;
 use barrelman_vocab::{
-    CameraRequest, NewDrive, OperatorRequest, StopCause, Timestamp, VideoRequest, WorldRequest,
+    CameraRequest, NewDrive, Note, NoteRequest, OperatorRequest, StopCause, Timestamp, VideoRequest,
+    WorldRequest,
 };
 
 use super::drive_files::{DriveFiles, OpenFiles};
@@ -185,6 +186,7 @@ impl LiveDrive<'_> {
                     }
                     answer.give(Answer::ACCEPTED);
                 }
+                SessionRequest::Note(NoteRequest::Note(note)) => answer.give(self.note_answer(note)),
                 SessionRequest::Pilot(request) => {
                     // A helm that is renewed is stored each time: the pilot makes a step for it.
                     self.request(request)?;
@@ -196,6 +198,17 @@ impl LiveDrive<'_> {
                 }
             }
         }
+    }
+
+    /// Records a marked moment.
+    fn note_answer(&mut self, note: Note) -> Answer {
+        let now = self.drive.world().now();
+        let Some(recorder) = &mut self.observers.recorder else { return Answer::not_recorded() };
+        if let Some(console) = &mut self.observers.console {
+            console.publisher.events().add_note(now, &note);
+        }
+        recorder.add_note(now, note);
+        Answer::ACCEPTED
     }
 
     /// Everything that another drive needs.

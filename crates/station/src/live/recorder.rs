@@ -17,7 +17,7 @@ use barrelman_trial::records::{
     Entry, FrameFingerprint, RecordedInput, RecordedOutcome, RecordingStart, RecordingWriter,
 };
 use barrelman_trial::sortie::Sortie;
-use barrelman_vocab::{EncodedUnit, Timestamp, VehicleProfile, VideoFrame, VideoNumber};
+use barrelman_vocab::{EncodedUnit, Note, Timestamp, VehicleProfile, VideoFrame, VideoNumber};
 
 use super::event::Event;
 use super::faults::{FaultInjector, RECORDER};
@@ -47,6 +47,10 @@ enum Item {
         input: RecordedInput,
     },
     Outcome(Box<RecordedOutcome>),
+    Note {
+        at: Timestamp,
+        note: Note,
+    },
     End,
 }
 
@@ -89,6 +93,10 @@ impl LiveStepObserver for RecorderInput {
         });
         let outcome = RecordedOutcome::new(index, step.outcome, step.rates);
         self.enqueue(Item::Outcome(Box::new(outcome)));
+    }
+
+    fn on_note(&mut self, at: Timestamp, note: &Note) {
+        self.enqueue(Item::Note { at, note: note.clone() });
     }
 }
 
@@ -186,6 +194,7 @@ fn entry_of(item: Item) -> Option<Entry> {
         }
         Item::Input { step, now, input } => Entry::Input { step, now, input },
         Item::Outcome(outcome) => Entry::Outcome(*outcome),
+        Item::Note { at, note } => Entry::Note { at, note },
         Item::End => return None,
     })
 }

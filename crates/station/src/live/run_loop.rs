@@ -13,13 +13,13 @@ use std::sync::mpsc::RecvTimeoutError;
 use std::time::Duration;
 
 use barrelman_console_server::PictureSlot;
-use barrelman_console_server::operator::{Answers, Gateway, SessionRequest, Submitted};
+use barrelman_console_server::operator::{Answer, Answers, Gateway, SessionRequest, Submitted};
 use barrelman_console_server::snapshot::{Alarm, Publisher, RecordingState, link_state_text};
 use barrelman_pilot::{Input, Notice, Outcome, Pilot, Refusal, VesselMode};
 use barrelman_vocab::telemetry::{LinkState, Report};
 use barrelman_vocab::{
-    Angle, CameraRequest, HoldCause, Named as _, OperatorRequest, PictureSize, StopCause, Timestamp,
-    VehicleProfile, VehicleRates, VesselOrder, VesselRequest, VideoNumber, Videos,
+    Angle, CameraRequest, HoldCause, Named as _, Note, NoteRequest, OperatorRequest, PictureSize, StopCause,
+    Timestamp, VehicleProfile, VehicleRates, VesselOrder, VesselRequest, VideoNumber, Videos,
 };
 
 use super::event::{Event, EventSource};
@@ -54,6 +54,9 @@ pub struct LiveStep<'a> {
 pub trait LiveStepObserver {
     /// The pilot made a step. Must not block.
     fn on_step(&mut self, step: &LiveStep<'_>);
+
+    /// Somebody marked the moment. Must not block.
+    fn on_note(&mut self, _at: Timestamp, _note: &Note) {}
 }
 
 /// Passes the frames of the tracked video on to the pages.
@@ -225,8 +228,18 @@ impl RunLoop<'_> {
                 }
                 SessionRequest::World(request) => answer.give(self.world_answer(state, &request)),
                 SessionRequest::Video(request) => answer.give(self.video_answer(state, request)),
+                SessionRequest::Note(NoteRequest::Note(note)) => answer.give(self.note_answer(&note)),
             }
         }
+    }
+
+    /// Records a marked moment.
+    fn note_answer(&mut self, note: &Note) -> Answer {
+        let now = self.events.now();
+        let Some(recorder) = &mut self.recorder else { return Answer::not_recorded() };
+        recorder.on_note(now, note);
+        self.publisher.events().add_note(now, note);
+        Answer::ACCEPTED
     }
 
     /// With Engage, the operator takes the control back that another client has. An engagement that the start of the run asks for

@@ -99,7 +99,7 @@ impl fmt::Display for SortieLine<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { sortie, path, bytes, is_cut } = *self;
         let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
-        let stop = sortie.moments.iter().rev().find_map(|moment| match moment.what {
+        let stop = sortie.moments.iter().rev().find_map(|moment| match &moment.what {
             Happening::Stopped { cause: StopCause::Ending } => Some("ended"),
             Happening::Stopped { cause } => Some(cause.text()),
             _ => None,

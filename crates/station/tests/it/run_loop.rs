@@ -6,7 +6,7 @@ use std::sync::Arc;
 use std::sync::mpsc::RecvTimeoutError;
 use std::time::Duration;
 
-use barrelman_console_server::operator::Gateway;
+use barrelman_console_server::operator::{Gateway, SessionRequest};
 use barrelman_console_server::snapshot::{LinkStatus, Publisher, RecordingState};
 use barrelman_host::latest::Latest;
 use barrelman_pilot::{CommandPath, Input, Mode, Pilot};
@@ -18,8 +18,8 @@ use barrelman_station::live::tracked_video::{LatestFrame, TrackedVideo};
 use barrelman_video::{VideoError, VideoState};
 use barrelman_vocab::telemetry::{ControlState, LinkState, Report};
 use barrelman_vocab::{
-    CameraRequest, HoldCause, Lens, OperatorRequest, PictureSize, StopCause, Telemetry, Timestamp,
-    VehicleProfile, VehicleRates, VideoNumber,
+    CameraRequest, HoldCause, Lens, Note, NoteRequest, OperatorRequest, PictureSize, StopCause, Telemetry,
+    Timestamp, VehicleProfile, VehicleRates, VideoNumber,
 };
 
 use crate::live_scenes::{REFUSED, SELECTION, at, frame, pilot};
@@ -37,6 +37,8 @@ enum Arrival {
     Event(Event),
     /// A request of the operator, through the gateway.
     Request(OperatorRequest),
+    /// A moment that somebody marks with this text.
+    Note(&'static str),
     /// The end of all threads.
     Gone,
 }
@@ -84,6 +86,11 @@ impl EventSource for Script {
                 self.gateway.submit_logged(request);
                 Ok(Event::Operator)
             }
+            Arrival::Note(text) => {
+                let note = Note { text: text.to_owned().try_into().unwrap() };
+                drop(self.gateway.submit(SessionRequest::Note(NoteRequest::Note(note))));
+                Ok(Event::Operator)
+            }
             Gone => Err(RecvTimeoutError::Disconnected),
         }
     }
@@ -111,7 +118,7 @@ type SeenStep = (u64, String, Mode);
 
 /// Remembers the steps of a run.
 #[derive(Default)]
-struct MemoryObserver(RefCell<Vec<SeenStep>>);
+struct MemoryObserver(RefCell<Vec<SeenStep>>, RefCell<Vec<(u64, String)>>);
 
 impl LiveStepObserver for &MemoryObserver {
     fn on_step(&mut self, step: &LiveStep<'_>) {
@@ -126,6 +133,10 @@ impl LiveStepObserver for &MemoryObserver {
         let mut steps = self.0.borrow_mut();
         assert_eq!(step.index, steps.len() as u64, "steps are numbered in order");
         steps.push((step.outcome.at.as_nanos() / 1_000_000, input, step.outcome.mode));
+    }
+
+    fn on_note(&mut self, at: Timestamp, note: &Note) {
+        self.1.borrow_mut().push((at.as_nanos() / 1_000_000, note.text.as_str().to_owned()));
     }
 }
 
@@ -145,6 +156,7 @@ struct Run {
     takes_of_control: usize,
     recorded: Vec<SeenStep>,
     overlaid: Vec<SeenStep>,
+    notes: Vec<(u64, String)>,
     lines: Vec<String>,
 }
 
@@ -227,6 +239,7 @@ fn run_vehicle(
         takes_of_control: link.takes_of_control.get(),
         sent: link.sent.into_inner(),
         recorded: recorder.0.into_inner(),
+        notes: recorder.1.into_inner(),
         overlaid: overlay.0.into_inner(),
         lines: status.0.into_inner(),
     }
@@ -347,6 +360,17 @@ fn a_refused_selection_can_be_made_again_elsewhere() {
     let run = run_with(&refused, arrivals, false);
     assert_eq!(run.end, RunEnd::Requested("q was pressed".to_owned()));
     assert!(run.recorded.iter().any(|(_, input, mode)| input == "frame 1" && *mode == Mode::Servoing));
+}
+
+#[test]
+fn a_marked_moment_is_recorded_with_its_time_and_is_no_step() {
+    let arrivals = [(1_100, Frame), (1_150, Arrival::Note("smoke")), (1_210, quit())];
+    let (marked, unmarked) = (run(&[SELECT], arrivals), run(&[SELECT], [(1_100, Frame), (1_210, quit())]));
+    assert_eq!(marked.notes, [(1_150, "smoke".to_owned())]);
+    assert_eq!(marked.recorded, unmarked.recorded);
+    let failure = event(Event::RecordingFailed { reason: "disk full".to_owned() });
+    let run = run(&[], [(1_100, failure), (1_150, Arrival::Note("smoke")), (1_210, quit())]);
+    assert_eq!(run.notes, [], "nothing is recorded");
 }
 
 #[test]

@@ -9,8 +9,8 @@ use barrelman_pilot::{Advice, CommandPath, Mode, Outcome, VesselMode};
 use barrelman_sim::Truth;
 use barrelman_vocab::earth::GeoPoint;
 use barrelman_vocab::{
-    Angle, CameraCommand, EncodedUnit, ImagePoint, MarkKind, Timestamp, Track, VehicleRates, VesselCommand,
-    VesselOrder, VideoNumber, Videos, WaterPoint,
+    Angle, CameraCommand, EncodedUnit, ImagePoint, MarkKind, Note, Timestamp, Track, VehicleRates,
+    VesselCommand, VesselOrder, VideoNumber, Videos, WaterPoint,
 };
 
 use super::recorded_input::RecordedInput;
@@ -36,6 +36,13 @@ pub enum Entry {
     Outcome(RecordedOutcome),
     /// The truth of a simulated world at the capture of a picture.
     Truth(RecordedTruth),
+    /// A moment that somebody marked.
+    Note {
+        /// When.
+        at: Timestamp,
+        /// The note.
+        note: Note,
+    },
 }
 
 /// Where a video came from.

@@ -117,5 +117,6 @@ pub(super) fn decode(
         // These repeat the outcomes.
         Topic::Annotations | Topic::Log | Topic::Location => return Ok(None),
         Topic::Truth => Entry::Truth(stored::WorldTruth::decode(data)?.into()),
+        Topic::Note => stored::Note::decode(data)?.try_into()?,
     }))
 }

@@ -26,13 +26,14 @@ pub(super) enum Topic {
     InputTick,
     Outcome,
     Truth,
+    Note,
     Annotations,
     Log,
     Location,
 }
 
 impl Topic {
-    pub(super) const ALL: [Self; 18] = [
+    pub(super) const ALL: [Self; 19] = [
         Self::Start,
         Self::VideoUnit,
         Self::Video,
@@ -48,6 +49,7 @@ impl Topic {
         Self::InputTick,
         Self::Outcome,
         Self::Truth,
+        Self::Note,
         Self::Annotations,
         Self::Log,
         Self::Location,
@@ -70,6 +72,7 @@ impl Topic {
             Self::InputTick => "/input/tick",
             Self::Outcome => "/outcome",
             Self::Truth => "/truth",
+            Self::Note => "/note",
             Self::Annotations => "/video/annotations",
             Self::Log => "/log",
             Self::Location => "/boat/location",
@@ -99,6 +102,7 @@ impl Topic {
             Self::InputTick => own("TickInput"),
             Self::Outcome => own("Outcome"),
             Self::Truth => own("WorldTruth"),
+            Self::Note => own("Note"),
             Self::Annotations => known(ImageAnnotations::get_schema()),
             Self::Log => known(Log::get_schema()),
             Self::Location => known(LocationFix::get_schema()),

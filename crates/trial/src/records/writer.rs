@@ -121,6 +121,10 @@ impl<W: Write> RecordingWriter<W> {
                 self.write_message(Topic::Outcome, outcome.at, &stored::Outcome::from(outcome))?;
                 self.show(outcome)
             }
+            Entry::Note { at, note } => {
+                let text = note.text.as_str().to_owned();
+                self.write_message(Topic::Note, *at, &stored::Note { at_ns: at.as_nanos(), text })
+            }
             Entry::Truth(truth) => {
                 self.write_message(Topic::Truth, truth.at, &stored::WorldTruth::from(truth))
             }

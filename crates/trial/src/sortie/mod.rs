@@ -109,6 +109,7 @@ impl SortieObserver {
                 }
             }
             Entry::Outcome(outcome) => self.add_outcome(outcome),
+            Entry::Note { at, note } => self.note(*at, Happening::Noted { text: note.text.clone() }),
             Entry::Unit(..) | Entry::Truth(_) => {}
         }
     }

@@ -1,11 +1,11 @@
 //! The moments of a sortie that somebody looks for afterwards.
 
-use barrelman_vocab::{Named, OperatorRequest, StopCause, VesselRequest};
+use barrelman_vocab::{Named, NoteText, OperatorRequest, StopCause, VesselRequest};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Something that happened, and when.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Moment {
     /// Time since the first outcome, s.
     pub at_s: f64,
@@ -15,7 +15,7 @@ pub struct Moment {
 }
 
 /// What happened.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "what", rename_all = "kebab-case")]
 pub enum Happening {
     /// The operator selected a target.
@@ -37,6 +37,11 @@ pub enum Happening {
     Marked,
     /// The operator let the boat go to a mark.
     Guided,
+    /// Somebody marked the moment.
+    Noted {
+        /// The text, which may be empty.
+        text: NoteText,
+    },
 }
 
 impl Happening {
@@ -60,7 +65,7 @@ impl Happening {
     }
 
     /// The words.
-    pub fn text(self) -> String {
+    pub fn text(&self) -> String {
         match self {
             Self::Selected => "selected".to_owned(),
             Self::Engaged => "engaged".to_owned(),
@@ -70,6 +75,8 @@ impl Happening {
             Self::Found => "boat found".to_owned(),
             Self::Marked => "marked".to_owned(),
             Self::Guided => "boat sent to a mark".to_owned(),
+            Self::Noted { text } if text.as_str().is_empty() => "moment marked".to_owned(),
+            Self::Noted { text } => format!("moment marked: {}", text.as_str()),
         }
     }
 }

@@ -20,7 +20,7 @@ use barrelman_vocab::vehicle_text::VehicleText;
 use barrelman_vocab::video::{Capture, CaptureQuality, ColourEncoding, ColourMatrix, SampleRange};
 use barrelman_vocab::{
     Angle, AngularRate, CameraCommand, CameraRequest, DrawnMark, EncodedUnit, HoldCause, ImagePoint,
-    Localisation, MarkKind, MovedMark, OperatorRequest, PictureSize, PixelBox, PixelPoint, StopCause,
+    Localisation, MarkKind, MovedMark, Note, OperatorRequest, PictureSize, PixelBox, PixelPoint, StopCause,
     Telemetry, Timestamp, Track, VesselCommand, VesselRequest, VesselStopper, VideoNumber, WaterPoint,
 };
 use bytes::Bytes;
@@ -377,6 +377,10 @@ pub(crate) fn every_kind() -> Vec<Entry> {
         notice: String::new(),
         ..outcome(0.0)
     }));
+    for text in ["", "smoke at the pier"] {
+        let note = Note { text: text.to_owned().try_into().unwrap() };
+        entries.push(Entry::Note { at: ns(1_900), note });
+    }
     entries.push(Entry::Truth(truth(ns(2_000))));
     for bounds in [None, Some(PixelBox { u: 1.5, v: -2.0, w: 30.0, h: 12.0 })] {
         let target = Some(TargetInPicture { bounds, visible_share: 0.75 });

@@ -101,7 +101,7 @@ fn replayed(recording: &[u8], profile: &VehicleProfile) -> ReplayComparison {
                 again = Some(replay.step(step, now, input(&recorded)));
             }
             Entry::Outcome(recorded) => comparison.add(&recorded, &again.take().unwrap()),
-            Entry::Start(_) | Entry::Unit(..) | Entry::Truth(_) => {}
+            Entry::Start(_) | Entry::Unit(..) | Entry::Truth(_) | Entry::Note { .. } => {}
         }
     }
     comparison

@@ -9,8 +9,8 @@ use barrelman_trial::records::{
 };
 use barrelman_trial::sortie::{Happening, Sortie, SortieObserver, Spells};
 use barrelman_vocab::{
-    AngularRate, CameraCommand, CameraRequest, HoldCause, OperatorRequest, PixelBox, StopCause, Timestamp,
-    Track, VehicleProfile, VehicleRates,
+    AngularRate, CameraCommand, CameraRequest, HoldCause, Note, OperatorRequest, PixelBox, StopCause,
+    Timestamp, Track, VehicleProfile, VehicleRates,
 };
 
 use crate::entries::{outcome, read, start};
@@ -39,6 +39,12 @@ fn observed(entries: impl IntoIterator<Item = Entry>) -> Sortie {
     observer.finish()
 }
 
+/// A moment that somebody marked.
+fn noted() -> Entry {
+    let text = "smoke at the pier".to_owned().try_into().unwrap();
+    Entry::Note { at: Timestamp::from_nanos(5_500_000_000), note: Note { text } }
+}
+
 fn sortie() -> Sortie {
     let select =
         OperatorRequest::Camera(CameraRequest::SelectNext(PixelBox { u: 1.0, v: 2.0, w: 30.0, h: 40.0 }));
@@ -57,6 +63,7 @@ fn sortie() -> Sortie {
     let mut entries: Vec<Entry> = outcomes.map(Entry::Outcome).into();
     entries.insert(0, Entry::Start(start()));
     entries.insert(2, selected);
+    entries.insert(5, noted());
     observed(entries)
 }
 
@@ -76,12 +83,13 @@ fn the_figures_of_a_sortie_are_those_of_its_outcomes() {
 
 #[test]
 fn the_moments_of_a_sortie_are_in_the_order_of_time() {
-    let moments: Vec<_> = sortie().moments.iter().map(|moment| (moment.at_s, moment.what)).collect();
+    let moments: Vec<_> = sortie().moments.iter().map(|moment| (moment.at_s, moment.what.clone())).collect();
     assert_eq!(
         moments,
         [
             (1.0, Happening::Selected),
             (2.0, Happening::Engaged),
+            (4.5, Happening::Noted { text: "smoke at the pier".to_owned().try_into().unwrap() }),
             (5.0, Happening::Lost),
             (7.5, Happening::Found),
             (8.0, Happening::Stopped { cause: StopCause::Operator }),

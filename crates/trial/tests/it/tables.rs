@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use barrelman_trial::records::table::{TableRow, read_rows};
 use barrelman_trial::records::{Entry, ReadError, RecordedInput, RecordedOutcome};
 use barrelman_vocab::unit::UnitCodec;
-use barrelman_vocab::{OperatorRequest, StopCause, Track, VideoNumber};
+use barrelman_vocab::{Note, OperatorRequest, StopCause, Timestamp, Track, VideoNumber};
 
 use crate::entries::{every_kind, input, outcome, unit, written};
 
@@ -37,6 +37,15 @@ fn check(entry: Entry, expected: &[(&str, &str)]) {
     for (column, cell) in expected {
         assert_eq!(found.get(*column).map(String::as_str), Some(*cell), "{column}");
     }
+}
+
+#[test]
+fn a_marked_moment_is_a_row_of_its_own_channel() {
+    let text = "smoke, at the pier".to_owned().try_into().unwrap();
+    let note = Entry::Note { at: Timestamp::from_nanos(1_000), note: Note { text } };
+    check(note.clone(), &[("at_ns", "1000"), ("text", "\"smoke, at the pier\"")]);
+    let (rows, _) = rows_of(&written(&[note]));
+    assert_eq!(rows.last().map(|row| row.topic.as_str()), Some("/note"));
 }
 
 #[test]
@@ -149,7 +158,7 @@ fn every_row_of_a_topic_has_the_same_columns() {
         assert_eq!(row.columns.len(), row.cells.len());
         assert_eq!(*columns.entry(&row.topic).or_insert(&row.columns), row.columns);
     }
-    assert_eq!(columns.len(), 18);
+    assert_eq!(columns.len(), 19);
 }
 
 #[test]

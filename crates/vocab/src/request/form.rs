@@ -9,7 +9,8 @@ use serde_json::Value;
 use strum::VariantNames;
 
 use super::{
-    CameraRequest, OperatorRequest, Request, SeatRequest, VesselRequest, VideoRequest, WorldRequest,
+    CameraRequest, NoteRequest, OperatorRequest, Request, SeatRequest, VesselRequest, VideoRequest,
+    WorldRequest,
 };
 use crate::stop_cause::StopCause;
 
@@ -43,6 +44,7 @@ impl Serialize for Request {
             Self::Operator(request) => request.serialize(serializer),
             Self::World(request) => request.serialize(serializer),
             Self::Video(request) => request.serialize(serializer),
+            Self::Note(request) => request.serialize(serializer),
             Self::Seat(request) => request.serialize(serializer),
         }
     }
@@ -52,7 +54,7 @@ impl<'de> Deserialize<'de> for OperatorRequest {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         match Request::deserialize(deserializer)? {
             Request::Operator(request) => Ok(request),
-            Request::World(_) | Request::Video(_) | Request::Seat(_) => {
+            Request::World(_) | Request::Video(_) | Request::Note(_) | Request::Seat(_) => {
                 Err(Error::custom("the request is not for the pilot"))
             }
         }
@@ -76,6 +78,8 @@ impl<'de> Deserialize<'de> for Request {
             Self::World(read(value)?)
         } else if has(VideoRequest::VARIANTS) {
             Self::Video(read(value)?)
+        } else if has(NoteRequest::VARIANTS) {
+            Self::Note(read(value)?)
         } else if has(SeatRequest::VARIANTS) {
             Self::Seat(read(value)?)
         } else {
@@ -95,6 +99,7 @@ fn kinds() -> Vec<&'static str> {
         VesselRequest::VARIANTS,
         WorldRequest::VARIANTS,
         VideoRequest::VARIANTS,
+        NoteRequest::VARIANTS,
         SeatRequest::VARIANTS,
     ]
     .concat()
@@ -127,6 +132,7 @@ impl JsonSchema for Request {
                 generator.subschema_for::<VesselRequest>(),
                 generator.subschema_for::<WorldRequest>(),
                 generator.subschema_for::<VideoRequest>(),
+                generator.subschema_for::<NoteRequest>(),
                 generator.subschema_for::<SeatRequest>(),
             ],
         })

@@ -1,6 +1,6 @@
-//! Inputs of the pilot from their stored forms.
+//! Inputs of the pilot, and notes, from their stored forms.
 
-use barrelman_vocab::{OperatorRequest, Telemetry, Timestamp, Track};
+use barrelman_vocab::{Note, OperatorRequest, Telemetry, Timestamp, Track};
 
 use super::malformed::{Malformed, missing};
 use crate::records::entry::Entry;
@@ -42,6 +42,15 @@ impl TryFrom<stored::TelemetryInput> for Entry {
         let (step, now_ns) = (message.step, message.now_ns);
         let kind = if message.of_vessel { RecordedInput::VesselTelemetry } else { RecordedInput::Telemetry };
         Ok(input(step, now_ns, kind(Telemetry::try_from(message)?)))
+    }
+}
+
+impl TryFrom<stored::Note> for Entry {
+    type Error = Malformed;
+
+    fn try_from(message: stored::Note) -> Result<Self, Malformed> {
+        let text = message.text.try_into().map_err(Malformed)?;
+        Ok(Self::Note { at: Timestamp::from_nanos(message.at_ns), note: Note { text } })
     }
 }
 
