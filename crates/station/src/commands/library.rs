@@ -2,17 +2,16 @@
 //!
 //! A recording that was ended in order has its summary in itself. One that was cut off is read as a whole.
 
-use std::fs::File;
-use std::io::{BufReader, Write as _, stdout};
+use std::io::{Write as _, stdout};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use anyhow::{Context as _, Result};
 use barrelman_host::input;
-use barrelman_trial::records::{Entry, ReadError, RecordingReader, read_sortie};
-use barrelman_trial::sortie::{Sortie, SortieObserver};
+use barrelman_trial::sortie::Sortie;
 use serde::Serialize;
 
+use super::recorded_sortie;
 use crate::cli::LibraryArgs;
 use crate::config::{self, Configuration};
 use crate::live::sortie_text::{MomentLines, SortieLine, SortieText};
@@ -86,35 +85,7 @@ fn recordings_in(folder: &Path) -> Result<Vec<Listed>> {
 }
 
 fn read(path: &Path) -> Result<Listed> {
-    let mut file = input::open(path)?;
-    let bytes = file.metadata()?.len();
-    let (sortie, is_cut) = match read_sortie(&mut file)? {
-        Some(sortie) => (sortie, false),
-        None => observe(path)?,
-    };
+    let bytes = input::open(path)?.metadata()?.len();
+    let (sortie, is_cut) = recorded_sortie::of_recording(path)?;
     Ok(Listed { path: path.to_owned(), bytes, is_cut, sortie })
-}
-
-/// The summary of a recording that holds none, and whether the recording is cut off.
-fn observe(path: &Path) -> Result<(Sortie, bool)> {
-    let mut observer: Option<SortieObserver> = None;
-    let mut is_cut = false;
-    for entry in RecordingReader::new(BufReader::new(File::open(path)?)) {
-        match entry {
-            Ok(entry) => {
-                if let Entry::Start(start) = &entry {
-                    let configuration =
-                        Configuration::resolve_recorded(&config::parse(&start.configuration)?)
-                            .context("the recorded configuration")?;
-                    observer = Some(SortieObserver::new(configuration.profile));
-                }
-                let Some(observer) = &mut observer else { break };
-                observer.add(&entry);
-            }
-            Err(ReadError::Truncated) => is_cut = true,
-            Err(error) => return Err(error.into()),
-        }
-    }
-    let observer = observer.context("it holds no run of this program")?;
-    Ok((observer.finish(), is_cut))
 }

@@ -30,6 +30,7 @@ pub mod trials;
 
 mod channel_tables;
 mod comparison_table;
+mod recorded_sortie;
 mod stored_frame;
 mod summary_table;
 mod track_figures;

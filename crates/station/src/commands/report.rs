@@ -9,9 +9,10 @@ use barrelman_trial::metrics::{Arena, TrialEntry, measure};
 use barrelman_trial::records::RecordingStart;
 use barrelman_trial::report::{Report, ReportedTrial, SetKind, TrialSet, TrialTrace};
 use barrelman_trial::shadow::simulate_motor_schema;
-use barrelman_vocab::{LawId, Named, VehicleProfile};
+use barrelman_trial::sortie::Sortie;
+use barrelman_vocab::{LawId, VehicleProfile};
 
-use super::summary_table::count_of;
+use super::recorded_sortie;
 use super::trial_input::{self, InputFile, LogKind, TrialInput};
 use crate::cli::ReportArgs;
 use crate::config::{self, Configuration};
@@ -34,7 +35,10 @@ pub fn run(args: &ReportArgs) -> Result<ExitCode> {
                     tracing::error!("{message}");
                     is_truncated = true;
                 }
-                trials.push(reported_trial(*input, args));
+                let is_sortie =
+                    matches!(&input.kind, LogKind::Recording(Some(start)) if start.trial.is_none());
+                let sortie = is_sortie.then(|| recorded_sortie::of_recording(path)).transpose()?;
+                trials.push(reported_trial(*input, args, sortie.map(|(sortie, _)| sortie)));
             }
             InputFile::Campaign(campaign) => {
                 args.region.refuse_for_campaign(path, false)?;
@@ -42,6 +46,7 @@ pub fn run(args: &ReportArgs) -> Result<ExitCode> {
                 trials.extend(campaign.entries.into_iter().map(|(entry, _)| ReportedTrial {
                     entry: entry.trial,
                     set: TrialSet { kind: SetKind::Simulated, name: campaign_name(&entry.campaign) },
+                    sortie: None,
                     trace: None,
                 }));
             }
@@ -57,7 +62,7 @@ pub fn run(args: &ReportArgs) -> Result<ExitCode> {
         }
     }
     write(page, &report.page())?;
-    writeln!(stdout(), "{}: {}", args.output.display(), count_of(report.trials.len()))?;
+    writeln!(stdout(), "{}: {}", args.output.display(), report.contents())?;
     Ok(if is_truncated { ExitCode::FAILURE } else { ExitCode::SUCCESS })
 }
 
@@ -66,7 +71,7 @@ fn write(mut file: OutputFile, text: &str) -> Result<()> {
 }
 
 /// The trial of a log, with its metrics and its trace.
-fn reported_trial(mut input: TrialInput, args: &ReportArgs) -> ReportedTrial {
+fn reported_trial(mut input: TrialInput, args: &ReportArgs, sortie: Option<Sortie>) -> ReportedTrial {
     if let Some(frame) = args.region.frame_size {
         input.log.frame = frame;
     }
@@ -74,7 +79,7 @@ fn reported_trial(mut input: TrialInput, args: &ReportArgs) -> ReportedTrial {
     let region = input.log.region(shares);
     let metrics = measure(&input.log, region, input.log.picture);
     let simulated = match &input.kind {
-        LogKind::Recording(Some(start)) => SimulatedRun::from_start(start),
+        LogKind::Recording(Some(start)) => SimulatedTrial::from_start(start),
         _ => None,
     };
     let vehicle = match &input.kind {
@@ -94,7 +99,8 @@ fn reported_trial(mut input: TrialInput, args: &ReportArgs) -> ReportedTrial {
                     TrialSet { kind: SetKind::Laboratory, name: "laboratory logs".to_owned() }
                 }
                 LogKind::Exported => recorded("exported logs"),
-                LogKind::Recording(_) => recorded("recordings"),
+                LogKind::Recording(Some(_)) => TrialSet { kind: SetKind::Sortie, name: "sorties".to_owned() },
+                LogKind::Recording(None) => recorded("recordings"),
             };
             let arena = given_arena.or_else(|| Arena::from_name(&input.name));
             (input.name, arena, set)
@@ -107,7 +113,7 @@ fn reported_trial(mut input: TrialInput, args: &ReportArgs) -> ReportedTrial {
             .collect()
     });
     let entry = TrialEntry { name, arena, metrics };
-    ReportedTrial { entry, set, trace: Some(TrialTrace { log: input.log, region, shadow }) }
+    ReportedTrial { entry, set, sortie, trace: Some(TrialTrace { log: input.log, region, shadow }) }
 }
 
 /// The vehicle of a recording, if its law is not the motor schema: the motor schema's shadow is computed for it.
@@ -118,35 +124,21 @@ fn shadowed_vehicle(start: &RecordingStart) -> Option<VehicleProfile> {
 }
 
 /// The simulated trial that a recording shows.
-struct SimulatedRun {
+struct SimulatedTrial {
     scenario: String,
     /// `SCENARIO/SEED`.
     trial: String,
     set: String,
 }
 
-impl SimulatedRun {
-    /// `None` for a recording that is not of a simulated trial.
+impl SimulatedTrial {
+    /// `None` for a recording that is not of a simulated trial, but of a run or a drive.
     fn from_start(start: &RecordingStart) -> Option<Self> {
+        let settings = recorded_trial::settings_of(start.trial.as_ref()?).ok()?;
         let world = start.videos.first.address.strip_prefix("sim:")?;
         let (scenario, seed) = world.split_once("?seed=")?;
-        let settings = start.trial.as_ref().and_then(|trial| recorded_trial::settings_of(trial).ok());
-        let set = settings.map_or_else(
-            || Self::set_of_drive(scenario, start),
-            |settings| format!("{}, recorded", campaign_name(&settings)),
-        );
+        let set = format!("{}, recorded", campaign_name(&settings));
         Some(Self { scenario: scenario.to_owned(), trial: format!("{scenario}/{seed}"), set })
-    }
-
-    /// The set of a drive's recording: the law and its mode are in the configuration.
-    fn set_of_drive(scenario: &str, start: &RecordingStart) -> String {
-        let file = config::parse(&start.configuration).ok();
-        let law = file.and_then(|file| Configuration::resolve_recorded(&file).ok()).map(|found| found.law);
-        let mut words = vec![scenario];
-        words.extend(law.map(|choice| choice.law.name().key()));
-        words.extend(law.and_then(|choice| choice.law.mode()).map(Named::key));
-        words.push("recorded");
-        words.join(", ")
     }
 }
 

@@ -6,8 +6,8 @@ use std::path::Path;
 use std::sync::mpsc::channel;
 use std::time::Duration;
 
-use barrelman_trial::sortie::{Happening, Moment, Sortie, Spells};
-use barrelman_vocab::{HoldCause, Named as _, StopCause};
+use barrelman_trial::sortie::{Happening, Moment, Sortie, length};
+use barrelman_vocab::{Named as _, StopCause};
 use jiff::tz::TimeZone;
 use jiff::{Timestamp, Zoned};
 
@@ -52,33 +52,10 @@ impl fmt::Display for SortieText<'_> {
             }
             _ => writeln!(f, "  {lasted} of simulated time{cut}")?,
         }
-        let link = if sortie.link.is_empty() { "dry run" } else { &sortie.link };
-        writeln!(f, "  video {}; link {link}", sortie.video)?;
-        if sortie.engaged_s > 0.0 {
-            let share = 100.0 * sortie.followed_s / sortie.engaged_s;
-            writeln!(f, "  engaged {}, the boat known for {share:.1} % of that", length(sortie.engaged_s))?;
-        } else {
-            writeln!(f, "  never engaged")?;
+        for line in sortie.lines() {
+            writeln!(f, "  {line}")?;
         }
-        writeln!(f, "  boat lost: {}", spells(&sortie.losses))?;
-        for (key, held) in &sortie.holds {
-            let cause =
-                HoldCause::ALL.iter().find(|cause| cause.key() == key).map_or("", |cause| cause.text());
-            writeln!(f, "  camera held, {cause}: {}", spells(held))?;
-        }
-        for (key, count) in &sortie.stops {
-            let cause =
-                StopCause::ALL.iter().find(|cause| cause.key() == key).map_or("", |cause| cause.text());
-            writeln!(f, "  stopped {cause}: {}", times(*count))?;
-        }
-        let (camera, schema) = (sortie.camera, sortie.schema);
-        let noun = if camera.moves == 1 { "movement" } else { "movements" };
-        write!(
-            f,
-            "  camera: {} {noun}, {:.2} rad (the motor schema: about {}, {:.2} rad)",
-            camera.moves, camera.travel_rad, schema.moves, schema.travel_rad
-        )?;
-        writeln!(f, "\n  see it: barrelman report {} --output sortie.html", quoted(path))?;
+        writeln!(f, "  see it: barrelman report {} --output sortie.html", quoted(path))?;
         writeln!(f, "  film:   barrelman export {} --output sortie --annotated", quoted(path))
     }
 }
@@ -141,31 +118,6 @@ fn local_time(sortie: &Sortie, at_s: f64) -> Option<Zoned> {
     }
     let at_ns = i128::from(sortie.began_unix_ns) + (at_s * 1e9) as i128;
     Some(Timestamp::from_nanosecond(at_ns).ok()?.to_zoned(TimeZone::system()))
-}
-
-/// A length of time, such as "3 min 12 s".
-fn length(seconds: f64) -> String {
-    let whole = seconds.round() as u64;
-    match (whole / 3600, whole / 60 % 60, whole % 60) {
-        (0, 0, _) => format!("{seconds:.1} s"),
-        (0, minutes, seconds) => format!("{minutes} min {seconds} s"),
-        (hours, minutes, _) => format!("{hours} h {minutes} min"),
-    }
-}
-
-fn spells(spells: &Spells) -> String {
-    match spells.count {
-        0 => "never".to_owned(),
-        1 => format!("once, {}", length(spells.total_s)),
-        count => {
-            let (total, longest) = (length(spells.total_s), length(spells.longest_s));
-            format!("{}, {total} in all, {longest} the longest", times(count))
-        }
-    }
-}
-
-fn times(count: u64) -> String {
-    if count == 1 { "once".to_owned() } else { format!("{count} times") }
 }
 
 /// A path as a shell takes it.

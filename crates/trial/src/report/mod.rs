@@ -28,6 +28,8 @@ mod sparkline;
 pub mod water_map;
 pub mod world_path;
 
+mod sortie;
+
 mod claims;
 mod columns;
 mod tables;

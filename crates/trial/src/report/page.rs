@@ -9,7 +9,7 @@ use super::reported_trial::{ReportedTrial, SetKind, TrialTrace};
 use super::text::{Text, count_of, format_number, number_or_dash, to_file_name};
 use super::trial_group::{TrialGroup, by_arena};
 use super::{
-    claims, columns, commands, natural_order, p_over_time, picture_path, sensitivity, style, tables,
+    claims, columns, commands, natural_order, p_over_time, picture_path, sensitivity, sortie, style, tables,
     water_map, world_path,
 };
 use crate::metrics::Arena;
@@ -70,6 +70,7 @@ impl Report {
     pub fn page(&self) -> String {
         let arenas = by_arena(&self.trials);
         let groups: Vec<&TrialGroup<'_>> = arenas.iter().flat_map(|(_, groups)| groups).collect();
+        let is_of_sorties = self.is_of_sorties();
         let page = html! {
             (DOCTYPE) "\n"
             html lang="en-GB" {
@@ -78,12 +79,15 @@ impl Report {
                     header {
                         p class="brand" { "Barrelman report" }
                         h1 { "Keeping a boat in view: what the camera did" }
-                        (self.contents(&groups))
+                        (self.lede())
                     } "\n"
-                    section { h2 { "Claimed and counted" } (claims::paragraphs(&groups)) } "\n"
+                    (sortie::section(&self.trials))
+                    @if !is_of_sorties {
+                        section { h2 { "Claimed and counted" } (claims::paragraphs(&groups)) } "\n"
+                    }
                     @for (arena, groups) in &arenas { (arena_section(*arena, groups)) "\n" }
                     section {
-                        h2 { "All trials" }
+                        h2 { (if is_of_sorties { "Figures" } else { "All trials" }) }
                         (tables::trials_table(&self.trials)) (columns::definitions())
                     } "\n"
                     (self.trial_sections(&groups))
@@ -101,25 +105,33 @@ impl Report {
         page.into_string()
     }
 
-    /// A sentence with the numbers of trials and their total duration.
-    fn contents(&self, groups: &[&TrialGroup<'_>]) -> Markup {
-        let count = |kind: SetKind| {
-            let of_kind = groups.iter().filter(|group| group.set.kind == kind);
-            of_kind.map(|group| group.trials.len()).sum::<usize>()
-        };
+    /// Whether all trials are sorties: the paper's claims are about others.
+    fn is_of_sorties(&self) -> bool {
+        !self.trials.is_empty() && self.trials.iter().all(|trial| trial.set.kind == SetKind::Sortie)
+    }
+
+    /// What the report is of, such as "1 sortie and 2 laboratory logs".
+    pub fn contents(&self) -> String {
+        let count = |kind: SetKind| self.trials.iter().filter(|trial| trial.set.kind == kind).count();
         let kinds = [
             (count(SetKind::Laboratory), "laboratory log"),
             (count(SetKind::Simulated), "simulated trial"),
             (count(SetKind::Recorded), "recorded trial"),
+            (count(SetKind::Sortie), "sortie"),
         ];
         let parts: Vec<String> = kinds
             .iter()
             .filter(|(count, _)| *count > 0)
             .map(|(count, noun)| count_of(*count, noun))
             .collect();
+        if parts.is_empty() { "no trials".to_owned() } else { parts.join(" and ") }
+    }
+
+    /// A sentence with what the report is of and the total duration.
+    fn lede(&self) -> Markup {
         let seconds: f64 = self.trials.iter().map(|trial| trial.entry.metrics.duration_s).sum();
-        let parts = if parts.is_empty() { "no trials".to_owned() } else { parts.join(" and ") };
-        html! { p class="lede" { (parts) ", " (format_number(seconds / 60.0, 1)) " minutes together." } }
+        let minutes = format_number(seconds / 60.0, 1);
+        html! { p class="lede" { (self.contents()) ", " (minutes) " minutes" @if self.trials.len() > 1 { " together" } "." } }
     }
 
     fn trial_sections(&self, groups: &[&TrialGroup<'_>]) -> Markup {
@@ -131,7 +143,7 @@ impl Report {
         html! {
             @if self.trials.iter().any(|trial| trial.trace.is_some()) {
                 section {
-                    h2 { "Trial by trial" }
+                    h2 { (if self.is_of_sorties() { "Sortie by sortie" } else { "Trial by trial" }) }
                     p class="caption" {
                         "P over time: each excursion is shaded from the row that leaves the region to the one that is \
                          back; its height above 1 is h, its length b. Below it the commands, at the same times; then the \
@@ -169,7 +181,8 @@ fn arena_section(arena: Option<Arena>, groups: &[TrialGroup<'_>]) -> Markup {
     html! {
         section {
             h2 {
-                @match arena { Some(arena) => { "Arena " (arena.number()) }, None => "Other scenarios" }
+                @match arena { Some(arena) => { "Arena " (arena.number()) }, None if groups.iter().all(|group| group.set.kind == SetKind::Sortie) => "Means",
+                    None => "Other scenarios" }
             }
             @if let Some(figure) = sensitivity_figure(arena, groups) {
                 figure class="scroll wide" { (PreEscaped(figure.inline())) }

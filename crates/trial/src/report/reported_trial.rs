@@ -4,6 +4,7 @@ use barrelman_control::Region;
 
 use crate::logs::TrialLog;
 use crate::metrics::TrialEntry;
+use crate::sortie::Sortie;
 
 /// A trial of a report.
 #[derive(Debug, Clone, PartialEq)]
@@ -12,6 +13,8 @@ pub struct ReportedTrial {
     pub entry: TrialEntry,
     /// The set that the trial is counted in.
     pub set: TrialSet,
+    /// The summary of a sortie; `None` for other trials.
+    pub sortie: Option<Sortie>,
     /// The trial's log, for figures; `None` where only the metrics are known.
     pub trace: Option<TrialTrace>,
 }
@@ -43,6 +46,8 @@ pub enum SetKind {
     Laboratory,
     /// This program's simulator.
     Simulated,
-    /// A run on live or recorded video, or a log of unknown source.
+    /// A log of unknown source.
     Recorded,
+    /// A run, or a drive of the demo.
+    Sortie,
 }

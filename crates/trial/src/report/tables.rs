@@ -253,7 +253,11 @@ fn count_or_dash(count: Option<usize>) -> String {
 pub(super) fn flags(trial: &ReportedTrial) -> Markup {
     let metrics = &trial.entry.metrics;
     let flag = match (metrics.lost == Some(true), metrics.ends_outside) {
-        (true, _) if trial.set.kind == SetKind::Recorded && !metrics.is_in_pixels() => Some("track lost"),
+        (true, _)
+            if matches!(trial.set.kind, SetKind::Recorded | SetKind::Sortie) && !metrics.is_in_pixels() =>
+        {
+            Some("track lost")
+        }
         (true, _) => Some("lost"),
         (false, _) if metrics.is_in_pixels() && !metrics.is_success() => Some("not tracked"),
         (false, true) => Some("ends outside"),

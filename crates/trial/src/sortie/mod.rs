@@ -7,6 +7,7 @@
 //! schema are those that it would have made on the same bearings ([`crate::shadow`]): an estimate.
 
 mod moment;
+mod words;
 
 use std::collections::BTreeMap;
 
@@ -17,6 +18,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 pub use moment::{Happening, Moment};
+pub use words::length;
 
 use crate::camera_work::{CameraWork, CameraWorkMeter, WorkFigures};
 use crate::records::{Entry, RecordedOutcome, RecordingStart};

@@ -7,6 +7,7 @@ use barrelman_trial::report::{
     Figure, Report, ReportedTrial, SetKind, TrialSet, TrialTrace, commands, p_over_time, picture_path,
     water_map, world_path,
 };
+use barrelman_trial::sortie::{Happening, Moment, Sortie};
 use barrelman_vocab::{ImagePoint, MarkKind, VehicleProfile, WaterPoint};
 use roxmltree::{Document, Node, ParsingOptions};
 
@@ -24,7 +25,7 @@ fn reported(name: &str, log: TrialLog, region: Region, kind: SetKind) -> Reporte
     let metrics = measure(&log, region, log.picture);
     let entry = TrialEntry { name: name.to_owned(), arena: Arena::from_name(name), metrics };
     let set = TrialSet { kind, name: format!("set of {name}") };
-    ReportedTrial { entry, set, trace: Some(TrialTrace { log, region, shadow: None }) }
+    ReportedTrial { entry, set, sortie: None, trace: Some(TrialTrace { log, region, shadow: None }) }
 }
 
 fn report(trials: Vec<ReportedTrial>) -> Report {
@@ -380,5 +381,32 @@ fn the_laboratorys_logs_are_reported_as_they_are() {
             "{}",
             figure.name
         );
+    }
+}
+
+#[test]
+fn the_report_of_a_sortie_speaks_of_a_sortie() {
+    let noted = Happening::Noted { text: "smoke".to_owned().try_into().unwrap() };
+    let sortie = Sortie {
+        length_s: 12.0,
+        engaged_s: 10.0,
+        followed_s: 9.0,
+        moments: vec![Moment { at_s: 4.0, what: noted }],
+        ..Sortie::default()
+    };
+    let lines = sortie.lines();
+    let trial = ReportedTrial {
+        sortie: Some(sortie),
+        ..reported("run-1", log_from(".a.b."), REGION, SetKind::Sortie)
+    };
+    let report = report(vec![trial]);
+    assert_eq!(report.contents(), "1 sortie");
+    let page = report.page();
+    well_formed(&page);
+    for words in [&lines[1], "The sortie", "Sortie by sortie", "<td>4.0</td><td>moment marked: smoke</td>"] {
+        assert!(page.contains(words), "{words}");
+    }
+    for words in ["Trial by trial", "All trials", "Claimed and counted", "simulated trial "] {
+        assert!(!page.contains(words), "{words}");
     }
 }
