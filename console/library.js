@@ -105,7 +105,7 @@ function showFilm(recording) {
 }
 
 function showFiles(recording) {
-  const files = ["recording.mcap", ...(recording.film === "ready" ? ["annotated.mp4", "video.mp4", "trial.csv"] : [])];
+  const files = ["recording.mcap", ...(recording.state === "being-recorded" ? [] : ["sortie.json"]), ...(recording.film === "ready" ? ["annotated.mp4", "video.mp4", "trial.csv"] : [])];
   const stem = recording.name.replace(/\.mcap$/, "");
   $("files").replaceChildren(
     ...files.map((file) => {
@@ -115,7 +115,20 @@ function showFiles(recording) {
   );
 }
 
-function showSummary({ sortie }) {
+/** Asks for the summary of a recording that holds none, or why there is none. */
+async function observe(recording) {
+  $("no-summary").textContent = words.summaryComputed;
+  const response = await fetch(`${place(recording.name)}/sortie.json`).catch(() => null);
+  const text = response?.ok ? "" : response ? await response.text() : words.libraryLost;
+  if (response?.ok) recording.sortie = await response.json();
+  else recording.whyNot = words.noSummary(text.trim());
+  if (chosen === recording.name) showChosen();
+}
+
+function showSummary(recording) {
+  const { state, sortie, whyNot } = recording;
+  $("no-summary").textContent = state === "being-recorded" ? words.summaryToCome : (whyNot ?? (state === "cut-off" ? words.summaryOfCut : ""));
+  if (!sortie && !whyNot && state === "cut-off") observe(recording);
   $("summary").replaceChildren(
     ...(sortie ? words.sortie(sortie, length) : []).flatMap(([name, value]) => [element("dt", name), element("dd", value)]),
   );

@@ -172,9 +172,11 @@ export default {
   libraryNone: "There is no recording yet: `barrelman run` makes one of each sortie.", libraryLost: "The program does not answer.",
   makeFilm: "Make the film", momentsTitle: "Moments", speed: "Speed", stepBack: "One picture back", stepOn: "One picture on",
   newName: "Name", rename: "Rename", deleteRecording: "Delete", deleteTitle: "Delete this recording and its film for good?",
+  summaryComputed: "The recording was cut off: the figures are computed from what is there.", summaryOfCut: "The recording was cut off: the figures are of what is there.",
+  summaryToCome: "The summary comes with the end of the recording.", noSummary: (why) => `There are no figures: ${why}`,
   recordingStates: { "being-recorded": "being recorded", complete: "complete", "cut-off": "cut off" },
   filmStates: { none: "The film shows the video with box, mode and time of day.", "being-made": "The film is being made.", ready: "", failed: "The film could not be made: the recording may hold no video." },
-  files: { "recording.mcap": "Recording (MCAP)", "annotated.mp4": "Film (MP4)", "video.mp4": "Video without drawings (MP4)", "trial.csv": "Table (CSV)" },
+  files: { "recording.mcap": "Recording (MCAP)", "sortie.json": "Summary (JSON)", "annotated.mp4": "Film (MP4)", "video.mp4": "Video without drawings (MP4)", "trial.csv": "Table (CSV)" },
   moment: ({ what, cause, text }) => (what === "stopped" ? `stopped: ${states.causes[cause] ?? cause}` : what === "noted" ? `moment marked${text ? `: ${text}` : ""}` : { selected: "selected", engaged: "engaged", disengaged: "disengaged", lost: "boat lost", found: "boat found", marked: "marked", guided: "boat sent to a mark" }[what] ?? what),
   sortie: (sortie, length) => [
     ["Length", length(sortie.length_s)],

@@ -1,5 +1,6 @@
 //! The paths of the OpenAPI document: every route of the server, with the schemas of what it takes and answers.
 
+use barrelman_trial::sortie::Sortie;
 use schemars::SchemaGenerator;
 use serde_json::{Map, Value, json};
 
@@ -114,6 +115,11 @@ fn recordings(sent: &mut SchemaGenerator, taken: &mut SchemaGenerator) -> Vec<(S
         "200": said("The file"), "206": said("A part of it, as `Range` asked"), "400": said("No name of a recording"),
         "401": token_needed(), "404": said("No such file"),
     });
+    let mut summary =
+        answers::<Sortie>("The summary; of a recording that was cut off, of what is there", sent);
+    summary["404"] = said("No such recording");
+    summary["409"] = said("The recording is being written");
+    summary["422"] = said("There is no summary; the text says why");
     [
         (
             "/api/v1/recordings",
@@ -141,6 +147,7 @@ fn recordings(sent: &mut SchemaGenerator, taken: &mut SchemaGenerator) -> Vec<(S
                 "responses": changed("204", "It is renamed"),
             }}),
         ),
+        ("/api/v1/recordings/{name}/sortie.json", get("The summary of a recording", &[name()], &summary)),
         (
             "/api/v1/recordings/{name}/{file}",
             get("A file of a recording", &[name(), path_parameter("file", file)], &found),

@@ -22,7 +22,7 @@ use barrelman_host::output::is_being_written;
 use barrelman_trial::records::read_sortie;
 use barrelman_trial::sortie::Sortie;
 use schemars::JsonSchema;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use name::RecordingName;
 
@@ -38,7 +38,11 @@ pub struct Library {
     /// The program, which exports.
     program: PathBuf,
     exports: Mutex<BTreeMap<RecordingName, Child>>,
+    observed: Mutex<Observed>,
 }
+
+/// The summaries of recordings that hold none, by name and size.
+type Observed = BTreeMap<(RecordingName, u64), Result<Sortie, String>>;
 
 /// A recording, as the page lists it.
 #[derive(Debug, Serialize, JsonSchema)]
@@ -81,7 +85,7 @@ enum FilmState {
 impl Library {
     /// The recordings of `folder`, which `program` exports.
     pub fn new(folder: PathBuf, program: PathBuf) -> Self {
-        Self { folder, program, exports: Mutex::default() }
+        Self { folder, program, exports: Mutex::default(), observed: Mutex::default() }
     }
 
     /// The recordings, the newest first. A folder that does not exist holds none.
@@ -116,6 +120,46 @@ impl Library {
         Some(Listed { name, bytes: metadata.len(), state, film, sortie })
     }
 
+    /// The summary of a recording. One that was cut off is read as a whole, by the program in a process of its own,
+    /// one recording at a time.
+    ///
+    /// # Errors
+    /// If there is no such recording, or it is being written, or why it has no summary.
+    fn sortie(&self, name: &RecordingName) -> io::Result<Result<Sortie, String>> {
+        let path = self.path(name);
+        let metadata = path.symlink_metadata()?;
+        if !metadata.is_file() {
+            return Err(io::Error::new(io::ErrorKind::NotFound, "it is no file"));
+        }
+        self.require_finished(name)?;
+        if let Some(sortie) = read_sortie(File::open(&path)?)? {
+            return Ok(Ok(sortie));
+        }
+        let mut observed = self.observed.lock().unwrap_or_else(PoisonError::into_inner);
+        let key = (name.clone(), metadata.len());
+        if !observed.contains_key(&key) {
+            let sortie = self.observe(&path)?;
+            observed.retain(|(other, _), _| other != name);
+            observed.insert(key.clone(), sortie);
+        }
+        Ok(observed[&key].clone())
+    }
+
+    /// The summary of a recording from all that it holds, or why there is none.
+    fn observe(&self, path: &Path) -> io::Result<Result<Sortie, String>> {
+        let mut command = Command::new(&self.program);
+        command.args(["library", "--json"]).arg(path).stdin(Stdio::null());
+        let child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn()?;
+        give_way(&child);
+        let output = child.wait_with_output()?;
+        if !output.status.success() {
+            let text = String::from_utf8_lossy(&output.stderr).trim().to_owned();
+            return Ok(Err(if text.is_empty() { "it cannot be read".to_owned() } else { text }));
+        }
+        let observed = serde_json::from_slice::<WithSortie>(&output.stdout);
+        Ok(observed.map(|observed| observed.sortie).map_err(|error| error.to_string()))
+    }
+
     fn film_state(&self, name: &RecordingName) -> FilmState {
         let mut exports = self.exports.lock().unwrap_or_else(PoisonError::into_inner);
         let is_running = exports.get_mut(name).map(|child| matches!(child.try_wait(), Ok(None)));
@@ -142,9 +186,7 @@ impl Library {
             .stdout(Stdio::null())
             .stderr(Stdio::null())
             .spawn()?;
-        let id = i32::try_from(export.id()).ok().and_then(rustix::process::Pid::from_raw);
-        // A run beside it comes first. Where the system refuses this, the export is only not as gentle.
-        let _ = rustix::process::setpriority_process(id, LEAST_PRIORITY);
+        give_way(&export);
         exports.insert(name.clone(), export);
         Ok(())
     }
@@ -205,6 +247,18 @@ impl Drop for Library {
             let _ = export.wait();
         }
     }
+}
+
+/// What `library --json` says of a recording.
+#[derive(Deserialize)]
+struct WithSortie {
+    sortie: Sortie,
+}
+
+/// Lets a run come before a process. Where the system refuses this, the process is only not as gentle.
+fn give_way(process: &Child) {
+    let id = i32::try_from(process.id()).ok().and_then(rustix::process::Pid::from_raw);
+    let _ = rustix::process::setpriority_process(id, LEAST_PRIORITY);
 }
 
 /// The nice value of an export.

@@ -4,6 +4,7 @@
 //! |---|---|---|
 //! | `GET /library` | the page | |
 //! | `GET /api/v1/recordings` | the recordings, the newest first | token |
+//! | `GET /api/v1/recordings/NAME/sortie.json` | the summary, also of one that was cut off | token |
 //! | `GET /api/v1/recordings/NAME/FILE` | `recording.mcap`, `annotated.mp4`, `video.mp4`, `trial.csv`; ranges | token |
 //! | `POST /api/v1/recordings/NAME/film` | begins to make film and tables | control, disengaged |
 //! | `POST /api/v1/recordings/NAME/name` | renames: `{"to": "NAME.mcap"}` | control, disengaged |
@@ -33,13 +34,14 @@ type Shared = State<Arc<Console>>;
 type Refusal = Box<Response>;
 
 /// The routes, without the guard of all routes.
-pub(crate) fn routes() -> [Route; 6] {
+pub(crate) fn routes() -> [Route; 7] {
     [
         ("/library", get(|| async { files::response("library.html") })),
         ("/api/v1/recordings", get(list)),
         ("/api/v1/recordings/{name}", delete(remove)),
         ("/api/v1/recordings/{name}/film", post(make_film)),
         ("/api/v1/recordings/{name}/name", post(rename)),
+        ("/api/v1/recordings/{name}/sortie.json", get(sortie)),
         ("/api/v1/recordings/{name}/{file}", get(file)),
     ]
 }
@@ -57,6 +59,18 @@ async fn list(State(console): Shared, headers: HeaderMap) -> Response {
         may_enter(&console.access, &headers)?;
         let listed = within(&console, Library::list).await?;
         Ok(json(&listed))
+    })
+    .await
+}
+
+async fn sortie(State(console): Shared, Path(name): Path<String>, headers: HeaderMap) -> Response {
+    answer(async {
+        may_enter(&console.access, &headers)?;
+        let name = parse(&name)?;
+        match within(&console, move |library| library.sortie(&name)).await? {
+            Ok(sortie) => Ok(json(&sortie)),
+            Err(reason) => Err(refusal(StatusCode::UNPROCESSABLE_ENTITY, reason)),
+        }
     })
     .await
 }

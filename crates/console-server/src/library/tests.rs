@@ -122,3 +122,31 @@ fn a_film_that_is_not_made_is_told() {
     let missing = Scene::new("programs", "/nowhere/at/all");
     assert!(missing.library.make_film(&name("a.mcap")).is_err());
 }
+
+#[test]
+fn a_recording_that_was_cut_off_is_summed_up_once_by_the_program() {
+    let scene = Scene::new("cut", "");
+    let (program, calls) = (scene.folder.join("program"), scene.folder.join("calls"));
+    let json = serde_json::json!({ "sortie": Sortie { length_s: 7.5, ..Sortie::default() } });
+    let script = format!("#!/bin/sh\necho \"$@\" >> {}\ncat <<'END'\n{json}\nEND\n", calls.display());
+    write_program(&program, &script);
+    scene.record("whole.mcap", true);
+    scene.record("cut.mcap", false);
+    let library = Library::new(scene.folder.clone(), program.clone());
+    assert_eq!(library.sortie(&name("whole.mcap")).unwrap().unwrap().video, "sim:open");
+    for _ in 0..2 {
+        assert_eq!(library.sortie(&name("cut.mcap")).unwrap().unwrap().length_s, 7.5);
+    }
+    let expected = format!("library --json {}\n", scene.folder.join("cut.mcap").display());
+    assert_eq!(std::fs::read_to_string(calls).unwrap(), expected);
+    write_program(&program, "#!/bin/sh\necho 'it holds no run of this program' >&2\nexit 1\n");
+    let reason = Library::new(scene.folder.clone(), program).sortie(&name("cut.mcap")).unwrap();
+    assert_eq!(reason, Err("it holds no run of this program".to_owned()));
+    assert!(library.sortie(&name("absent.mcap")).is_err());
+}
+
+fn write_program(path: &Path, script: &str) {
+    use std::os::unix::fs::PermissionsExt as _;
+    std::fs::write(path, script).unwrap();
+    std::fs::set_permissions(path, std::fs::Permissions::from_mode(0o755)).unwrap();
+}
