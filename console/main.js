@@ -8,6 +8,7 @@ import { EventList } from "./events.js";
 import { GamepadHelm } from "./gamepad.js";
 import { Heartbeat } from "./heartbeat.js";
 import { HeldControl } from "./held_controls.js";
+import { helpPlace } from "./help_place.js";
 import { Hints } from "./hints.js";
 import { listenToKeys } from "./keys.js";
 import { Layers } from "./layers.js";
@@ -215,6 +216,10 @@ for (const [id, action] of Object.entries(act)) if (id !== "stop") at(id).addEve
 // Stop acts when it is pressed, not when it is let go.
 at("stop").addEventListener("pointerdown", act.stop);
 at("stop").addEventListener("click", (event) => event.detail === 0 && act.stop());
+// The manual opens where it speaks of the present state.
+at("help").addEventListener("click", () => {
+  at("help").href = `/help#${helpPlace(snapshot)}`;
+});
 at("law").addEventListener("change", async (event) => {
   await request({ kind: "law", law: event.target.value });
   // A refused choice goes back to the law in force.

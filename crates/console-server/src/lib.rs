@@ -33,6 +33,7 @@ mod settings;
 
 pub mod api;
 mod files;
+mod manual;
 mod metrics;
 mod requests;
 mod states;

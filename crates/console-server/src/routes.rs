@@ -4,6 +4,7 @@
 //! |---|---|---|
 //! | `GET /` | the page | |
 //! | `GET /console/NAME` | a file of the page | |
+//! | `GET /help`, `GET /help/NAME` | the operator's manual, and its pictures | |
 //! | `GET /healthz` | `ok` | |
 //! | `GET /api/v1/access` | what the token permits | token |
 //! | `POST /api/v1/login` | a cookie for the token of the page's link | token |
@@ -39,6 +40,7 @@ use super::files;
 use super::guard::{Hosts, Provenance};
 use super::library;
 use super::limits::{BODY_TIMEOUT, MAX_MESSAGE_BYTES, SOCKET_REQUESTS};
+use super::manual;
 use super::metrics::metrics_text;
 use super::newest_picture::{Drawing, StillPicture};
 use super::places::Place;
@@ -92,6 +94,8 @@ fn routes() -> Vec<Route> {
     let mut routes = vec![
         ("/", get(|| async { files::response("index.html") })),
         ("/console/{name}", get(|Path(name): Path<String>| async move { files::response(&name) })),
+        ("/help", get(|| async { manual::response() })),
+        ("/help/{name}", get(|Path(name): Path<String>| async move { manual::picture(&name) })),
         ("/healthz", get(|| async { "ok\n" })),
         ("/api/v1/access", get(access)),
         ("/api/v1/login", post(login)),

@@ -14,6 +14,8 @@ pub(super) fn paths(sent: &mut SchemaGenerator, taken: &mut SchemaGenerator) -> 
     let pages = [
         ("/", "The page of the operator"),
         ("/library", "The page of the recordings"),
+        ("/help", "The operator's manual"),
+        ("/help/{name}", "A picture of the manual"),
         ("/console/{name}", "A file of the pages"),
     ];
     let mut paths: Map<String, Value> =

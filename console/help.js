@@ -1,0 +1,3 @@
+// The manual: the look that the console has.
+
+document.documentElement.dataset.theme = localStorage.getItem("theme") ?? "day";
