@@ -52,6 +52,7 @@ class AlteredPage(Page):
 
     def __init__(self, program: Program, folder: pathlib.Path, name: str = "altered") -> None:
         super().__init__(program.url, folder, name, before=HOOK)
+        self.program = program
         self.ready()
         self.wait(lambda data: data["controlling"] == "yes", "the control")
 

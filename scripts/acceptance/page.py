@@ -9,6 +9,7 @@ from typing import Any, ClassVar, Self
 
 import cv2
 import numpy
+from axe_selenium_python import Axe
 from selenium import webdriver
 from selenium.common.exceptions import ElementClickInterceptedException
 from selenium.webdriver.common.action_chains import ActionChains
@@ -274,3 +275,28 @@ def started(program: Program, folder: pathlib.Path, name: str = "chromium", quer
     )
     page.ready()
     return page
+
+
+def axe_finds(page: Page) -> list[Any]:
+    """What axe-core finds on the page that is serious or critical."""
+    axe = Axe(page.driver)
+    # The page runs its own scripts alone; the driver's are not bound by that.
+    axe.inject()
+    found = axe.run()["violations"]
+    serious = [violation for violation in found if violation["impact"] in ("serious", "critical")]
+    return [(violation["id"], violation["nodes"][0]["target"]) for violation in serious]
+
+
+def scroll_bars(page: Page) -> list[str]:
+    """The elements that scroll."""
+    bars: list[str] = page.script("""
+        const scrolls = (element) => {
+          const { overflowX, overflowY } = getComputedStyle(element);
+          const isRoot = element === document.documentElement;
+          const can = (overflow) => ['auto', 'scroll'].includes(overflow) || isRoot;
+          return (can(overflowY) && element.scrollHeight > element.clientHeight)
+            || (can(overflowX) && element.scrollWidth > element.clientWidth);
+        };
+        return [...document.querySelectorAll('html, html *')].filter((e) => e.checkVisibility() && scrolls(e))
+          .map((element) => element.id || element.tagName);""")
+    return bars

@@ -12,13 +12,12 @@ import time
 from collections.abc import Iterator
 
 import pytest
-from axe_selenium_python import Axe
 
 from camera import SELECTION, Camera
 from client import DISENGAGE, Program, Socket, nudge
 from emulator import Emulator
 from machine import Delay, median, percentile, wait_until
-from page import Page, started
+from page import Page, axe_finds, started
 from process import ROOT, threads_of
 
 pytestmark = pytest.mark.alone
@@ -109,15 +108,7 @@ class TestPage:
             page.click("level")
         if page.data["theme"] != theme:
             page.click("theme")
-        axe = Axe(page.driver)
-        # The page runs its own scripts alone; the driver's are not bound by that.
-        axe.inject()
-        found = [
-            violation
-            for violation in axe.run()["violations"]
-            if violation["impact"] in ("serious", "critical")
-        ]
-        assert not [(item["id"], item["nodes"][0]["target"]) for item in found]
+        assert not axe_finds(page)
 
     def test_every_control_is_reached_by_the_keyboard(self, page: Page) -> None:
         usable = """

@@ -14,7 +14,7 @@ from altered import AlteredPage
 from client import Program
 from console_states import BOX, OTHER, PERSON, PERSON_AT, STATES, State, mode
 from machine import wait_until
-from page import Page
+from page import Page, scroll_bars
 
 SIZES = ((1280, 800), (1920, 1080), (768, 1024), (390, 844), (844, 390))
 LEVELS = ("operate", "expert")
@@ -147,16 +147,7 @@ def test_every_advice_and_mode_fits_its_room(page: AlteredPage, size: tuple[int,
 @pytest.mark.parametrize("size", [*SIZES, (1280, 790), (1280, 720), (1280, 600), (900, 500)], ids=size_of)
 def test_there_is_one_scroll_bar_at_most(page: AlteredPage, size: tuple[int, int], level: str) -> None:
     show(page, size, level)
-    bars = page.script("""
-        const scrolls = (element) => {
-          const { overflowX, overflowY } = getComputedStyle(element);
-          const isRoot = element === document.documentElement;
-          const can = (overflow) => ['auto', 'scroll'].includes(overflow) || isRoot;
-          return (can(overflowY) && element.scrollHeight > element.clientHeight)
-            || (can(overflowX) && element.scrollWidth > element.clientWidth);
-        };
-        return [...document.querySelectorAll('html, html *')].filter((e) => e.checkVisibility() && scrolls(e))
-          .map((element) => element.id || element.tagName);""")
+    bars = scroll_bars(page)
     assert len(bars) <= 1, bars
     if size[0] == 1280 and size[1] >= 720:
         assert not set(bars) - {"events"}

@@ -8,10 +8,10 @@ from typing import Any
 import pytest
 from selenium.webdriver.common.by import By
 
-from client import DISENGAGE, ENGAGE, Program
+from client import DISENGAGE, ENGAGE, Program, Request
 from conftest import Check
 from machine import wait_until
-from page import Page
+from page import Page, axe_finds, scroll_bars, started
 from process import end, run
 
 WORLD = "sim:arena1?seed=3&size=640x360"
@@ -73,6 +73,11 @@ def test_sortie_is_watched_again(program: Program, folder: pathlib.Path, check: 
         )
         check("and soon", time.monotonic() - began < 2.0, time.monotonic() - began)
         driver.save_screenshot(str(folder / "library.png"))
+        for theme in ("day", "night"):
+            page.script("document.documentElement.dataset.theme = arguments[0]", theme)
+            found = axe_finds(page)
+            check(f"axe-core finds nothing serious by {theme}", not found, found)
+            check(f"there is one scroll bar by {theme}", len(scroll_bars(page)) <= 1, scroll_bars(page))
         ticks = driver.find_elements(By.CSS_SELECTOR, "#ticks button")
         check("the moments are ticks on the time bar", len(ticks) >= 1, len(ticks))
         errors = [entry for entry in driver.get_log("browser") if entry["level"] == "SEVERE"]
@@ -101,4 +106,61 @@ def test_recording_is_renamed_and_deleted_while_disengaged_alone(
     program.wait(lambda status: status["mode"]["name"] == "idle", "the rest")
     check("it is deleted", ask("DELETE", "%C3%9Cbung%202.mcap") == 204)
     check("for good", not (sorties / "Übung 2.mcap").exists())
+    end(program.child)
+
+
+def test_marked_moment_is_found_again(
+    barrelman: pathlib.Path, sorties: pathlib.Path, folder: pathlib.Path, check: Check
+) -> None:
+    program = Program(barrelman, "run", sorties / "config.toml", "--video", WORLD, "--link", "sim:")
+    with started(program, folder) as page:
+        page.wait_until_enabled("note")
+        page.type("m")
+        wait_until(lambda: "marked" in page.text("toast"), lambda: page.text("toast"))
+    text = "smoke at the pier"
+    check("a program's note", program.request(Request("note", text=text))["answer"] == "accepted")
+    long = program.request(Request("note", text="x" * 201))
+    check("a text that is too long is named", "201 characters" in long["reason"], long)
+    name = next(name for name, one in recordings(program).items() if one["state"] == "being-recorded")
+    end(program.child)
+    path = sorties / name
+    listed = json.loads(run([barrelman, "library", path, "--json"]).stdout)
+    notes = [moment["text"] for moment in listed["sortie"]["moments"] if moment["what"] == "noted"]
+    check("both are in the summary", notes == ["", text], listed)
+    done = run([barrelman, "report", path, "--output", folder / "report.html"])
+    check("the report speaks of a sortie", "1 sortie" in done.stdout, done)
+    page_text = (folder / "report.html").read_text()
+    check("and has the moment", f"moment marked: {text}" in page_text and "1 sortie" in page_text)
+    run([barrelman, "export", path, "--output", folder / "export"])
+    rows = (folder / "export/note.csv").read_text().splitlines()
+    check("the export has them", len(rows) == 3 and rows[2].endswith(text), rows)
+    done = run([barrelman, "replay", path, "--compare"], timeout=120)
+    check("the replay is unchanged", done.returncode == 0, done)
+
+
+def test_recording_that_was_cut_has_its_figures_or_says_why_not(
+    program: Program, sorties: pathlib.Path, folder: pathlib.Path, check: Check
+) -> None:
+    whole = (sorties / "first.mcap").read_bytes()
+    (sorties / "cut.mcap").write_bytes(whole[: len(whole) * 2 // 3])
+    (sorties / "empty.mcap").write_bytes(whole[:8])
+
+    def summary(name: str) -> tuple[int, bytes]:
+        return program.ask("GET", f"/api/v1/recordings/{name}/sortie.json")[:2]
+
+    complete = json.loads(summary("first.mcap")[1])
+    check("the summary is downloaded", complete == recordings(program)["first.mcap"]["sortie"], complete)
+    status, body = summary("cut.mcap")
+    check("one of a cut recording, too", status == 200, body)
+    length = json.loads(body)["length_s"]
+    check("of what is there", 1 < length < complete["length_s"], length)
+    status, body = summary("empty.mcap")
+    reason = b"empty.mcap is no recording that can be read"
+    check("or the reason is told", status == 422 and body.startswith(reason), (status, body))
+    with Page(program.url, folder, "cut") as page:
+        page.ready()
+        page.driver.get(f"http://{program.host}/library#cut.mcap")
+        wait_until(lambda: "Engaged" in page.text("summary"), lambda: page.text("no-summary"))
+        check("the page says so", "cut off" in page.text("no-summary"), page.text("no-summary"))
+        page.driver.save_screenshot(str(folder / "cut.png"))
     end(program.child)

@@ -126,7 +126,7 @@ impl LiveDrive<'_> {
             if tick.is_multiple_of(STATE_TICKS) {
                 self.publish_state(pacing.pace());
                 if !self.is_slow_told
-                    && let Some(message) = pacing.slow_message()
+                    && let Some(message) = pacing.slow_message(self.setup.url.size)
                 {
                     self.is_slow_told = true;
                     tracing::warn!("{message}");

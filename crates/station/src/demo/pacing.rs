@@ -6,7 +6,7 @@
 use std::time::Duration;
 
 use barrelman_sim::World;
-use barrelman_vocab::Timestamp;
+use barrelman_vocab::{PictureSize, Timestamp};
 
 /// A longer delay than this is not caught up.
 const MAX_DELAY: Duration = Duration::from_millis(200);
@@ -17,6 +17,8 @@ const PACE_WINDOW: Duration = Duration::from_secs(2);
 pub const SLOW: f64 = 0.9;
 /// and the user is told after so many windows in a row.
 const TOLD_AFTER: u32 = 2;
+/// The size of pictures that is recommended for a slow machine.
+const SMALL: PictureSize = PictureSize::new(640, 360);
 
 /// Paces ticks.
 #[derive(Debug, Clone, Copy)]
@@ -59,12 +61,14 @@ impl Pacing {
         self.measured_from = (tick, now);
     }
 
-    /// What to tell the user of a world that has become slow; `None` otherwise.
-    pub fn slow_message(&self) -> Option<String> {
+    /// What to tell the user of a world with pictures of this size that has become slow; `None` otherwise.
+    pub fn slow_message(&self, size: Option<PictureSize>) -> Option<String> {
+        let is_small = size.is_some_and(|size| size.width <= SMALL.width);
+        let remedy = if is_small { String::new() } else { format!(". Smaller ones help: --size {SMALL}") };
         (self.slow_windows == TOLD_AFTER).then(|| {
             format!(
                 "the simulated world runs slower than real time, at {:.0} % of it: this machine does not render its pictures \
-                 in time. Smaller ones help: --size 640x360",
+                 in time{remedy}",
                 100.0 * self.pace
             )
         })
@@ -98,11 +102,14 @@ mod tests {
         pacing.due(120, at(3000));
         assert_eq!(pacing.due(240, at(3000)), at(4000));
         assert!((pacing.pace() - 1.0 / 3.0).abs() < 1.0e-9);
-        assert_eq!(pacing.slow_message(), None, "a moment is no news");
+        assert_eq!(pacing.slow_message(None), None, "a moment is no news");
         pacing.due(240, at(6000));
-        let message = pacing.slow_message().unwrap();
+        let message = pacing.slow_message(Some(PictureSize::new(1280, 720))).unwrap();
         assert!(message.contains("slower than real time, at 33 %"), "{message}");
+        assert!(message.ends_with("Smaller ones help: --size 640x360"), "{message}");
+        let message = pacing.slow_message(Some(SMALL)).unwrap();
+        assert!(message.ends_with("in time"), "{message}");
         pacing.due(360, at(9000));
-        assert_eq!(pacing.slow_message(), None, "once is enough");
+        assert_eq!(pacing.slow_message(None), None, "once is enough");
     }
 }
