@@ -217,7 +217,8 @@ mod tests {
 
     #[test]
     fn the_page_obeys_its_content_security_policy_and_links_no_other_document() {
-        for word in ["style=", "<style", "onload=", "onerror=", "onclick=", "javascript:", "<iframe", ".md\""] {
+        for word in ["style=", "<style", "onload=", "onerror=", "onclick=", "javascript:", "<iframe", ".md\""]
+        {
             let found = PAGE.split('<').skip(1).any(|tag| {
                 let tag = tag.split('>').next().unwrap_or_default();
                 format!("<{tag}").contains(word)

@@ -1,10 +1,9 @@
 //! The paths of the OpenAPI document: every route of the server, with the schemas of what it takes and answers.
 
 use barrelman_trial::sortie::Sortie;
-use schemars::SchemaGenerator;
+use schemars::{JsonSchema, SchemaGenerator};
 use serde_json::{Map, Value, json};
 
-use super::schema::reference;
 use super::{Answer, ControlSeat, RequestBody, StatusSnapshot};
 use crate::library::{Listed, NewName};
 use crate::routes::AccessBody;
@@ -180,8 +179,13 @@ fn path_parameter(name: &str, description: &str) -> Value {
     json!({"name": name, "in": "path", "required": true, "description": description, "schema": schema})
 }
 
+/// The schema of a type: a reference to its definition.
+pub(super) fn reference<T: JsonSchema>(generator: &mut SchemaGenerator) -> Value {
+    generator.subschema_for::<T>().to_value()
+}
+
 /// A JSON answer, or that a token is needed.
-fn answers<T: schemars::JsonSchema>(description: &str, sent: &mut SchemaGenerator) -> Value {
+fn answers<T: JsonSchema>(description: &str, sent: &mut SchemaGenerator) -> Value {
     let schema = reference::<T>(sent);
     json!({
         "200": {"description": description, "content": {"application/json": {"schema": schema}}},
@@ -189,7 +193,7 @@ fn answers<T: schemars::JsonSchema>(description: &str, sent: &mut SchemaGenerato
     })
 }
 
-fn body<T: schemars::JsonSchema>(taken: &mut SchemaGenerator) -> Value {
+fn body<T: JsonSchema>(taken: &mut SchemaGenerator) -> Value {
     json!({"required": true, "content": {"application/json": {"schema": reference::<T>(taken)}}})
 }
 

@@ -1,16 +1,17 @@
 //! The OpenAPI document of the API, with the JSON Schemas generated from its types.
 
-use schemars::{JsonSchema, SchemaGenerator, generate::SchemaSettings};
+use schemars::{SchemaGenerator, generate::SchemaSettings};
 use serde_json::{Value, json};
 
-use super::{ClientMessage, ServerMessage, paths};
+use super::paths::{paths, reference};
+use super::{ClientMessage, ServerMessage};
 
 /// The OpenAPI 3.1 document. OpenAPI has no WebSockets: the schemas of the socket's messages are those of
 /// `components.schemas`, named in the description of the socket.
 pub fn api_document() -> Value {
     let mut sent = generator(true);
     let mut taken = generator(false);
-    let paths = paths::paths(&mut sent, &mut taken);
+    let paths = paths(&mut sent, &mut taken);
     let to_page = reference::<ServerMessage>(&mut sent);
     let to_program = reference::<ClientMessage>(&mut taken);
     let mut schemas = sent.take_definitions(true);
@@ -35,11 +36,6 @@ fn generator(is_sent: bool) -> SchemaGenerator {
         .with(|settings| settings.definitions_path = "/components/schemas".into());
     let settings = if is_sent { settings.for_serialize() } else { settings };
     settings.into_generator()
-}
-
-/// The schema of a type: a reference to its definition.
-pub(super) fn reference<T: JsonSchema>(generator: &mut SchemaGenerator) -> Value {
-    generator.subschema_for::<T>().to_value()
 }
 
 #[cfg(test)]

@@ -154,6 +154,9 @@ impl Library {
         let output = child.wait_with_output()?;
         if !output.status.success() {
             let text = String::from_utf8_lossy(&output.stderr).trim().to_owned();
+            // A page learns no place on the machine.
+            let name = path.file_name().unwrap_or_default().to_string_lossy();
+            let text = text.trim_start_matches("ERROR ").replace(&*path.to_string_lossy(), &name);
             return Ok(Err(if text.is_empty() { "it cannot be read".to_owned() } else { text }));
         }
         let observed = serde_json::from_slice::<WithSortie>(&output.stdout);
