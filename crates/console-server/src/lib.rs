@@ -42,6 +42,7 @@ mod vessel_status;
 
 mod newest_picture;
 mod picker;
+mod picture_answer;
 mod pictures;
 mod video_relay;
 

@@ -42,7 +42,7 @@ use super::library;
 use super::limits::{BODY_TIMEOUT, MAX_MESSAGE_BYTES, SOCKET_REQUESTS};
 use super::manual;
 use super::metrics::metrics_text;
-use super::newest_picture::{Drawing, StillPicture};
+use super::picture_answer;
 use super::places::Place;
 use super::requests::{Requester, answer, begin_request};
 use super::shared::Console;
@@ -64,9 +64,6 @@ static SINGLE_HEADERS: [HeaderName; 7] = [
     HeaderName::from_static("sec-fetch-mode"),
     HeaderName::from_static("sec-fetch-dest"),
 ];
-
-/// The time of capture of a picture, as `select` has it.
-const CAPTURED: HeaderName = HeaderName::from_static("captured-ns");
 
 /// A request beyond the limit, of which only a Stop is taken.
 #[derive(Debug, Clone, Copy)]
@@ -300,32 +297,10 @@ async fn control(State(console): Shared, headers: HeaderMap) -> Response {
     }
 }
 
-/// The newest picture, which no cache keeps.
 async fn picture(State(console): Shared, request: Request) -> Response {
-    if let Err(response) = role_of(&console, request.headers()) {
-        return *response;
-    }
-    let drawing = match request.uri().query() {
-        None | Some("" | "overlay=false") => Drawing::Plain,
-        Some("overlay=true") => Drawing::Overlay,
-        Some(_) => return (StatusCode::BAD_REQUEST, "send ?overlay=true, or no query\n").into_response(),
-    };
-    let time = console.time.clone();
-    match console.tracked_video().pictures.newest.get(drawing, move |at| time.time_of_day(at)).await {
-        Ok(Some(StillPicture { jpeg, captured })) => {
-            let headers = [
-                (header::CONTENT_TYPE, "image/jpeg".to_owned()),
-                (header::CACHE_CONTROL, "no-store".to_owned()),
-                (CAPTURED, captured.as_nanos().to_string()),
-            ];
-            (headers, Body::from(jpeg)).into_response()
-        }
-        Ok(None) => {
-            let video = console.status().video.state;
-            let text = format!("there is no picture yet: the video is {video}\n");
-            (StatusCode::SERVICE_UNAVAILABLE, [(header::CACHE_CONTROL, "no-store")], text).into_response()
-        }
-        Err(error) => (StatusCode::INTERNAL_SERVER_ERROR, format!("{error}\n")).into_response(),
+    match role_of(&console, request.headers()) {
+        Ok(_) => picture_answer::picture(&console, request.uri().query()).await,
+        Err(response) => *response,
     }
 }
 
