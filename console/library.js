@@ -1,20 +1,41 @@
 // The recordings: the list, and the chosen one with its film, its moments and its files.
 
 import { askForToken, enter } from "/console/access.js";
+import { Player } from "/console/player.js";
+import { Stage } from "/console/stage.js";
 import { fillWords, sentence, words } from "/console/words.js";
 
 /** How often the list is asked for while a film is being made, ms. */
 const FILM_INTERVAL_MS = 1000;
-/** A step of the film: a picture of 30 a second. */
-const STEP_S = 1 / 30;
 
 const $ = (id) => document.getElementById(id);
-const film = /** @type {HTMLVideoElement} */ ($("film"));
 /** @type {any[]} */
 let recordings = [];
 let chosen = "";
-/** The film that the player holds. */
+/** The recording that the player holds. */
 let shown = "";
+/** The recording that is watched beside it. @type {any} */
+let beside;
+const stage = watching("picture");
+const secondStage = watching("second-picture");
+const player = new Player((image, quarters, scene) => draw(stage, "scene", chosenOne(), player, { image, quarters, scene }));
+const second = new Player((image, quarters, scene) => draw(secondStage, "second-scene", beside, second, { image, quarters, scene }));
+
+/** A stage on which nothing is chosen. */
+function watching(id) {
+  const made = new Stage($(id));
+  made.isWatchedOnly = true;
+  made.layers = new Set(["region", "box", "heading", "trail", "command", "p"]);
+  made.label = ({ percept }) => (percept ? `P ${percept.p.toFixed(2)}` : "");
+  return made;
+}
+
+function draw(on, text, recording, of, { image, quarters, scene }) {
+  const snapshot = scene && { ...scene, video: { captured_ns: scene.captured_ns } };
+  on.show(image, quarters, { captured: scene?.captured_ns ?? 0, snapshot });
+  if (recording) $(text).textContent = sceneText(recording, scene, of.ms);
+  $(text).dataset.ms = String(Math.round(of.ms));
+}
 
 const place = (name) => `/api/v1/recordings/${encodeURIComponent(name)}`;
 const chosenOne = () => recordings.find((recording) => recording.name === chosen);
@@ -85,23 +106,74 @@ function showChosen() {
   $("name").textContent = recording.name;
   document.title = `Barrelman: ${recording.name}`;
   $("new-name").value = recording.name;
-  showFilm(recording);
+  showScreen(recording);
   showFiles(recording);
   showSummary(recording);
   showMoments(recording);
 }
 
-function showFilm(recording) {
-  const isReady = recording.film === "ready";
-  for (const id of ["film", "bar", "play"]) $(id).hidden = !isReady;
-  $("no-film").hidden = isReady;
+/** What is watched, and the film that can be made of it. */
+function showScreen(recording) {
+  const isWatchable = recording.state === "complete";
+  $("no-picture").textContent = isWatchable ? "" : words.notWatchable[recording.state];
+  for (const id of ["bar", "play"]) $(id).hidden = !isWatchable;
+  if (shown !== recording.name) {
+    shown = recording.name;
+    stage.clear();
+    player.open(isWatchable ? place(recording.name) : "");
+    showBeside();
+  }
   $("film-state").textContent = words.filmStates[recording.film];
-  $("make-film").hidden = recording.film === "being-made" || recording.state === "being-recorded";
-  const wanted = isReady ? `${place(recording.name)}/annotated.mp4` : "";
-  if (wanted === shown) return;
-  shown = wanted;
-  if (wanted) film.src = wanted;
-  else film.removeAttribute("src");
+  const isMakeable = recording.state !== "being-recorded" && ["none", "failed"].includes(recording.film);
+  $("make-film").hidden = !isMakeable;
+}
+
+/** Which recordings can be watched beside the chosen one. */
+function showBeside() {
+  const others = recordings.filter(({ name, state }) => name !== chosen && state === "complete");
+  $("beside").replaceChildren(new Option(words.besideNone, ""), ...others.map(({ name }) => new Option(name, name)));
+  $("beside").disabled = others.length === 0;
+  watchBeside("");
+}
+
+function watchBeside(name) {
+  beside = recordings.find((recording) => recording.name === name);
+  $("second-screen").hidden = !beside;
+  secondStage.clear();
+  $("second-scene").textContent = "";
+  second.open(beside ? place(beside.name) : "");
+  followBeside();
+}
+
+/** The recording beside shows the same time of day where both have one, otherwise the same time since its begin. */
+function followBeside() {
+  if (!beside) return;
+  const [one, other] = [began(chosenOne()), began(beside)];
+  const apart = one && other ? one.getTime() - other.getTime() : 0;
+  const isTogether = one && other && Math.abs(apart) < 1000 * Math.max(chosenOne().sortie.length_s, beside.sortie.length_s);
+  second.follow(Math.max(0, player.ms + (isTogether ? apart : 0)));
+}
+
+/** The mode and the time of day of a picture. */
+function sceneText(recording, scene, ms) {
+  const at = began(recording);
+  const time = at ? new Date(at.getTime() + ms).toLocaleTimeString() : `${(ms / 1e3).toFixed(1)} s`;
+  return `${scene ? words.modes[scene.mode.name] : ""}  ${time}`.trim();
+}
+
+function showTime() {
+  const whole = chosenOne()?.sortie?.length_s ?? 0;
+  $("position").max = String(Math.round(1000 * whole));
+  if (document.activeElement !== $("position") || player.isPlaying) $("position").value = String(Math.round(player.ms));
+  $("time").textContent = `${clock(player.ms)} / ${clock(1000 * whole)}`;
+  $("play-button").textContent = player.isPlaying ? words.pauseFilm : words.playFilm;
+  followBeside();
+}
+
+/** Minutes, seconds and tenths. */
+function clock(ms) {
+  const tenths = Math.floor(ms / 100);
+  return `${Math.floor(tenths / 600)}:${String(Math.floor(tenths / 10) % 60).padStart(2, "0")}.${tenths % 10}`;
 }
 
 function showFiles(recording) {
@@ -134,10 +206,7 @@ function showSummary(recording) {
   );
 }
 
-/** The moment on the film's own time: the film begins with the first picture that the pilot saw. */
-const seek = (moment) => {
-  film.currentTime = Math.max(0, Math.min(moment.at_s, film.duration || moment.at_s));
-};
+const seek = (moment) => player.seek(1000 * moment.at_s);
 
 function showMoments(recording) {
   const at = began(recording);
@@ -180,10 +249,16 @@ function listen() {
   $("make-film").addEventListener("click", async () => {
     if (await change("POST", "/film")) load();
   });
-  $("back").addEventListener("click", () => step(-STEP_S));
-  $("on").addEventListener("click", () => step(STEP_S));
+  $("play-button").addEventListener("click", () => player.play(!player.isPlaying));
+  $("back").addEventListener("click", () => player.step(-1));
+  $("on").addEventListener("click", () => player.step(1));
+  $("position").addEventListener("input", () => player.seek(Number($("position").value)));
+  $("beside").addEventListener("change", () => watchBeside($("beside").value));
   $("speed").addEventListener("change", () => {
-    film.playbackRate = Number($("speed").value);
+    player.speed = second.speed = Number($("speed").value);
+  });
+  player.addEventListener("refused", ({ detail }) => {
+    $("no-picture").textContent = (detail ?? words.libraryLost).trim();
   });
   $("change").addEventListener("submit", async (event) => {
     event.preventDefault();
@@ -205,14 +280,10 @@ function listen() {
   });
 }
 
-function step(seconds) {
-  film.pause();
-  film.currentTime += seconds;
-}
-
 fillWords();
 document.documentElement.dataset.theme = localStorage.getItem("theme") ?? "day";
 chosen = decodeURIComponent(location.hash.slice(1).replace(/^token=.*/, ""));
 if (!(await enter())) await askForToken(words);
 listen();
+setInterval(showTime, 100);
 await load();

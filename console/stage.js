@@ -68,6 +68,14 @@ export class Stage extends EventTarget {
     this.redraw();
   }
 
+  /** Shows nothing. */
+  clear() {
+    this.#shown = null;
+    this.trail.clear();
+    this.#picture.getContext("2d").clearRect(0, 0, this.#picture.width, this.#picture.height);
+    this.redraw();
+  }
+
   get hasPicture() {
     return this.#shown !== null;
   }

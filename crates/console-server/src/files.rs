@@ -55,6 +55,7 @@ files![
     "pick.html",
     "pick.js",
     "picture_notice.js",
+    "player.js",
     "snapshot_history.js",
     "sounds.js",
     "stage.js",

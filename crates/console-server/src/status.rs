@@ -1,11 +1,11 @@
 //! The API's form of a snapshot.
 
-use barrelman_control::Sector;
+use barrelman_control::{Percept, Sector};
 use barrelman_pilot::on_earth::NotOnEarth;
-use barrelman_pilot::{Mode, Outcome};
+use barrelman_pilot::{Advice, Mode};
 use barrelman_vocab::acceptance::Acceptance;
 use barrelman_vocab::telemetry::{ControlState, FlightState};
-use barrelman_vocab::{Angle, CameraCommand, Named as _, PixelBox, Track, Videos};
+use barrelman_vocab::{Angle, CameraCommand, Named as _, PixelBox, Timestamp, Track, Videos};
 
 use super::api::{
     AxisPair, BoatStatus, CameraWork, EncodedVideo, LinkStatus, ModeStatus, OtherVideoStatus, PerceptStatus,
@@ -23,11 +23,14 @@ pub(super) fn status_of(snapshot: &Snapshot, codecs: &Videos<Option<EncodedVideo
         at_ns: outcome.map_or(0, |outcome| outcome.at.as_nanos()),
         beat: snapshot.beats,
         mode: mode_of(outcome.map_or(Mode::Idle, |outcome| outcome.mode)),
-        track: outcome.map_or(NO_TRACK, track_of),
+        track: outcome.map_or(NO_TRACK, |outcome| {
+            let confirming = outcome.is_confirming;
+            TrackStatus { confirming, ..track_of(&outcome.track, outcome.at) }
+        }),
         region: outcome
             .and_then(|outcome| outcome.region)
             .map(|region| RegionStatus { a_px: region.a_px, b_px: region.b_px }),
-        percept: outcome.and_then(percept_of),
+        percept: outcome.and_then(|outcome| percept_of(outcome.percept, outcome.advice)),
         advice: outcome.and_then(|outcome| outcome.advice).map(|advice| axes_of(advice.command)),
         command: outcome.map_or_else(|| axes_of(CameraCommand::REST), |outcome| axes_of(outcome.command)),
         yaw_rate: snapshot.rates.yaw.radians_per_second(),
@@ -58,7 +61,7 @@ pub(super) fn status_of(snapshot: &Snapshot, codecs: &Videos<Option<EncodedVideo
     }
 }
 
-fn mode_of(mode: Mode) -> ModeStatus {
+pub(super) fn mode_of(mode: Mode) -> ModeStatus {
     let (name, cause) = match mode {
         Mode::Idle => ("idle", None),
         Mode::Servoing => ("servoing", None),
@@ -84,12 +87,12 @@ const NO_TRACK: TrackStatus = TrackStatus {
     lost_s: None,
 };
 
-fn track_of(outcome: &Outcome) -> TrackStatus {
-    let confirming = outcome.is_confirming;
-    let (state, seen) = match outcome.track {
-        Track::Unseeded => return TrackStatus { confirming, ..NO_TRACK },
+/// A track at a time; `confirming` is not known from it.
+pub(super) fn track_of(track: &Track, at: Timestamp) -> TrackStatus {
+    let (state, seen) = match *track {
+        Track::Unseeded => return NO_TRACK,
         Track::Lost { since, confidence } => {
-            let lost_s = outcome.at.since(since).as_secs_f64();
+            let lost_s = at.since(since).as_secs_f64();
             return TrackStatus {
                 state: "lost",
                 confidence: Some(confidence),
@@ -103,7 +106,7 @@ fn track_of(outcome: &Outcome) -> TrackStatus {
     let PixelBox { u, v, w, h } = seen.bounds;
     TrackStatus {
         state,
-        confirming,
+        confirming: false,
         captured_ns: Some(seen.captured.as_nanos()),
         bounds: Some([u, v, w, h]),
         centre: Some([seen.centre.u, seen.centre.v]),
@@ -115,9 +118,9 @@ fn track_of(outcome: &Outcome) -> TrackStatus {
     }
 }
 
-fn percept_of(outcome: &Outcome) -> Option<PerceptStatus> {
-    let percept = outcome.percept?;
-    let sector = outcome.advice.and_then(|advice| advice.sector).map(|sector| match sector {
+pub(super) fn percept_of(percept: Option<Percept>, advice: Option<Advice>) -> Option<PerceptStatus> {
+    let percept = percept?;
+    let sector = advice.and_then(|advice| advice.sector).map(|sector| match sector {
         Sector::Right => "right",
         Sector::Top => "top",
         Sector::Left => "left",
@@ -126,7 +129,7 @@ fn percept_of(outcome: &Outcome) -> Option<PerceptStatus> {
     Some(PerceptStatus { x: percept.position.x, y: percept.position.y, p: percept.p, sector })
 }
 
-fn axes_of(command: CameraCommand) -> AxisPair {
+pub(super) fn axes_of(command: CameraCommand) -> AxisPair {
     AxisPair { pan: command.pan.radians_per_second(), tilt: command.tilt.radians_per_second() }
 }
 

@@ -134,6 +134,19 @@ fn recordings(sent: &mut SchemaGenerator, taken: &mut SchemaGenerator) -> Vec<(S
             }}),
         ),
         (
+            "/api/v1/recordings/{name}/part/{from_ms}",
+            json!({"get": {
+                "summary": "Video and what the pilot made of it, from a moment on for a second or more; `?form=jpeg`",
+                "parameters": [name(), path_parameter("from_ms", "Milliseconds since the first step")],
+                "responses": {
+                    "200": said("Items: u32 length, little-endian; u8 kind (1 unit, 2 scene); content. `X-Next-Ms`: where the next part begins"),
+                    "400": said("No name of a recording, or another query"), "401": token_needed(),
+                    "404": said("No such recording, or one without an index"),
+                    "409": said("Asked for JPEG while the camera is engaged"),
+                },
+            }}),
+        ),
+        (
             "/api/v1/recordings/{name}/film",
             json!({"post": {
                 "summary": "Begins to make film and table; the list says `being-made`, then `ready`",

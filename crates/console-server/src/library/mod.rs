@@ -6,6 +6,7 @@
 //! What must not be here: anything that a run waits for.
 
 mod name;
+mod part;
 
 pub(super) mod routes;
 
@@ -13,18 +14,20 @@ pub(crate) use routes::NewName;
 
 use std::collections::BTreeMap;
 use std::fs::File;
-use std::io;
+use std::io::{self, BufReader};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::sync::{Mutex, PoisonError};
+use std::time::Duration;
 
 use barrelman_host::output::is_being_written;
-use barrelman_trial::records::read_sortie;
+use barrelman_trial::records::{IndexedRecording, read_sortie};
 use barrelman_trial::sortie::Sortie;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use name::RecordingName;
+use part::{Form, Part, part_of};
 
 /// The file of an export that is written last.
 const FILM: &str = "annotated.mp4";
@@ -230,6 +233,17 @@ impl Library {
             _ => self.export_folder(name).join(EXPORTED.iter().find(|known| **known == file)?),
         };
         path.symlink_metadata().is_ok_and(|metadata| metadata.is_file()).then_some(path)
+    }
+
+    /// The part of a recording that shows the moment `from` after its first step. `None`: a recording
+    /// that is being written, or was cut off, has no index.
+    fn part(&self, name: &RecordingName, from: Duration, form: Form) -> anyhow::Result<Option<Part>> {
+        let path = self.path(name);
+        let shares = read_sortie(File::open(&path)?)?.map_or([1.0, 1.0], |sortie| sortie.region);
+        let Some(mut recording) = IndexedRecording::open(BufReader::new(File::open(&path)?))? else {
+            return Ok(None);
+        };
+        part_of(&mut recording, from, form, shares).map(Some)
     }
 
     fn path(&self, name: &RecordingName) -> PathBuf {

@@ -5,6 +5,7 @@
 //! | `GET /library` | the page | |
 //! | `GET /api/v1/recordings` | the recordings, the newest first | token |
 //! | `GET /api/v1/recordings/NAME/sortie.json` | the summary, also of one that was cut off | token |
+//! | `GET /api/v1/recordings/NAME/part/MS` | video and scenes from a moment on ([`super::part`]); `?form=jpeg` | token |
 //! | `GET /api/v1/recordings/NAME/FILE` | `recording.mcap`, `annotated.mp4`, `video.mp4`, `trial.csv`; ranges | token |
 //! | `POST /api/v1/recordings/NAME/film` | begins to make film and tables | control, disengaged |
 //! | `POST /api/v1/recordings/NAME/name` | renames: `{"to": "NAME.mcap"}` | control, disengaged |
@@ -12,9 +13,10 @@
 
 use std::io;
 use std::sync::Arc;
+use std::time::Duration;
 
 use axum::extract::{Path, Request, State};
-use axum::http::{HeaderMap, StatusCode, header};
+use axum::http::{HeaderMap, StatusCode, Uri, header};
 use axum::response::{IntoResponse as _, Response};
 use axum::routing::{delete, get, post};
 use barrelman_pilot::Mode;
@@ -25,6 +27,7 @@ use tower_http::services::ServeFile;
 
 use super::Library;
 use super::name::RecordingName;
+use super::part::{Form, Part};
 use crate::access::Role;
 use crate::files;
 use crate::routes::{Route, json, json_body, may_enter};
@@ -34,7 +37,7 @@ type Shared = State<Arc<Console>>;
 type Refusal = Box<Response>;
 
 /// The routes, without the guard of all routes.
-pub(crate) fn routes() -> [Route; 7] {
+pub(crate) fn routes() -> [Route; 8] {
     [
         ("/library", get(|| async { files::response("library.html") })),
         ("/api/v1/recordings", get(list)),
@@ -42,6 +45,7 @@ pub(crate) fn routes() -> [Route; 7] {
         ("/api/v1/recordings/{name}/film", post(make_film)),
         ("/api/v1/recordings/{name}/name", post(rename)),
         ("/api/v1/recordings/{name}/sortie.json", get(sortie)),
+        ("/api/v1/recordings/{name}/part/{from_ms}", get(part)),
         ("/api/v1/recordings/{name}/{file}", get(file)),
     ]
 }
@@ -104,6 +108,48 @@ async fn file(
     .await
 }
 
+async fn part(
+    State(console): Shared,
+    Path((name, from_ms)): Path<(String, u64)>,
+    uri: Uri,
+    headers: HeaderMap,
+) -> Response {
+    answer(async {
+        may_enter(&console.access, &headers)?;
+        let name = parse(&name)?;
+        let form = match uri.query() {
+            None | Some("") => Form::AsReceived,
+            Some("form=jpeg") => Form::Jpeg,
+            Some(_) => {
+                return Err(refusal(StatusCode::BAD_REQUEST, "send ?form=jpeg, or no query".to_owned()));
+            }
+        };
+        if form == Form::Jpeg && is_moving(&console) {
+            let text = "pictures are not encoded anew while the camera is engaged: disengage it first";
+            return Err(refusal(StatusCode::CONFLICT, text.to_owned()));
+        }
+        let found = within(&console, move |library| {
+            library
+                .part(&name, Duration::from_millis(from_ms), form)
+                .map_err(|error| io::Error::other(format!("{error:#}")))
+        });
+        let Some(Part { items, next, began }) = found.await? else {
+            let text = "the recording has no index, as it was cut off or is being written: make its film";
+            return Err(refusal(StatusCode::NOT_FOUND, text.to_owned()));
+        };
+        let mut response = items.into_response();
+        let headers = response.headers_mut();
+        headers.insert("x-began-ns", began.as_nanos().into());
+        if let Some(next) = next {
+            // Rounded up: the part that shows this moment begins with the key unit.
+            let ms = next.as_nanos().div_ceil(1_000_000);
+            headers.insert("x-next-ms", u64::try_from(ms).unwrap_or(u64::MAX).into());
+        }
+        Ok(response)
+    })
+    .await
+}
+
 async fn make_film(State(console): Shared, Path(name): Path<String>, headers: HeaderMap) -> Response {
     answer(async {
         may_change(&console, &headers)?;
@@ -148,15 +194,18 @@ fn may_change(console: &Console, headers: &HeaderMap) -> Result<(), Refusal> {
     if may_enter(&console.access, headers)? != Role::Control {
         return Err(refusal(StatusCode::FORBIDDEN, "this link is for watching".to_owned()));
     }
-    let mode = console.snapshots.borrow().outcome.as_ref().map(|outcome| outcome.mode);
-    let is_engaged = match mode {
-        Some(Mode::Servoing | Mode::Holding(_) | Mode::Searching | Mode::Calibrating) => true,
-        Some(Mode::Idle | Mode::Nudging | Mode::Stopped(_)) | None => false,
-    };
-    if is_engaged {
+    if is_moving(console) {
         return Err(refusal(StatusCode::CONFLICT, "disengage the camera first".to_owned()));
     }
     Ok(())
+}
+
+/// Whether the program moves the camera, or may do so.
+fn is_moving(console: &Console) -> bool {
+    match console.snapshots.borrow().outcome.as_ref().map(|outcome| outcome.mode) {
+        Some(Mode::Servoing | Mode::Holding(_) | Mode::Searching | Mode::Calibrating) => true,
+        Some(Mode::Idle | Mode::Nudging | Mode::Stopped(_)) | None => false,
+    }
 }
 
 fn parse(name: &str) -> Result<RecordingName, Refusal> {

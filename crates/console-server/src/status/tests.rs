@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use barrelman_control::{Percept, Region};
-use barrelman_pilot::Advice;
+use barrelman_pilot::Outcome;
 use barrelman_video::sender_clock::VideoTiming;
 use barrelman_vocab::earth::{GeoPoint, WaterOnEarth};
 use barrelman_vocab::telemetry::{ControlState, LinkState};

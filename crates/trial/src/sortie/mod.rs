@@ -38,6 +38,8 @@ pub struct Sortie {
     pub video: String,
     /// Address of the link; empty for a dry run.
     pub link: String,
+    /// Semi-axes of the ellipse in which the camera rests, as shares of half the picture's width and height.
+    pub region: [f64; 2],
     /// Time in which the camera may follow the target, s.
     pub engaged_s: f64,
     /// The part of it in which the position of the target was known, s.
@@ -88,8 +90,11 @@ impl SortieObserver {
     pub fn new(profile: VehicleProfile) -> Self {
         Self {
             work: CameraWorkMeter::new(&profile),
+            sortie: Sortie {
+                region: [profile.region.half_width, profile.region.half_height],
+                ..Sortie::default()
+            },
             profile,
-            sortie: Sortie::default(),
             unix_ns: 0,
             first: None,
             last: None,

@@ -1,0 +1,294 @@
+//! A part of a recording to be watched: the video from a key unit on to the next one a second later, and what
+//! the pilot made of each picture.
+//!
+//! A part is a sequence of items: length of the content as u32, little-endian; kind, one byte; content. Kind 1 is
+//! a unit of video as the socket sends it, kind 2 a scene ([`Scene`], JSON).
+
+use std::collections::BTreeMap;
+use std::io::{Read, Seek};
+use std::time::Duration;
+
+use anyhow::{Context as _, Result, bail};
+use barrelman_trial::records::{Entry, FrameFingerprint, IndexedRecording, RecordedInput, RecordedOutcome};
+use barrelman_video::decoder::UnitDecoder;
+use barrelman_video::jpeg;
+use barrelman_video::mode::DecodeMode;
+use barrelman_vocab::unit::{Rotation, UnitCodec};
+use barrelman_vocab::{EncodedUnit, PictureSize, Timestamp, VideoFrame, VideoNumber};
+use serde::Serialize;
+
+use crate::api::{
+    AxisPair, HEAD_BYTES, ModeStatus, PerceptStatus, RegionStatus, TrackStatus, VideoHead, VideoKind,
+};
+use crate::status::{axes_of, mode_of, percept_of, track_of};
+
+/// Least length of a part.
+const LENGTH: Duration = Duration::from_secs(1);
+/// The outcome of a picture comes at most so long after its capture.
+const SETTLED: Duration = Duration::from_secs(1);
+/// Largest part, bytes.
+const MAX_BYTES: usize = 48 << 20;
+
+const UNIT: u8 = 1;
+const SCENE: u8 = 2;
+
+/// What the pilot made of a picture, as in a snapshot.
+#[derive(Debug, Serialize)]
+struct Scene {
+    captured_ns: u64,
+    /// Width and height of the picture, pixels.
+    size: [u32; 2],
+    mode: ModeStatus,
+    track: TrackStatus,
+    region: RegionStatus,
+    percept: Option<PerceptStatus>,
+    advice: Option<AxisPair>,
+    command: AxisPair,
+}
+
+/// How the video of a part is given.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Form {
+    /// As it was received, where browsers can decode that; JPEG otherwise.
+    AsReceived,
+    /// As JPEG.
+    Jpeg,
+}
+
+/// A part.
+#[derive(Debug)]
+pub(super) struct Part {
+    pub(super) items: Vec<u8>,
+    /// From when on the next part goes, since the first outcome; `None`: this is the last.
+    pub(super) next: Option<Duration>,
+    /// The time of the first outcome, on the recording's clock.
+    pub(super) began: Timestamp,
+}
+
+/// The part that shows the moment `from` after the first outcome. `shares`: the region's semi-axes, as shares
+/// of half the picture.
+///
+/// # Errors
+/// If the recording cannot be read, holds no video, or has no key unit for too long.
+pub(super) fn part_of<R: Read + Seek>(
+    recording: &mut IndexedRecording<R>,
+    from: Duration,
+    form: Form,
+    shares: [f64; 2],
+) -> Result<Part> {
+    let began = first_outcome(recording)?.context("the recording holds no step")?;
+    let from = began.plus(from);
+    let video = tracked_video(recording, from)?;
+    let Some(begin) = recording.key_unit_before(video, from)?.or(first_key(recording, video)?) else {
+        bail!("the recording holds no video: `barrelman replay` renders the pictures of a simulated trial");
+    };
+    let mut builder = Builder::new(video, begin, from, form, shares);
+    let mut result = Ok(());
+    recording.entries_from(begin, |entry| match builder.add(entry) {
+        Ok(goes_on) => goes_on,
+        Err(error) => {
+            result = Err(error);
+            false
+        }
+    })?;
+    result?;
+    Ok(Part { items: builder.items, next: builder.next.map(|next| next.since(began)), began })
+}
+
+fn first_outcome<R: Read + Seek>(recording: &mut IndexedRecording<R>) -> Result<Option<Timestamp>> {
+    let mut first = None;
+    recording.entries_from(Timestamp::ZERO, |entry| {
+        if let Entry::Outcome(outcome) = &entry {
+            first = Some(outcome.at);
+        }
+        first.is_none()
+    })?;
+    Ok(first)
+}
+
+/// The video that the pilot saw at a time.
+fn tracked_video<R: Read + Seek>(recording: &mut IndexedRecording<R>, at: Timestamp) -> Result<VideoNumber> {
+    if recording.start().videos.second.is_none() {
+        return Ok(VideoNumber::First);
+    }
+    let mut found = None;
+    recording.entries_from(at, |entry| {
+        if let Entry::Input { input: RecordedInput::Frame(FrameFingerprint { video, .. }), .. } = entry {
+            found = Some(video);
+        }
+        found.is_none()
+    })?;
+    Ok(found.unwrap_or_default())
+}
+
+/// The first unit of a video with which decoding can start.
+fn first_key<R: Read + Seek>(
+    recording: &mut IndexedRecording<R>,
+    video: VideoNumber,
+) -> Result<Option<Timestamp>> {
+    let mut found = None;
+    recording.entries_from(Timestamp::ZERO, |entry| {
+        if let Entry::Unit(number, unit) = entry
+            && number == video
+            && unit.key
+        {
+            found = Some(unit.capture.at);
+        }
+        found.is_none()
+    })?;
+    Ok(found)
+}
+
+/// Collects the items of a part.
+struct Builder {
+    video: VideoNumber,
+    /// From here on, a key unit begins the next part.
+    until: Timestamp,
+    form: Form,
+    /// The region's semi-axes as shares of half the picture.
+    shares: [f64; 2],
+    decoder: UnitDecoder,
+    items: Vec<u8>,
+    next: Option<Timestamp>,
+    /// The frames of steps whose outcome has not come yet.
+    frames: BTreeMap<u64, FrameFingerprint>,
+}
+
+impl Builder {
+    fn new(video: VideoNumber, begin: Timestamp, from: Timestamp, form: Form, shares: [f64; 2]) -> Self {
+        Self {
+            video,
+            until: begin.max(from).plus(LENGTH),
+            form,
+            shares,
+            decoder: UnitDecoder::new(DecodeMode::Live),
+            items: Vec::new(),
+            next: None,
+            frames: BTreeMap::new(),
+        }
+    }
+
+    /// Adds an entry. Returns whether further ones are needed.
+    fn add(&mut self, entry: Entry) -> Result<bool> {
+        match entry {
+            Entry::Unit(number, unit) if number == self.video => {
+                if self.next.is_none() && unit.key && unit.capture.at >= self.until {
+                    self.next = Some(unit.capture.at);
+                }
+                if self.next.is_none() {
+                    self.add_unit(&unit)?;
+                }
+            }
+            Entry::Input { step, input: RecordedInput::Frame(frame), .. } if frame.video == self.video => {
+                self.frames.insert(step, frame);
+            }
+            Entry::Outcome(outcome) => {
+                if let Some(frame) = self.frames.remove(&outcome.step) {
+                    self.add_scene(&frame, &outcome)?;
+                }
+                return Ok(self.next.is_none_or(|next| outcome.at < next.plus(SETTLED)));
+            }
+            Entry::Unit(..)
+            | Entry::Input { .. }
+            | Entry::Start(_)
+            | Entry::Truth(_)
+            | Entry::Note { .. } => {}
+        }
+        Ok(true)
+    }
+
+    fn add_unit(&mut self, unit: &EncodedUnit) -> Result<()> {
+        let kind = match (unit.codec, self.form) {
+            (UnitCodec::H264AnnexB, Form::AsReceived) => Some(VideoKind::H264),
+            (UnitCodec::H265AnnexB, Form::AsReceived) => Some(VideoKind::H265),
+            (UnitCodec::Jpeg, _) => Some(VideoKind::Jpeg),
+            (
+                UnitCodec::H264AnnexB
+                | UnitCodec::H265AnnexB
+                | UnitCodec::Vp9
+                | UnitCodec::Av1
+                | UnitCodec::Png
+                | UnitCodec::RawYuv420 { .. },
+                _,
+            ) => None,
+        };
+        if let Some(kind) = kind {
+            return self.add_video(head_of(unit, kind), &unit.payload);
+        }
+        let mut frames = Vec::new();
+        // A damaged unit gives no picture: the next key unit does.
+        let _ = self.decoder.decode(unit, &mut |frame| frames.push(frame));
+        frames.iter().try_for_each(|frame| self.add_picture(frame))
+    }
+
+    fn add_picture(&mut self, frame: &VideoFrame) -> Result<()> {
+        let payload = jpeg::encode(&frame.picture).context("a picture cannot be encoded as JPEG")?;
+        let head = VideoHead {
+            kind: VideoKind::Jpeg,
+            key: true,
+            shown: true,
+            rotation: Rotation::None,
+            epoch: 0,
+            captured_ns: frame.capture.at.as_nanos(),
+            index: frame.sequence,
+            size: (0, 0),
+        };
+        self.add_video(head, &payload)
+    }
+
+    fn add_video(&mut self, head: VideoHead, payload: &[u8]) -> Result<()> {
+        let mut content = Vec::with_capacity(HEAD_BYTES + payload.len());
+        content.extend_from_slice(&head.to_bytes());
+        content.extend_from_slice(payload);
+        self.add_item(UNIT, &content)
+    }
+
+    fn add_scene(&mut self, frame: &FrameFingerprint, outcome: &RecordedOutcome) -> Result<()> {
+        let scene = Scene {
+            captured_ns: frame.capture.at.as_nanos(),
+            size: [frame.size.width, frame.size.height],
+            mode: mode_of(outcome.mode),
+            track: track_of(&outcome.track, outcome.at),
+            region: self.region_of(frame.size),
+            percept: percept_of(outcome.percept, outcome.advice),
+            advice: outcome.advice.map(|advice| axes_of(advice.command)),
+            command: axes_of(outcome.command),
+        };
+        self.add_item(SCENE, &serde_json::to_vec(&scene)?)
+    }
+
+    fn region_of(&self, size: PictureSize) -> RegionStatus {
+        let [width, height] = self.shares;
+        RegionStatus {
+            a_px: width * f64::from(size.width) / 2.0,
+            b_px: height * f64::from(size.height) / 2.0,
+        }
+    }
+
+    fn add_item(&mut self, kind: u8, content: &[u8]) -> Result<()> {
+        if self.items.len() + content.len() > MAX_BYTES {
+            bail!(
+                "its video has no key frame for more than {} MiB: make the film to watch it, and set the camera \
+                 to one key frame a second",
+                MAX_BYTES >> 20
+            );
+        }
+        self.items.extend_from_slice(&(content.len() as u32).to_le_bytes());
+        self.items.push(kind);
+        self.items.extend_from_slice(content);
+        Ok(())
+    }
+}
+
+fn head_of(unit: &EncodedUnit, kind: VideoKind) -> VideoHead {
+    VideoHead {
+        kind,
+        key: unit.key,
+        shown: unit.shown,
+        rotation: unit.rotation,
+        epoch: unit.epoch,
+        captured_ns: unit.capture.at.as_nanos(),
+        index: unit.index,
+        size: (0, 0),
+    }
+}
