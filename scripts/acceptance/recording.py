@@ -5,7 +5,8 @@ import pathlib
 from typing import Any
 
 from mcap.exceptions import McapError
-from mcap.reader import NonSeekingReader
+from mcap.reader import NonSeekingReader, make_reader
+from mcap.writer import CompressionType, Writer
 from mcap_protobuf.decoder import DecoderFactory
 
 
@@ -58,3 +59,49 @@ class Recording:
         """Writes the stored video to a file."""
         path.write_bytes(b"".join(message.data for message in self["/video"]))
         return path
+
+
+def prolonged(source: pathlib.Path, to: pathlib.Path, length_s: float) -> None:
+    """Writes a recording in which the sortie of another one is repeated until it is this long."""
+    with source.open("rb") as file:
+        reader = make_reader(file, decoder_factories=[DecoderFactory()])
+        messages = list(reader.iter_decoded_messages(log_time_order=False))
+        header, metadata = reader.get_header(), next(iter(reader.iter_metadata()))
+    sortie = json.loads(metadata.metadata["summary"])
+    period_ns = int(sortie["length_s"] * 1e9)
+    repeats = round(length_s * 1e9 / period_ns)
+    steps = 1 + max(
+        found.decoded_message.step for found in messages if hasattr(found.decoded_message, "step")
+    )
+    units = sum(found.channel.topic == "/video/unit" for found in messages)
+    with to.open("wb") as file:
+        writer = Writer(file, compression=CompressionType.NONE)
+        writer.start(header.profile, header.library)
+        schemas: dict[str, int] = {}
+        channels: dict[str, int] = {}
+        for schema, channel, _, _ in messages:
+            if schema and channel.topic not in channels:
+                if schema.name not in schemas:
+                    schemas[schema.name] = writer.register_schema(schema.name, schema.encoding, schema.data)
+                channels[channel.topic] = writer.register_channel(
+                    channel.topic, channel.message_encoding, schemas[schema.name]
+                )
+        for repeat in range(repeats):
+            for _, channel, message, decoded in messages:
+                if repeat and channel.topic == "/recording/start":
+                    continue
+                for name, period in (
+                    ("captured_ns", period_ns),
+                    ("now_ns", period_ns),
+                    ("at_ns", period_ns),
+                    ("step", steps),
+                    ("index", units),
+                    ("sequence", units),
+                ):
+                    if repeat and hasattr(decoded, name):
+                        setattr(decoded, name, getattr(decoded, name) + period)
+                at = message.log_time + repeat * period_ns
+                writer.add_message(channels[channel.topic], at, decoded.SerializeToString(), at)
+        sortie["length_s"] *= repeats
+        writer.add_metadata(metadata.name, {"summary": json.dumps(sortie)})
+        writer.finish()  # type: ignore[no-untyped-call]

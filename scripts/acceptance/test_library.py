@@ -3,6 +3,7 @@
 import json
 import pathlib
 import time
+from collections.abc import Callable
 from typing import Any
 
 import cv2
@@ -15,6 +16,7 @@ from conftest import Check
 from machine import wait_until
 from page import Page, axe_finds, scroll_bars, started
 from process import end, run
+from recording import prolonged
 
 WORLD = "sim:arena1?seed=3&size=640x360"
 
@@ -118,6 +120,60 @@ def test_sortie_is_watched_again(program: Program, folder: pathlib.Path, check: 
         errors = [entry for entry in driver.get_log("browser") if entry["level"] == "SEVERE"]
         check("no error on the page", not errors, errors)
     end(program.child)
+
+
+# Until the picture of a time is drawn, ms; `arguments[0]`: the time, `arguments[1]`: what asks for it.
+UNTIL_DRAWN = """
+const [ms, ask, done] = arguments;
+const [slider, scene] = ["position", "scene"].map((name) => document.getElementById(name));
+const began = performance.now();
+delete scene.dataset.ms;
+if (ask === "seek") {
+  slider.value = ms;
+  slider.dispatchEvent(new Event("input", { bubbles: true }));
+} else document.querySelector(`#recordings li:nth-child(${ask}) button`).click();
+const isDrawn = () => Math.abs((scene.dataset.ms ?? -1000) - ms) < 60;
+const look = () => (isDrawn() ? done(performance.now() - began) : requestAnimationFrame(look));
+look();
+"""
+
+
+def test_half_an_hour_opens_and_seeks_at_once(
+    barrelman: pathlib.Path,
+    sorties: pathlib.Path,
+    folder: pathlib.Path,
+    check: Check,
+    record_property: Callable[[str, object], None],
+) -> None:
+    library = folder / "long"
+    library.mkdir()
+    prolonged(sorties / "first.mcap", library / "long.mcap", 1800)
+    (library / "config.toml").write_text(f'[recording]\nfolder = "{library}"\n')
+    video = ["--video", "sim:arena1?size=320x180", "--no-record"]
+    with (
+        Program(barrelman, "run", library / "config.toml", *video) as program,
+        Page(program.url, folder, "long") as page,
+    ):
+        page.ready()
+        page.driver.set_script_timeout(30)
+        page.driver.get(f"http://{program.host}/library")
+        wait_until(lambda: page.script("return document.querySelector('#recordings button')"), "the list")
+        before = resident_mb(program.child.pid)
+        opened = page.driver.execute_async_script(UNTIL_DRAWN, 0, 1)
+        places = range(90_000, 1_800_000, 170_000)
+        sought = sorted(page.driver.execute_async_script(UNTIL_DRAWN, ms, "seek") for ms in places)
+        record_property("opened_ms", opened)
+        record_property("sought_ms", [round(ms) for ms in sought])
+        check("it opens within a second", opened < 1000, opened)
+        median = sought[len(sought) // 2]
+        check("it seeks within 0.3 s, in the median", median < 300, sought)
+        grown = resident_mb(program.child.pid) - before
+        check("the program keeps none of it", grown < 80, grown)
+
+
+def resident_mb(process: int) -> float:
+    lines = pathlib.Path(f"/proc/{process}/status").read_text().splitlines()
+    return float(next(line.split()[1] for line in lines if line.startswith("VmRSS"))) / 1024
 
 
 def test_recording_is_renamed_and_deleted_while_disengaged_alone(
