@@ -20,6 +20,8 @@ const LUMA_BITS: u32 = 3;
 const CHROMA_BITS: u32 = 5;
 const LUMA: usize = 1 << LUMA_BITS;
 const CHROMA: usize = 1 << CHROMA_BITS;
+/// Added to a frequency before its logarithm is taken.
+const LEAST_FREQUENCY: f32 = 1.0e-5;
 /// Share of the selection's colours in the target's.
 const SELECTED_SHARE: f32 = 0.5;
 /// Number of bins.
@@ -69,6 +71,12 @@ impl ColourHistogram {
     /// of the products (Bhattacharyya 1943).
     pub(crate) fn similarity(&self, other: &Self) -> f32 {
         self.bins.iter().zip(&other.bins).map(|(a, b)| (a * b).sqrt()).sum()
+    }
+
+    /// Mean logarithm of the frequency in another histogram of the colours in this one, both normalised.
+    pub(crate) fn mean_logarithm_in(&self, other: &Self) -> f32 {
+        let bins = self.bins.iter().zip(&other.bins).filter(|(here, _)| **here > 0.0);
+        bins.map(|(here, there)| here * libm::logf(there + LEAST_FREQUENCY)).sum()
     }
 
     /// Makes this histogram equal to another, without allocation.
@@ -225,6 +233,20 @@ pub(crate) fn count_colours(
     }
     inside.smooth_and_normalise();
     around.smooth_and_normalise();
+}
+
+/// Counts the colours of the whole picture, and normalises the histogram.
+pub(crate) fn count_picture(picture: &Picture, out: &mut ColourHistogram) {
+    out.clear();
+    let (y, u, v) = (picture.y(), picture.u(), picture.v());
+    let stride = (((u.width * u.height) as f32 / MAX_SAMPLES).sqrt().ceil() as usize).max(1);
+    for row in (0..u.height).step_by(stride) {
+        let (ys, us, vs) = (y.row((2 * row).min(y.height - 1)), u.row(row), v.row(row));
+        for column in (0..u.width).step_by(stride) {
+            out.add(bin(ys[(2 * column).min(y.width - 1)], us[column], vs[column]), 1.0);
+        }
+    }
+    out.smooth_and_normalise();
 }
 
 /// Inner size of the ring, in sides of the box.

@@ -5,6 +5,8 @@
 //! Dhulipala, Dufek and Murphy, arXiv 1710.02932): a hue histogram of the selection, its back projection,
 //! mean shift to the mode, and size and orientation from the image moments.
 //!
+//! [`Proposer`] proposes the box of the object at a point, for a selection.
+//!
 //! All coordinates are *pixel* coordinates: u to the right, v downwards, origin at the top left corner of the
 //! picture, pixel (0,0) covering [0,1) x [0,1). Reported angles of an axis are anticlockwise from image
 //! right, as seen.
@@ -58,6 +60,7 @@ mod moments;
 mod window;
 
 mod picture_motion;
+mod proposal;
 
 #[cfg(test)]
 mod test_picture;
@@ -73,6 +76,7 @@ pub use mean_shift::{
 };
 pub use moments::{MomentSource, Moments, WeightMap};
 pub use picture_motion::{PATCH_CENTRES, PATCHES, PatchShift, PictureMotion};
+pub use proposal::{NoProposal, ObjectSizes, Proposal, Proposer};
 pub use refinement::{
     MEASUREMENTS, RefinementWeights, RefinementWeightsError, RefinementWindow, WINDOW_CHANNELS,
     WINDOW_SIDE_CELLS,

@@ -13,12 +13,33 @@ use crate::statistics::mean;
 pub(crate) const TUNED_ON: &str = "clips";
 pub(crate) const UNSEEN: &str = "clips-more";
 
+/// The clips of [`TUNED_ON`] that show a boat or a person on water.
+const TUNED_ON_WATER: [&str; 9] = [
+    "raft_whitewater",
+    "redboat_overhead",
+    "stress_redboat_exit_reentry",
+    "stress_redboat_glare_occl",
+    "stress_redboat_shake_350k",
+    "stress_redboat_small320",
+    "uav123_boat1",
+    "uav123_wakeboard7",
+    "usv_view_ship",
+];
+
+/// The clip on water that shows neither a boat nor a person.
+const SWAN: &str = "davis_blackswan";
+
+/// Whether a clip shows a boat or a person on water.
+pub(crate) fn is_on_water(clip: &str) -> bool {
+    clip != SWAN && (UNSEEN_ON_WATER.contains(&clip) || TUNED_ON_WATER.contains(&clip))
+}
+
 /// The name of the set of all clips.
 pub(crate) const ALL: &str = "all clips";
 
 /// The clips of [`UNSEEN`] that show a target on water.
 const UNSEEN_ON_WATER: [&str; 9] = [
-    "davis_blackswan",
+    SWAN,
     "dtb70_surfing06",
     "hand_boat_waves",
     "hand_cruiseship_flyover",

@@ -24,6 +24,7 @@ use serde_json::json;
 use super::clip_sets::hidden_frames;
 use super::clips::{Clip, list_clips};
 use super::scoring::Label;
+use super::taps;
 use crate::output::print_line;
 use crate::rng_of_name::rng_of_name;
 use crate::workspace::path_or_default;
@@ -56,6 +57,10 @@ pub(crate) struct SelectionOptions {
     /// high, at least 8 x 6 pixels. The seed of the boxes.
     #[arg(long, value_name = "SEED")]
     by_hand: Option<u64>,
+    /// Instead, tap on labelled targets, and compare the proposed boxes with the labels [default clips: those of
+    /// ../shared/data/clips-more, too].
+    #[arg(long)]
+    taps: bool,
     /// Print each selection that was not right.
     #[arg(long)]
     each: bool,
@@ -156,6 +161,9 @@ impl Tally {
 /// # Errors
 /// If a clip or the output file cannot be used.
 pub(crate) fn run(options: &SelectionOptions) -> Result<bool> {
+    if options.taps {
+        return taps::run(options.clips.as_deref(), &options.clip, options.starts);
+    }
     let folder = path_or_default(options.clips.as_ref(), "../shared/data/clips")?;
     let (mut boats, mut all) = (Tally::default(), Tally::default());
     let (mut figures, mut selections) = (Vec::new(), Vec::new());
