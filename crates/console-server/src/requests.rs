@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use barrelman_vocab::{
     CameraRequest, DrawnMark, DrawnSelection, MovedMark, Nudge, OperatorRequest, PixelBox, PixelPoint,
-    Request, SeatRequest, StopCause, VesselCommand, VesselRequest, VesselStopper,
+    Request, SeatRequest, StopCause, Tap, VesselCommand, VesselRequest, VesselStopper,
 };
 use tokio::sync::oneshot;
 
@@ -181,6 +181,7 @@ fn check_values(request: &OperatorRequest) -> Result<(), &'static str> {
             CameraRequest::Select(DrawnSelection { bounds, .. }) | CameraRequest::SelectNext(bounds) => {
                 check_box(bounds)
             }
+            CameraRequest::Propose(Tap { at, .. }) => check_point(at),
             CameraRequest::Nudge(Nudge { pan, tilt }) => check_shares([pan, tilt]),
             CameraRequest::NetYaw { degrees } if !degrees.is_finite() => {
                 Err("the net yaw must be a number of degrees")

@@ -2,14 +2,15 @@
 
 use barrelman_control::{Percept, Sector};
 use barrelman_pilot::on_earth::NotOnEarth;
-use barrelman_pilot::{Advice, Mode};
+use barrelman_pilot::{Advice, Mode, ProposedObject};
 use barrelman_vocab::acceptance::Acceptance;
 use barrelman_vocab::telemetry::{ControlState, FlightState};
 use barrelman_vocab::{Angle, CameraCommand, Named as _, PixelBox, Timestamp, Track, Videos};
 
 use super::api::{
     AxisPair, BoatStatus, CameraWork, EncodedVideo, LinkStatus, ModeStatus, OtherVideoStatus, PerceptStatus,
-    PositionStatus, RecordingStatus, RegionStatus, StatusSnapshot, TrackStatus, VideoStatus, WorkFigures,
+    PositionStatus, ProposalStatus, RecordingStatus, RegionStatus, StatusSnapshot, TrackStatus, VideoStatus,
+    WorkFigures,
 };
 use super::vessel_status::vessel_of;
 use crate::snapshot::{self, RecordingState, Snapshot, VehicleSnapshot, VideoSnapshot, VideoSourceState};
@@ -27,6 +28,7 @@ pub(super) fn status_of(snapshot: &Snapshot, codecs: &Videos<Option<EncodedVideo
             let confirming = outcome.is_confirming;
             TrackStatus { confirming, ..track_of(&outcome.track, outcome.at) }
         }),
+        proposal: outcome.and_then(|outcome| outcome.proposal).map(proposal_of),
         region: outcome
             .and_then(|outcome| outcome.region)
             .map(|region| RegionStatus { a_px: region.a_px, b_px: region.b_px }),
@@ -116,6 +118,11 @@ pub(super) fn track_of(track: &Track, at: Timestamp) -> TrackStatus {
         confidence: Some(seen.confidence),
         lost_s: None,
     }
+}
+
+fn proposal_of(object: ProposedObject) -> ProposalStatus {
+    let PixelBox { u, v, w, h } = object.bounds;
+    ProposalStatus { bounds: [u, v, w, h], captured_ns: object.captured.as_nanos() }
 }
 
 pub(super) fn percept_of(percept: Option<Percept>, advice: Option<Advice>) -> Option<PerceptStatus> {

@@ -28,6 +28,7 @@ pub(crate) fn idle(at: Timestamp) -> Outcome {
         command: CameraCommand::REST,
         wake_at: None,
         is_confirming: false,
+        proposal: None,
         net_yaw: NetYawState::default(),
         unasked_motion: None,
         search_refusal: None,

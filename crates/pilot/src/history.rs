@@ -63,6 +63,11 @@ impl FrameHistory {
         self.frames.iter().skip_while(move |frame| frame.capture.at <= captured)
     }
 
+    /// The newest frame that is kept.
+    pub(crate) fn newest(&self) -> Option<&VideoFrame> {
+        self.frames.back()
+    }
+
     /// Age of a time of capture relative to the newest frame.
     pub(crate) fn age(&self, captured: Timestamp) -> Option<Duration> {
         self.frames.back().map(|newest| newest.capture.at.since(captured))

@@ -7,12 +7,13 @@ use barrelman_control::{Percept, Region, Sector};
 use barrelman_vision::{SelectionError, SelectionReport};
 use barrelman_vocab::earth::WaterOnEarth;
 use barrelman_vocab::{
-    AngularRate, CameraCommand, HoldCause, LawId, Localisation, MarkKind, Named as _, StopCause, Timestamp,
-    Track,
+    AngularRate, CameraCommand, HoldCause, LawId, Localisation, MarkKind, Named as _, PixelBox, StopCause,
+    Timestamp, Track,
 };
 
 use crate::net_yaw::{NetYawLevel, NetYawState};
 use crate::on_earth::NotOnEarth;
+use crate::proposing::ProposedObject;
 use crate::vessel::guiding::NoWater;
 use crate::vessel::{VesselHold, VesselMode, VesselOutcome, VesselStop};
 
@@ -43,6 +44,8 @@ pub struct Outcome {
     pub wake_at: Option<Timestamp>,
     /// Whether a selection waits for its confirmation. The camera rests meanwhile.
     pub is_confirming: bool,
+    /// The object that is proposed; nothing follows it.
+    pub proposal: Option<ProposedObject>,
     /// By how much the vehicle is turned about the vertical.
     pub net_yaw: NetYawState,
     /// The rate of a camera that turns although zero is commanded, as the vehicle reports it; `None`: no such motion is reported.
@@ -129,6 +132,8 @@ pub enum Notice {
     SelectionConfirmed(Localisation),
     /// The track of a selection could not be confirmed: nothing is followed.
     SelectionUnconfirmed(Unconfirmed),
+    /// An object is proposed.
+    Proposed(PixelBox),
     /// The object that was followed is not followed any more, and will not be taken again.
     TargetRejected,
     /// The target was forgotten.
@@ -190,6 +195,7 @@ impl fmt::Display for Notice {
                 };
                 write!(f, "the selection could not be followed: {why}; select again")
             }
+            Self::Proposed(_) => f.write_str("an object is proposed: tap it again to follow it"),
             Self::TargetRejected => f.write_str("not that one: that object is not followed any more"),
             Self::Deselected => f.write_str("nothing is followed"),
             Self::LawChanged(law) => write!(f, "camera law: {}", law.text()),

@@ -3,6 +3,7 @@
 use core::fmt;
 use core::time::Duration;
 
+use barrelman_vision::NoProposal;
 use barrelman_vocab::{HoldCause, Named as _};
 
 use crate::purpose::Purpose;
@@ -24,6 +25,8 @@ pub enum Refusal {
     },
     /// The video frame of the selection or mark is not taken yet.
     NotYetCaptured,
+    /// A tap that proposes nothing, for this reason.
+    NothingProposed(NoProposal),
     /// A nudge or a change of the law while the pilot is engaged.
     Engaged,
     /// A nudge while the pilot is stopped.
@@ -80,6 +83,7 @@ impl fmt::Display for Refusal {
             Self::NotYetCaptured => f.write_str(
                 "the time of the picture lies in the future: captured_ns must be that of a picture of this run",
             ),
+            Self::NothingProposed(why) => why.fmt(f),
             Self::Engaged => f.write_str("the camera is engaged: disengage first"),
             Self::Stopped => f.write_str("the camera is stopped: disengage first"),
             Self::NoFreshVideo => f.write_str("there is no fresh video: nothing is moved blindly"),

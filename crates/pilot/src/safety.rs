@@ -130,7 +130,7 @@ impl Safety {
             CameraRequest::Disengage => self.licences.withdraw(),
             CameraRequest::Search => self.consent(Purpose::Search, now)?,
             CameraRequest::Calibrate => self.consent(Purpose::Calibrate, now)?,
-            CameraRequest::NetYaw { .. } => {}
+            CameraRequest::NetYaw { .. } | CameraRequest::Propose(_) => {}
             CameraRequest::Select(_)
             | CameraRequest::SelectNext(_)
             | CameraRequest::Reject

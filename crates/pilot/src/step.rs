@@ -16,6 +16,7 @@ use crate::net_yaw::{NetYaw, NetYawLevel};
 use crate::on_earth::EarthReports;
 use crate::opposed_motion::OpposedMotion;
 use crate::outcome::{Advice, Mode, Notice, Outcome, RENEWAL_GRACE, Refusal};
+use crate::proposing::Proposals;
 use crate::safety::{ObservationResult, Safety};
 use crate::search::{LastBearing, Search};
 use crate::selecting::PendingSelection;
@@ -25,6 +26,7 @@ use crate::vessel::{VesselPilot, VesselSettings};
 
 mod net_turn;
 mod observing;
+mod proposing;
 mod reports;
 mod searching;
 mod vessel_part;
@@ -52,6 +54,7 @@ pub struct Pilot {
     pending_selection: Option<PixelBox>,
     drawn_selection: Option<PendingSelection>,
     history: FrameHistory,
+    proposals: Proposals,
     track: Track,
     region: Option<Region>,
     /// Size of the newest picture.
@@ -104,6 +107,7 @@ impl Pilot {
             pending_selection: None,
             drawn_selection: None,
             history: FrameHistory::default(),
+            proposals: Proposals::default(),
             track: Track::Unseeded,
             region: None,
             picture: None,
@@ -273,8 +277,10 @@ impl Pilot {
                 self.calibration = Some(Calibration::new(now));
                 None
             }
+            CameraRequest::Propose(tap) => self.on_tap(*tap, now),
+            CameraRequest::Engage => self.take_proposal_to_follow(now),
             // The safety rule has done what there is to do.
-            CameraRequest::Nudge(_) | CameraRequest::Engage | CameraRequest::Disengage => None,
+            CameraRequest::Nudge(_) | CameraRequest::Disengage => None,
         }
     }
 
@@ -284,6 +290,7 @@ impl Pilot {
             vessel.begin_target();
         }
         self.law.reset_target();
+        self.proposals.take();
         self.drawn_selection = None;
         self.last_bearing = None;
     }
@@ -398,6 +405,7 @@ impl Pilot {
             command,
             wake_at: decision.wake_at,
             is_confirming: self.drawn_selection.is_some(),
+            proposal: self.proposals.standing(),
             net_yaw,
             unasked_motion: self.unasked_motion.turning().filter(|_| self.safety.path() == CommandPath::Link),
             search_refusal: self.search_refusal(now),

@@ -48,7 +48,8 @@ pub use named::Named;
 pub use profile::{VehicleProfile, VehicleRates};
 pub use request::{
     CameraRequest, DrawnMark, DrawnSelection, MarkKind, MovedMark, NewDrive, Note, NoteRequest, NoteText,
-    Nudge, OperatorRequest, Request, SeatRequest, VesselRequest, VesselStopper, VideoRequest, WorldRequest,
+    Nudge, OperatorRequest, Request, SeatRequest, Tap, VesselRequest, VesselStopper, VideoRequest,
+    WorldRequest,
 };
 pub use stop_cause::StopCause;
 pub use telemetry::Telemetry;

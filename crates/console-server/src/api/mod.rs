@@ -28,8 +28,8 @@ pub use place::PlaceStatus;
 pub use schema::api_document;
 pub use snapshot::{
     AxisPair, BoatStatus, CameraWork, ControlSeat, EncodedVideo, LinkStatus, ModeStatus, OtherVideoStatus,
-    PerceptStatus, PositionStatus, RecordingStatus, RegionStatus, StatusSnapshot, TrackStatus, VideoStatus,
-    WorkFigures,
+    PerceptStatus, PositionStatus, ProposalStatus, RecordingStatus, RegionStatus, StatusSnapshot,
+    TrackStatus, VideoStatus, WorkFigures,
 };
 pub use vessel::{MarkStatus, ProgressStatus, VesselStatus};
 pub use video_message::{HEAD_BYTES, VideoHead, VideoKind};

@@ -31,6 +31,8 @@ pub struct StatusSnapshot {
     pub mode: ModeStatus,
     /// The track.
     pub track: TrackStatus,
+    /// The object that is proposed at a tap; nothing follows it yet. `null`: none.
+    pub proposal: Option<ProposalStatus>,
     /// The region in the newest picture; `null` before the first.
     pub region: Option<RegionStatus>,
     /// The percept of the newest localisation.
@@ -116,6 +118,16 @@ pub struct TrackStatus {
     pub confidence: Option<f64>,
     /// For how long the track has been lost, seconds.
     pub lost_s: Option<f64>,
+}
+
+/// An object that is proposed.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
+pub struct ProposalStatus {
+    /// Left, top, width, height, pixels.
+    #[serde(rename = "box")]
+    pub bounds: [f64; 4],
+    /// Time of capture of the video frame that the box belongs to.
+    pub captured_ns: u64,
 }
 
 /// The region in which the camera rests.

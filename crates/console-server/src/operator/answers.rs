@@ -21,7 +21,13 @@ impl Answers {
             return answer.give(Answer::Refused(refusal.to_string()));
         }
         match request {
-            OperatorRequest::Camera(CameraRequest::Select(_)) => {
+            OperatorRequest::Camera(CameraRequest::Propose(_))
+                if matches!(outcome.notice, Some(Notice::Proposed(_))) =>
+            {
+                answer.give(Answer::Accepted(outcome.notice.as_ref().map(ToString::to_string)));
+            }
+            // A tap that proposes nothing new has taken what was proposed.
+            OperatorRequest::Camera(CameraRequest::Select(_) | CameraRequest::Propose(_)) => {
                 self.supersede_selection("another selection was made");
                 self.selection = Some(answer);
             }
@@ -76,8 +82,8 @@ fn going(outcome: &Outcome) -> Option<String> {
 mod tests {
     use barrelman_pilot::Refusal;
     use barrelman_pilot::outcome::Unconfirmed;
-    use barrelman_vision::SelectionError;
-    use barrelman_vocab::{DrawnSelection, LawId, Nudge, PixelBox, Timestamp};
+    use barrelman_vision::{NoProposal, SelectionError};
+    use barrelman_vocab::{DrawnSelection, LawId, Nudge, PixelBox, Tap, Timestamp};
     use tokio::sync::oneshot::{Receiver, error::TryRecvError};
 
     use super::*;
@@ -129,6 +135,24 @@ mod tests {
             let mut answer = request(&mut Answers::default(), made, Some(Notice::RequestRefused(refusal)));
             assert_eq!(answer.try_recv(), Ok(Answer::Refused(refusal.to_string())), "{made:?}");
         }
+    }
+
+    #[test]
+    fn a_tap_is_answered_by_its_step_if_it_proposes_and_as_a_selection_if_it_takes() {
+        let tap = Tap { at: BOUNDS.centre(), captured_ns: Timestamp::ZERO, take: false };
+        let tap = OperatorRequest::Camera(CameraRequest::Propose(tap));
+        let proposed = Notice::Proposed(BOUNDS);
+        let mut answer = request(&mut Answers::default(), tap, Some(proposed.clone()));
+        assert_eq!(answer.try_recv(), Ok(Answer::Accepted(Some(proposed.to_string()))));
+        let nothing = Refusal::NothingProposed(NoProposal::NothingStandsOut);
+        let mut answer = request(&mut Answers::default(), tap, Some(Notice::RequestRefused(nothing)));
+        assert_eq!(answer.try_recv(), Ok(Answer::Refused("nothing stands out here".to_owned())));
+        let mut answers = Answers::default();
+        let mut answer = request(&mut answers, tap, None);
+        assert_eq!(answer.try_recv(), Err(TryRecvError::Empty), "not answered by its own step");
+        let confirmed = Notice::SelectionConfirmed(localisation(at(0)));
+        answers.on_step(&outcome(Some(confirmed.clone())));
+        assert_eq!(answer.try_recv(), Ok(Answer::Accepted(Some(confirmed.to_string()))));
     }
 
     /// The answer to a selection after a later step with this notice; `None`: there is none yet.

@@ -10,6 +10,7 @@ impl Pilot {
     /// Tracks the target in a video frame, or takes the pending selection in it.
     pub(super) fn observe_frame(&mut self, frame: &VideoFrame) -> Observation {
         self.history.add(frame);
+        self.proposals.on_frame(frame);
         let size = frame.picture.size();
         let (track, notice) = match self.drawn_selection.take() {
             Some(pending) => self.advance_selection(pending, frame),

@@ -22,6 +22,7 @@ impl Pilot {
             }
             CameraRequest::Select(_)
             | CameraRequest::SelectNext(_)
+            | CameraRequest::Propose(_)
             | CameraRequest::Reject
             | CameraRequest::Deselect
             | CameraRequest::Nudge(_)

@@ -37,10 +37,11 @@ impl FirstSelection {
         self == Self::Awaited && watch.has_picture
     }
 
-    /// The state after a request to the pilot.
+    /// The state after a request to the pilot, whose step `watch` has seen. A tap may select, too.
     #[must_use]
-    pub(super) const fn after_request(self, request: &OperatorRequest) -> Self {
-        let selects = matches!(request, OperatorRequest::Camera(request) if request.is_selection());
+    pub(super) const fn after_request(self, request: &OperatorRequest, watch: &SelectionWatch) -> Self {
+        let selects = watch.is_confirming
+            || matches!(request, OperatorRequest::Camera(request) if request.is_selection());
         match self {
             Self::Awaited if selects => Self::Confirming,
             Self::Awaited | Self::Confirming | Self::Over => self,
@@ -63,6 +64,8 @@ impl FirstSelection {
 #[derive(Debug, Default)]
 pub(super) struct SelectionWatch {
     has_picture: bool,
+    /// Whether a selection waits for its confirmation.
+    is_confirming: bool,
     /// Whether a target has been confirmed in this drive.
     is_selected: bool,
     /// Whether a selection was refused or not confirmed since [`FirstSelection::after_steps`].
@@ -92,6 +95,7 @@ impl SelectionWatch {
                 self.boat = boat;
             }
         }
+        self.is_confirming = outcome.is_confirming;
         self.is_selected |= matches!(outcome.track, Track::Tracking(_)) && !outcome.is_confirming;
         self.has_failed |=
             matches!(outcome.notice, Some(Notice::SelectionRefused(_) | Notice::SelectionUnconfirmed(_)));
@@ -118,9 +122,18 @@ mod tests {
             (SelectionWatch::default(), SelectionWatch { has_picture: true, ..SelectionWatch::default() });
         assert!(!FirstSelection::Awaited.waits(&before), "there would be no picture to draw on");
         assert!(FirstSelection::Awaited.waits(&with_picture));
-        let confirming = FirstSelection::Awaited.after_request(&SELECT);
+        let confirming = FirstSelection::Awaited.after_request(&SELECT, &SelectionWatch::default());
         assert_eq!(confirming, FirstSelection::Confirming);
         assert!(!confirming.waits(&with_picture));
+    }
+
+    #[test]
+    fn a_request_that_takes_what_is_proposed_lets_the_time_go_on() {
+        let confirming = SelectionWatch { is_confirming: true, ..SelectionWatch::default() };
+        let engage = OperatorRequest::Camera(CameraRequest::Engage);
+        let after = |watch: &SelectionWatch| FirstSelection::Awaited.after_request(&engage, watch);
+        assert_eq!(after(&confirming), FirstSelection::Confirming);
+        assert_eq!(after(&SelectionWatch::default()), FirstSelection::Awaited);
     }
 
     #[test]
@@ -131,8 +144,14 @@ mod tests {
         assert_eq!(after(FirstSelection::Confirming, failed()), FirstSelection::Awaited);
         assert_eq!(after(FirstSelection::Confirming, tracked()), FirstSelection::Over);
         assert_eq!(after(FirstSelection::Over, failed()), FirstSelection::Over);
-        assert_eq!(FirstSelection::Awaited.after_request(&STOP), FirstSelection::Awaited);
-        assert_eq!(FirstSelection::Over.after_request(&SELECT), FirstSelection::Over);
+        assert_eq!(
+            FirstSelection::Awaited.after_request(&STOP, &SelectionWatch::default()),
+            FirstSelection::Awaited
+        );
+        assert_eq!(
+            FirstSelection::Over.after_request(&SELECT, &SelectionWatch::default()),
+            FirstSelection::Over
+        );
     }
 
     #[test]

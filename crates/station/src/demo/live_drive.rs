@@ -245,7 +245,7 @@ impl LiveDrive<'_> {
             store.add(self.drive.world().tick(), request)?;
         }
         self.drive.request(request, &mut self.observers);
-        self.first_selection = self.first_selection.after_request(&request);
+        self.first_selection = self.first_selection.after_request(&request, &self.observers.first_selection);
         self.first_selection = self.first_selection.after_steps(&mut self.observers.first_selection);
         let (law, now) = (self.drive.law_id(), self.drive.world().now());
         if let Some(console) = &mut self.observers.console {

@@ -35,6 +35,7 @@ fn outcome(mode: Mode, track: Track, advised: Option<CameraCommand>) -> Outcome 
         command: advised.filter(|_| is_moving).unwrap_or(CameraCommand::REST),
         wake_at: None,
         is_confirming: false,
+        proposal: None,
         net_yaw: barrelman_pilot::net_yaw::NetYawState::default(),
         unasked_motion: None,
         search_refusal: None,

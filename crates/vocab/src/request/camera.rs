@@ -4,7 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use strum::VariantNames;
 
-use crate::image::PixelBox;
+use crate::image::{PixelBox, PixelPoint};
 use crate::law::LawId;
 use crate::time::Timestamp;
 
@@ -20,6 +20,10 @@ pub enum CameraRequest {
     Select(DrawnSelection),
     /// Track the content of this box of the next video frame, without a confirmation.
     SelectNext(PixelBox),
+    /// Propose the object at this point. Nothing that is followed changes. A tap within the proposed box takes it,
+    /// as a selection of it; so does `engage` while nothing is followed. The answer says what is proposed, or why
+    /// nothing is (refused); where the tap takes a proposal, it is that of the selection.
+    Propose(Tap),
     /// "Not that one": forget the present track, do not take that object again, and search for the selected
     /// target.
     Reject,
@@ -63,6 +67,19 @@ pub struct DrawnSelection {
     pub bounds: PixelBox,
     /// Time of capture of the video frame.
     pub captured_ns: Timestamp,
+}
+
+/// A tap on a video frame.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Tap {
+    /// The point, pixels of the displayed picture.
+    pub at: PixelPoint,
+    /// Time of capture of the video frame, at most 1.5 s old.
+    pub captured_ns: Timestamp,
+    /// Whether what is proposed is taken at once.
+    #[serde(default)]
+    pub take: bool,
 }
 
 /// A slow turn of the camera by hand, in shares of the nudge rate.
