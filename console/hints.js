@@ -65,8 +65,8 @@ export class Hints {
   }
 
   /** Points at the boat of the world, while nothing is selected. */
-  #point({ world, track }) {
-    const box = world?.boat && track.state === "unseeded" && !track.confirming ? this.#onPage(world.boat) : null;
+  #point({ world, track, proposal }) {
+    const box = world?.boat && track.state === "unseeded" && !track.confirming && !proposal ? this.#onPage(world.boat) : null;
     const pointer = at("boat-pointer");
     pointer.hidden = box === null;
     document.documentElement.dataset.pointer = box ? box.map(Math.round).join() : "";

@@ -83,6 +83,7 @@ onStage("tap-mark", ({ mark, captured_ns }) => {
   // A person who is still there: the mark is moved to where it is.
   if (mark.kind === "person") request({ kind: "move-mark", id: mark.id, ...onFrame({ at: mark.at, captured_ns }) }, words.stillThere);
 });
+onStage("propose", (detail) => request({ kind: "propose", ...onFrame(detail) }));
 onStage("select", (detail) => {
   stage.trail.clear();
   const [u, v, w, h] = detail.box;
@@ -108,6 +109,7 @@ let lastMode = null;
 link.addEventListener("snapshot", ({ detail }) => {
   heartbeat.onSnapshot(detail, performance.now());
   snapshot = detail;
+  stage.setProposal(snapshot.proposal?.box ?? null);
   newDrive.onSnapshot(snapshot);
   twoVideos.onSnapshot(snapshot);
   strips.add(snapshot, video.delay?.median ?? null);

@@ -35,7 +35,7 @@ export function nextAction({ loss, isConnected, isStopOverdue, seat, snapshot })
   if (mode.name === "searching") return "searching";
   if (alarms.includes("net-yaw-limit") && mode.engaged) return "unwind";
   if (track.confirming) return "confirm";
-  if (track.state === "unseeded") return "select";
+  if (track.state === "unseeded") return snapshot.proposal ? "proposed" : "select";
   if (track.state === "lost") return snapshot.search_refusal ? "reselect" : "search";
   if (mode.name === "stopped") return fromVehicle.has(mode.cause) ? "stoppedByVehicle" : "stopped";
   if (isPersonOld(snapshot)) return "person";

@@ -1,6 +1,7 @@
 // What is drawn over the picture: region, sectors, box, axis, heading, trail, P, commands.
 
 import { drawMap, drawMarks } from "./marks.js";
+import { words } from "./words.js";
 
 export const LAYERS = ["region", "box", "heading", "trail", "p", "command", "advice", "marks", "map"];
 
@@ -128,6 +129,26 @@ function drawBox(pen, view, track, unit) {
   }
 }
 
+/** The object that is proposed: dashed, with a word above it. */
+export function drawProposal(pen, view, [u, v, w, h], unit) {
+  const [x, y] = view.toCanvas([u, v]);
+  pen.beginPath();
+  pen.rect(x, y, w * view.scale, h * view.scale);
+  stroke(pen, LINE, 2.5 * unit, [6 * unit, 5 * unit]);
+  drawText(pen, words.proposed, [x, y], unit);
+}
+
+/** A text above a corner of a box. */
+function drawText(pen, text, [x, y], unit) {
+  pen.font = `700 ${15 * unit}px system-ui, sans-serif`;
+  pen.lineWidth = 4 * unit;
+  pen.strokeStyle = EDGE;
+  pen.fillStyle = LINE;
+  const [left, top] = [Math.max(4, x), Math.max(18 * unit, y - 7 * unit)];
+  pen.strokeText(text, left, top);
+  pen.fillText(text, left, top);
+}
+
 function drawCommand(pen, view, pair, isHollow, unit) {
   const [cx, cy] = [view.canvas[0] / 2, view.canvas[1] / 2];
   const length = (rate) => Math.sign(rate) * (30 + 300 * Math.abs(rate)) * unit;
@@ -157,14 +178,5 @@ export function drawOverlay(pen, view, snapshot, { trail, layers: shown, isCalm,
   const isMoving = snapshot.command.pan !== 0 || snapshot.command.tilt !== 0;
   if (isMoving && shown.has("command")) drawCommand(pen, view, snapshot.command, false, unit);
   else if (snapshot.advice && shown.has("advice")) drawCommand(pen, view, snapshot.advice, true, unit);
-  if (track.box && shown.has("p") && label) {
-    const [x, y] = view.toCanvas([track.box[0], track.box[1]]);
-    pen.font = `700 ${15 * unit}px system-ui, sans-serif`;
-    pen.lineWidth = 4 * unit;
-    pen.strokeStyle = EDGE;
-    pen.fillStyle = LINE;
-    const [left, top] = [Math.max(4, x), Math.max(18 * unit, y - 7 * unit)];
-    pen.strokeText(label, left, top);
-    pen.fillText(label, left, top);
-  }
+  if (track.box && shown.has("p") && label) drawText(pen, label, view.toCanvas([track.box[0], track.box[1]]), unit);
 }

@@ -17,6 +17,7 @@ function toast(text) {
 }
 
 stage.addEventListener("say", ({ detail }) => toast(words.reasons[detail]));
+stage.addEventListener("propose", () => toast(words.reasons.tap));
 stage.addEventListener("select", ({ detail }) => {
   box = detail.box.map(Math.round);
   stage.kept = box;

@@ -3,7 +3,7 @@
 import { View, boxBetween } from "./geometry.js";
 import { MIN_BOX_PX, firstBox, steppedBox } from "./key_box.js";
 import { ringOfMark } from "./marks.js";
-import { Trail, drawOverlay } from "./overlay.js";
+import { Trail, drawOverlay, drawProposal } from "./overlay.js";
 
 /** How long a picture stays frozen, ms. The program keeps video frames for 1.5 s after their capture. */
 export const FROZEN_MS = 1300;
@@ -31,6 +31,8 @@ export class Stage extends EventTarget {
   isMarking = false;
   /** Whether the boat is followed in another video than the shown one. */
   isWatchedOnly = false;
+  /** The object that is proposed: left, top, width, height. @type {number[] | null} */
+  #proposal = null;
   /** A box that stays: left, top, width, height. @type {number[] | null} */
   kept = null;
 
@@ -73,6 +75,13 @@ export class Stage extends EventTarget {
     this.#shown = null;
     this.trail.clear();
     this.#picture.getContext("2d").clearRect(0, 0, this.#picture.width, this.#picture.height);
+    this.redraw();
+  }
+
+  /** Shows what is proposed, also while no picture comes. @param {number[] | null} box */
+  setProposal(box) {
+    if (String(box) === String(this.#proposal)) return;
+    this.#proposal = box;
     this.redraw();
   }
 
@@ -137,8 +146,13 @@ export class Stage extends EventTarget {
   }
 
   #select(box, captured) {
-    if (box[2] < MIN_BOX_PX || box[3] < MIN_BOX_PX) return this.#say(box[2] + box[3] < 2 ? "tap" : "small");
+    if (box[2] < MIN_BOX_PX || box[3] < MIN_BOX_PX) return this.#say("small");
     this.dispatchEvent(new CustomEvent("select", { detail: { box, captured_ns: captured } }));
+  }
+
+  /** Whether a drag is none of a tap: its pointer has moved. */
+  #isMoved({ from, to }) {
+    return Math.hypot(to[0] - from[0], to[1] - from[1]) * this.view.scale > TAP_PX * (window.devicePixelRatio || 1);
   }
 
   /** The mark whose sign is at this place of the canvas. */
@@ -195,7 +209,7 @@ export class Stage extends EventTarget {
       if (this.#pinch) {
         if (this.#pointers.size === 0) this.#pinch = null;
       } else if (drag?.mark) {
-        const isMoved = Math.hypot(...drag.to.map((value, axis) => value - drag.from[axis])) * this.view.scale > TAP_PX * (window.devicePixelRatio || 1);
+        const isMoved = this.#isMoved(drag);
         const detail = { mark: drag.mark, id: drag.mark.id, at: drag.to, captured_ns: drag.captured };
         // While it is dragged the picture goes on: the mark is on the newest one. A tap is on the mark as it was shown.
         if (isDone && isMoved) this.dispatchEvent(new CustomEvent("move-mark", { detail: { ...detail, captured_ns: this.#shown.captured } }));
@@ -205,6 +219,7 @@ export class Stage extends EventTarget {
         const captured = this.isFrozen ? drag.captured : this.#shown.captured;
         this.unfreeze();
         if (isDone && this.isMarking) this.#mark(drag.to, captured);
+        else if (isDone && !this.#isMoved(drag)) this.dispatchEvent(new CustomEvent("propose", { detail: { at: drag.from, captured_ns: drag.captured } }));
         else if (isDone) this.#select(boxBetween(drag.from, drag.to, this.view.picture), captured);
       }
       this.#drag = null;
@@ -290,6 +305,7 @@ export class Stage extends EventTarget {
     const { snapshot } = this.#shown;
     const { trail, layers, isCalm, chosenMark } = this;
     if (snapshot) drawOverlay(pen, this.view, snapshot, { trail, layers, isCalm, chosenMark, label: this.label(snapshot), unit });
+    if (this.#proposal) drawProposal(pen, this.view, this.#proposal, unit);
     if (this.#drag?.mark) ringOfMark(pen, this.view.toCanvas(this.#drag.to), unit);
     const isDrawing = this.#drag?.from && !this.#drag.mark && !this.isMarking;
     const box = this.#keyBox ?? (isDrawing ? boxBetween(this.#drag.from, this.#drag.to, picture) : this.kept);

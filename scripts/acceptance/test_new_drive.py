@@ -52,8 +52,8 @@ def test_hands_on_world_waits_for_the_first_box_and_the_page_points_at_the_boat(
             assert size
             check("the scenario is first-drive", state["world"]["scenario"] == "first-drive", state["world"])
             check("the boat is at least 50 pixels long", box[2] >= 50, box)
-            check("the page says what to do", "box around the boat" in page.text("next-action"))
-            check("the hint is about selecting", "Drag a box" in page.text("hint-text"))
+            check("the page says what to do", "Tap the boat" in page.text("next-action"))
+            check("the hint is about selecting", "Tap the boat" in page.text("hint-text"))
             page.screenshot(pictures, "first-drive")
             page.drag([box[0] - 4, box[1] - 4, box[2] + 8, box[3] + 8], size)
             program.wait(lambda status: status["track"]["state"] == "tracking", "the track", PATIENCE_S)
