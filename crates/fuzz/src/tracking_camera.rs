@@ -111,6 +111,9 @@ impl Talk {
                 assert!([area.u, area.v, area.w, area.h].iter().all(|number| number.is_finite()), "{area:?}");
                 assert!(area.w > 0.0 && area.h > 0.0, "{area:?}");
             }
+            if let TrackingRequest::SelectAt(at) = request {
+                assert!(at.u.is_finite() && at.v.is_finite(), "{at:?}");
+            }
             asked.push(number);
         });
     }

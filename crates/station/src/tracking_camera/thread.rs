@@ -12,7 +12,7 @@ use barrelman_console_server::snapshot::SharedSnapshot;
 use barrelman_host::clock::Clock;
 use barrelman_link::Waker;
 use barrelman_link::port_io::poll_for;
-use barrelman_vocab::{CameraRequest, DrawnSelection, OperatorRequest, Timestamp};
+use barrelman_vocab::{CameraRequest, DrawnSelection, OperatorRequest, Tap, Timestamp};
 use barrelman_wire::mavlink::TrackingCamera;
 use barrelman_wire::mavlink::tracking_camera::{RequestNumber, TrackingAnswer, TrackingRequest};
 use rustix::event::{PollFd, PollFlags};
@@ -152,18 +152,14 @@ impl Work {
 
     /// The request to the pilot. A selection names the video frame that the ground station shows.
     fn request(&self, request: TrackingRequest) -> SessionRequest {
-        SessionRequest::Pilot(match request {
-            TrackingRequest::Forget => OperatorRequest::Camera(CameraRequest::Deselect),
-            TrackingRequest::Select(bounds) => {
-                let newest = self.parts.snapshots.borrow().video.frame;
-                let captured = newest.map_or(Timestamp::ZERO, |(captured, _)| captured);
-                let captured = captured.minus(self.setup.display_delay);
-                OperatorRequest::Camera(CameraRequest::Select(DrawnSelection {
-                    bounds,
-                    captured_ns: captured,
-                }))
-            }
-        })
+        let newest = self.parts.snapshots.borrow().video.frame;
+        let captured = newest.map_or(Timestamp::ZERO, |(captured, _)| captured);
+        let captured_ns = captured.minus(self.setup.display_delay);
+        SessionRequest::Pilot(OperatorRequest::Camera(match request {
+            TrackingRequest::Forget => CameraRequest::Deselect,
+            TrackingRequest::Select(bounds) => CameraRequest::Select(DrawnSelection { bounds, captured_ns }),
+            TrackingRequest::SelectAt(at) => CameraRequest::Propose(Tap { at, captured_ns, take: true }),
+        }))
     }
 
     /// Waits until something arrives at `port`, or the run ends, at most for `wait`. Returns whether the port is readable.

@@ -243,7 +243,7 @@ impl TrackingCamera {
     ) {
         let request = match (selection, self.shown.picture) {
             (Ok(None), _) => TrackingRequest::Forget,
-            (Ok(Some(selection)), Some(picture)) => TrackingRequest::Select(selection.pixels(picture)),
+            (Ok(Some(selection)), Some(picture)) => selection.request(picture),
             (Ok(Some(_)), None) => {
                 self.tell("no picture has arrived yet: select again when the video is up");
                 return self.acknowledge(command, MavResult::MAV_RESULT_TEMPORARILY_REJECTED);
@@ -253,7 +253,7 @@ impl TrackingCamera {
                 return self.acknowledge(command, MavResult::MAV_RESULT_DENIED);
             }
         };
-        if let TrackingRequest::Select(_) = request {
+        if let TrackingRequest::Select(_) | TrackingRequest::SelectAt(_) = request {
             // Ground stations of 2025 do not ask for the status of the track.
             self.status_interval.get_or_insert(STATUS_INTERVAL);
             if let Some(told) = self.waiting.repeated(command, now) {

@@ -6,11 +6,12 @@
 use core::time::Duration;
 
 use barrelman_vocab::mavlink::Address;
-use barrelman_vocab::{PictureSize, PixelBox};
+use barrelman_vocab::{PictureSize, PixelBox, PixelPoint};
 use mavlink::MessageData as _;
 use mavlink::dialects::common::{COMMAND_ACK_DATA, COMMAND_INT_DATA, COMMAND_LONG_DATA, MavCmd, MavResult};
 
 use super::image_status;
+use super::request::TrackingRequest;
 use super::times::{LEAST_STATUS_INTERVAL, STATUS_INTERVAL};
 use crate::mavlink::frame::{Frame, FrameWriter};
 
@@ -19,13 +20,6 @@ const COMMAND_AT: usize = 28;
 const TARGET_AT: usize = 30;
 /// Corners of a rectangle may be outside of the picture by this share, as ground stations round.
 const TOLERANCE: f32 = 1e-3;
-/// Share of the picture's width that is half of the box around a point without a radius: 20 of 640 pixels.
-const POINT_RADIUS: f32 = 0.03;
-/// Largest radius of a point, as a share of the picture's width.
-const MAX_POINT_RADIUS: f32 = 0.5;
-/// Least half side of the box around a point, pixels: a click has no size.
-const MIN_POINT_HALF_SIDE: f64 = 6.0;
-
 /// A received command.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Command {
@@ -45,11 +39,10 @@ pub(super) enum Selection {
         right: f32,
         bottom: f32,
     },
-    /// The radius is a share of the width.
+    /// The object at a point.
     Point {
         x: f32,
         y: f32,
-        radius: f32,
     },
 }
 
@@ -124,7 +117,7 @@ impl Command {
         if is(MavCmd::MAV_CMD_CAMERA_TRACK_RECTANGLE) {
             Order::Track(self.for_camera(fifth).and_then(|()| rectangle([first, second, third, fourth])))
         } else if is(MavCmd::MAV_CMD_CAMERA_TRACK_POINT) {
-            Order::Track(self.for_camera(fourth).and_then(|()| point([first, second, third])))
+            Order::Track(self.for_camera(fourth).and_then(|()| point([first, second])))
         } else if is(MavCmd::MAV_CMD_CAMERA_STOP_TRACKING) {
             self.for_camera(first).map_or_else(Order::Wrong, |()| Order::Forget)
         } else if is(MavCmd::MAV_CMD_REQUEST_MESSAGE) {
@@ -195,32 +188,28 @@ fn rectangle(corners: [f32; 4]) -> Result<Selection, &'static str> {
     }
 }
 
-fn point([x, y, radius]: [f32; 3]) -> Result<Selection, &'static str> {
+fn point([x, y]: [f32; 2]) -> Result<Selection, &'static str> {
     if ![x, y].iter().all(|value| (-TOLERANCE..=1.0 + TOLERANCE).contains(value)) {
         return Err("the point must be given in shares of the picture, 0 to 1");
     }
-    let radius = if radius.is_nan() || radius == 0.0 { POINT_RADIUS } else { radius };
-    if !(0.0..=MAX_POINT_RADIUS).contains(&radius) {
-        return Err("the radius must be a share of the picture's width, 0 to 0.5");
-    }
-    Ok(Selection::Point { x: x.clamp(0.0, 1.0), y: y.clamp(0.0, 1.0), radius })
+    Ok(Selection::Point { x: x.clamp(0.0, 1.0), y: y.clamp(0.0, 1.0) })
 }
 
 impl Selection {
-    /// The box in a picture of this size.
-    pub(super) fn pixels(self, picture: PictureSize) -> PixelBox {
+    /// The request for it in a picture of this size.
+    pub(super) fn request(self, picture: PictureSize) -> TrackingRequest {
         let (width, height) = (f64::from(picture.width), f64::from(picture.height));
         match self {
             Self::Rectangle { left, top, right, bottom } => {
                 let [left, right] = [left, right].map(|share| f64::from(share) * width);
                 let [top, bottom] = [top, bottom].map(|share| f64::from(share) * height);
-                PixelBox { u: left, v: top, w: right - left, h: bottom - top }
+                TrackingRequest::Select(PixelBox { u: left, v: top, w: right - left, h: bottom - top })
             }
-            Self::Point { x, y, radius } => {
-                let half = (f64::from(radius) * width).max(MIN_POINT_HALF_SIDE);
-                let (u, v) = (f64::from(x) * width - half, f64::from(y) * height - half);
-                PixelBox { u, v, w: 2.0 * half, h: 2.0 * half }.clipped(picture)
-            }
+            // The right and the lower edge are no pixels.
+            Self::Point { x, y } => TrackingRequest::SelectAt(PixelPoint {
+                u: (f64::from(x) * width).min(width - 0.5),
+                v: (f64::from(y) * height).min(height - 0.5),
+            }),
         }
     }
 }

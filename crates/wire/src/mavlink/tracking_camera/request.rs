@@ -1,6 +1,6 @@
 //! What a ground station asks the operator gateway for, and the answers.
 
-use barrelman_vocab::PixelBox;
+use barrelman_vocab::{PixelBox, PixelPoint};
 
 /// Names a request until it is answered.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -11,6 +11,8 @@ pub struct RequestNumber(pub(super) u32);
 pub enum TrackingRequest {
     /// Track what is in this box of the picture.
     Select(PixelBox),
+    /// Track the object at this point of the picture.
+    SelectAt(PixelPoint),
     /// Follow nothing.
     Forget,
 }
