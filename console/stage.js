@@ -305,7 +305,7 @@ export class Stage extends EventTarget {
     const { snapshot } = this.#shown;
     const { trail, layers, isCalm, chosenMark } = this;
     if (snapshot) drawOverlay(pen, this.view, snapshot, { trail, layers, isCalm, chosenMark, label: this.label(snapshot), unit });
-    if (this.#proposal) drawProposal(pen, this.view, this.#proposal, unit);
+    if (this.#proposal && !this.isWatchedOnly) drawProposal(pen, this.view, this.#proposal, unit);
     if (this.#drag?.mark) ringOfMark(pen, this.view.toCanvas(this.#drag.to), unit);
     const isDrawing = this.#drag?.from && !this.#drag.mark && !this.isMarking;
     const box = this.#keyBox ?? (isDrawing ? boxBetween(this.#drag.from, this.#drag.to, picture) : this.kept);
