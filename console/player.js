@@ -146,7 +146,9 @@ export class Player extends EventTarget {
       if (this.ms >= end && this.#next === null) this.play(false);
     }
     const ahead = Math.max(1, this.speed);
-    while (this.#fed < this.#units.length && this.#units[this.#fed].ms <= this.ms + DECODE_MS * ahead) {
+    // The video may begin later than the first step: its first picture is shown all the same.
+    const isDue = ({ ms }) => this.#fed === 0 || ms <= this.ms + DECODE_MS * ahead;
+    while (this.#fed < this.#units.length && isDue(this.#units[this.#fed])) {
       this.#feed(this.#units[this.#fed]);
       this.#fed += 1;
     }

@@ -6,6 +6,7 @@
 #   scripts/setup.sh test       all of this, what the tests talk to, and what makes the fixtures anew: an RTSP server
 #                               (GStreamer), FFmpeg, Chromium for the page, and Python with OpenCV, mcap,
 #                               pytest, ruff and mypy
+#   scripts/setup.sh firefox    Firefox and its driver, for the tests of --all that use it
 #
 # Packages come from Debian (as root, or through sudo) and, for Python, from PyPI into .venv beside this tree.
 set -euo pipefail
@@ -46,5 +47,10 @@ case "${1:-build}" in
   build) need_packages "${build[@]}" ;;
   media) need_packages "${build[@]}" "${media[@]}" ;;
   test) need_packages "${build[@]}" "${media[@]}" "${test[@]}"; need_python ;;
-  *) sed -n '2,9p' "$0" >&2; exit 2 ;;
+  firefox)
+    need_packages firefox-esr
+    # The driver is no package of Debian 12.
+    command -v geckodriver >/dev/null || cargo install -q --locked geckodriver@0.37.1
+    ;;
+  *) sed -n '2,10p' "$0" >&2; exit 2 ;;
 esac

@@ -26,10 +26,10 @@ Size = Sequence[int]
 Data = dict[str, str]
 
 
-def installed(*names: str) -> str:
-    """The path of the first of these programs that is installed."""
+def installed(*names: str, needs: str = "test") -> str:
+    """The path of the first of these programs that is installed. `needs`: the set-up that installs it."""
     found = next(filter(None, map(shutil.which, names)), None)
-    assert found, f"{names[0]} is not installed: scripts/setup.sh test installs it"
+    assert found, f"{names[0]} is not installed: scripts/setup.sh {needs} installs it"
     return found
 
 
