@@ -1,4 +1,4 @@
-"""A newcomer's path: the page opens, the boat is driven, selected by a tap, followed, sent to a mark, stopped.
+"""A newcomer's path: the page opens, the boat is driven, tapped, followed, sent to a mark, stopped.
 
 The sortie is watched again, and its film is fetched. No step may take long, on any size of the window.
 """
