@@ -231,6 +231,7 @@ def viewers(program: Program, emulator: Emulator) -> dict[int, Viewers]:
     return {count: Viewers(program, emulator, count) for count in (0, 1, 3)}
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("count", "limit"), [(1, 0.05), (3, 0.10)])
 def test_viewers_of_the_stream_cost_the_thread_console_little(
     viewers: dict[int, Viewers], count: int, limit: float

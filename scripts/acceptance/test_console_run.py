@@ -30,7 +30,7 @@ SIZE = "960x540"
 HOPS = 7
 # A busy machine may be slow to bring the boat into the ellipse.
 PATIENCE_S = 240.0
-STOPS_AMONG_REQUESTS = 20
+STOPS_AMONG_REQUESTS = 8
 ATTEMPTS = 4
 
 
