@@ -4,17 +4,19 @@
 //! program sends the token with each request (`Authorization: Bearer`). Tokens and cookies are never logged.
 
 use std::collections::BTreeMap;
-use std::io;
+use std::io::{self, Write as _};
 use std::path::Path;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use anyhow::{Context, Result, bail};
 use barrelman_host::clock::Clock;
 use barrelman_host::input::{self, is_readable_by_others};
+use barrelman_host::output::OutputFile;
 use barrelman_host::random::random_bytes;
 use barrelman_vocab::Timestamp;
 use base64::Engine as _;
 use base64::engine::general_purpose::URL_SAFE_NO_PAD;
+use serde::{Deserialize, Serialize};
 
 use super::limits::{REQUESTS, RateLimit};
 
@@ -36,7 +38,8 @@ pub enum Role {
 }
 
 /// The two tokens of a session.
-#[derive(Clone, PartialEq, Eq)]
+#[derive(Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Tokens {
     /// For control.
     pub control: String,
@@ -51,6 +54,26 @@ impl Tokens {
     /// If the system has no random numbers.
     pub fn random() -> io::Result<Self> {
         Ok(Self { control: secret()?, watch: secret()? })
+    }
+
+    /// The tokens of a file, which is made with new tokens, for its owner alone, where it is missing.
+    ///
+    /// # Errors
+    /// As [`Self::read`], and if the file cannot be made.
+    pub fn kept_in(path: &Path) -> Result<Self> {
+        if path.exists() {
+            return Self::read(path);
+        }
+        let context = || format!("the console's tokens cannot be kept in {}", path.display());
+        let tokens = Self::random().with_context(context)?;
+        let mut file = OutputFile::open(path, false).with_context(context)?;
+        file.write_all(tokens.lines().as_bytes()).with_context(context)?;
+        tracing::info!("the console's tokens were made, and are kept in {}", path.display());
+        Ok(tokens)
+    }
+
+    fn lines(&self) -> String {
+        format!("{}\n{}\n", self.control, self.watch)
     }
 
     /// Reads the tokens from a file of two lines: control, watch.
@@ -273,5 +296,20 @@ mod tests {
             let error = Tokens::parse(text).err().expect(text);
             assert!(!format!("{error:#}").contains("0123"), "the content is not repeated");
         }
+    }
+    #[test]
+    fn tokens_are_made_once_and_kept_for_their_owner_alone() {
+        let folder = std::env::temp_dir().join(format!("barrelman-kept-tokens-{}", std::process::id()));
+        std::fs::create_dir_all(&folder).unwrap();
+        let path = folder.join("tokens");
+        let first = Tokens::kept_in(&path).unwrap();
+        assert!(!is_readable_by_others(&path));
+        let again = Tokens::kept_in(&path).unwrap();
+        assert!(first == again && first.control != first.watch);
+        std::fs::write(&path, "short\n").unwrap();
+        assert!(Tokens::kept_in(&path).is_err(), "a file that is there is not replaced");
+        let nowhere = Tokens::kept_in(&folder.join("missing/tokens")).err().unwrap();
+        assert!(format!("{nowhere:#}").contains("missing/tokens"), "{nowhere:#}");
+        std::fs::remove_dir_all(&folder).unwrap();
     }
 }

@@ -47,6 +47,7 @@ mod pictures;
 mod video_relay;
 
 mod links;
+mod links_file;
 
 pub mod operator;
 pub mod snapshot;
@@ -57,6 +58,7 @@ mod in_memory;
 mod test_scenes;
 
 pub use library::Library;
+pub use links::print_served;
 pub use on_lost::OnConsoleLost;
 pub use picker::{AfterPicking, pick};
 pub use pictures::PictureSlot;

@@ -10,6 +10,7 @@ use qrcode::QrCode;
 use qrcode::render::unicode::Dense1x2;
 
 use super::access::Tokens;
+use super::links_file::{self, ServedConsole};
 
 /// Prints the links of a console. Scripts wait for the first line, which ends with the control link, or with the page's
 /// address where there are no tokens to print.
@@ -31,13 +32,45 @@ pub(super) fn announce(
     writeln!(out, "console, control: {control}\nconsole, watch only: {watch}")?;
     if out.is_terminal() && !host.ip().is_loopback() {
         for (what, link) in [("control", &control), ("watch only", &watch)] {
-            if let Ok(code) = QrCode::new(link.as_bytes()) {
-                let code = code.render::<Dense1x2>().quiet_zone(true).build();
+            if let Some(code) = qr_code(link) {
                 writeln!(out, "\n{what}:\n{code}")?;
             }
         }
     }
     Ok(out.flush()?)
+}
+
+/// Prints the links of the console that is served with this links file, and a QR code of the one for control where another
+/// device can open it.
+///
+/// # Errors
+/// If no such console is served, the file may not be read, or the standard output not be written.
+pub fn print_served(links_file: &Path) -> Result<()> {
+    let ServedConsole { address, tokens } = links_file::read(links_file)?;
+    let mut out = stdout();
+    write!(out, "{}", served_lines(reachable(address), &tokens))?;
+    Ok(out.flush()?)
+}
+
+fn served_lines(host: SocketAddr, tokens: &Tokens) -> String {
+    let (control, watch) = (link(host, &tokens.control), link(host, &tokens.watch));
+    let links = format!("control: {control}\nwatch only: {watch}\n");
+    if host.ip().is_loopback() {
+        let port = host.port();
+        return format!(
+            "{links}\nThe console listens on this computer alone. From another one: `ssh -L {port}:{host} COMPUTER`, and the link as it \
+             is; or set console.listen in the configuration.\n"
+        );
+    }
+    match qr_code(&control) {
+        Some(code) => format!("{links}\ncontrol:\n{code}\n"),
+        None => links,
+    }
+}
+
+/// A QR code for a terminal; `None` for a text that is too long.
+fn qr_code(text: &str) -> Option<String> {
+    QrCode::new(text.as_bytes()).ok().map(|code| code.render::<Dense1x2>().quiet_zone(true).build())
 }
 
 /// The page's address, and where its tokens are.
@@ -100,6 +133,22 @@ mod tests {
         assert_eq!(first, "console: http://127.0.0.1:8480/");
         assert!(second.contains("line 1 of /etc/barrelman/tokens for control"), "{second}");
         assert_eq!(address_lines(address, None), "console: http://127.0.0.1:8480/");
+    }
+
+    #[test]
+    fn links_of_a_served_console_have_a_qr_code_where_another_device_can_open_them() {
+        let tokens =
+            Tokens { control: "control-0123456789".to_owned(), watch: "watch-0123456789".to_owned() };
+        let lines = |host: &str| served_lines(host.parse().unwrap(), &tokens);
+        for host in ["192.168.1.7:8480", "127.0.0.1:8480"] {
+            for link in ["control: http://HOST/#token=control-", "watch only: http://HOST/#token=watch-"] {
+                assert!(lines(host).contains(&link.replace("HOST", host)), "{}", lines(host));
+            }
+        }
+        let code = qr_code("http://192.168.1.7:8480/#token=control-0123456789").unwrap();
+        assert!(lines("192.168.1.7:8480").contains(&code));
+        let local = lines("127.0.0.1:8480");
+        assert!(!local.contains('█') && local.contains("ssh -L 8480:127.0.0.1:8480"), "{local}");
     }
 
     #[test]

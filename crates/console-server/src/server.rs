@@ -21,6 +21,7 @@ use super::guard::Hosts;
 use super::limited_stream::{Bytes, LimitedStream};
 use super::limits::{BYTES, HEADER_TIMEOUT, SEND_TIMEOUT};
 use super::links::announce;
+use super::links_file::{LinksFile, ServedConsole};
 use super::pictures::{PictureSlot, encode_pictures};
 use super::places::{Place, Places};
 use super::routes;
@@ -47,6 +48,7 @@ pub struct ConsoleServer {
     thread: Option<JoinHandle<()>>,
     encoders: Vec<JoinHandle<()>>,
     pictures: Vec<Arc<PictureSlot>>,
+    _links_file: Option<LinksFile>,
 }
 
 impl ConsoleServer {
@@ -60,7 +62,7 @@ impl ConsoleServer {
         parts: ConsoleParts,
         on_panic: impl Fn(String) + Clone + Send + 'static,
     ) -> Result<Self> {
-        let ConsoleSettings { listener, tokens, token_file, host_names, on_lost } = settings;
+        let ConsoleSettings { listener, tokens, token_file, links_file, host_names, on_lost } = settings;
         let address = listener.local_addr()?;
         listener.set_nonblocking(true)?;
         let clock = parts.time.program_clock();
@@ -90,7 +92,18 @@ impl ConsoleServer {
             // Dropping the runtime closes all connections.
         })?;
         announce(address, tokens.as_ref(), token_file.as_deref())?;
-        Ok(Self { address, end: Some(end), thread: Some(thread), encoders, pictures })
+        let links_file = links_file
+            .zip(tokens)
+            .map(|(path, tokens)| LinksFile::write(&path, &ServedConsole { address, tokens }));
+        let links_file = links_file.transpose()?;
+        Ok(Self {
+            address,
+            end: Some(end),
+            thread: Some(thread),
+            encoders,
+            pictures,
+            _links_file: links_file,
+        })
     }
 
     /// The address that the server listens on.

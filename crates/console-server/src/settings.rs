@@ -19,6 +19,8 @@ pub struct ConsoleSettings {
     pub tokens: Option<Tokens>,
     /// The file that the tokens are from; `None`: they were made for this program's life.
     pub token_file: Option<PathBuf>,
+    /// Where the links are written while the console is served; `None`: nowhere.
+    pub links_file: Option<PathBuf>,
     /// Further names that the server answers to, besides its addresses.
     pub host_names: Vec<String>,
     /// What happens when the controlling page is gone.
@@ -27,13 +29,13 @@ pub struct ConsoleSettings {
 
 impl ConsoleSettings {
     /// A console at `address`, or at the first free port of loopback from 8480 on. `token_file`: two lines, control and
-    /// watch; without it, tokens are made.
+    /// watch, made where the file is missing; without it, tokens are made for this program's life.
     ///
     /// # Errors
     /// If the address is in use, or the tokens cannot be read or made.
     pub fn with_tokens(address: Option<SocketAddr>, token_file: Option<&Path>) -> Result<Self> {
         let tokens = match token_file {
-            Some(path) => Tokens::read(path)?,
+            Some(path) => Tokens::kept_in(path)?,
             None => Tokens::random().context("no random numbers for the console's tokens")?,
         };
         let token_file = token_file.map(Path::to_owned);
@@ -65,6 +67,7 @@ impl ConsoleSettings {
             listener: self.listener.try_clone()?,
             tokens: self.tokens.clone(),
             token_file: self.token_file.clone(),
+            links_file: None,
             host_names: self.host_names.clone(),
             on_lost: self.on_lost,
         })
@@ -75,6 +78,7 @@ impl ConsoleSettings {
             listener: listen(address)?,
             tokens: None,
             token_file: None,
+            links_file: None,
             host_names: Vec::new(),
             on_lost: OnConsoleLost::default(),
         })
@@ -85,7 +89,8 @@ fn listen(address: Option<SocketAddr>) -> Result<TcpListener> {
     if let Some(address) = address {
         return TcpListener::bind(address).with_context(|| {
             format!(
-                "cannot listen on {address}: does another program use it? choose another address with --listen"
+                "cannot listen on {address}: does another program use it? choose another address (--listen, or \
+                 console.listen of the configuration)"
             )
         });
     }

@@ -4,6 +4,7 @@ use std::process::ExitCode;
 
 use barrelman_host::clock::Clock;
 use barrelman_station::cli::{Cli, Command, UsageError};
+use barrelman_station::config::UnusableConfiguration;
 use barrelman_station::{commands, logging};
 use clap::Parser as _;
 
@@ -32,13 +33,15 @@ fn main() -> ExitCode {
         Command::Emulate(args) => commands::emulate::run(&args, clock),
         Command::Calibrate(args) => commands::calibrate::run(&args, clock),
         Command::Check(args) => commands::check::run(&args, clock),
+        Command::Links(args) => commands::links::run(&args),
         Command::Config(args) => commands::config::run(&args),
     };
     result.unwrap_or_else(|error| {
         if !is_broken_pipe(&error) {
             tracing::error!("{error:#}");
         }
-        if error.is::<UsageError>() { ExitCode::from(2) } else { ExitCode::FAILURE }
+        let is_wrong_use = error.is::<UsageError>() || error.is::<UnusableConfiguration>();
+        if is_wrong_use { ExitCode::from(2) } else { ExitCode::FAILURE }
     })
 }
 

@@ -23,6 +23,7 @@ mod emulate;
 mod calibrate;
 mod check;
 mod config;
+mod links;
 
 mod connection_options;
 mod console_options;
@@ -46,6 +47,7 @@ pub use emulate::{
     EmulateVesselArgs, HabitsName, StationName, WorldArgs,
 };
 pub use law_options::LawOptions;
+pub use links::LinksArgs;
 pub use log_options::{LogFormat, LogLevel};
 pub use logs::{LawArgs, MetricsArgs, ReportArgs};
 pub use recordings::{ExportArgs, LibraryArgs, ReplayArgs};
@@ -122,6 +124,8 @@ pub enum Command {
     Calibrate(CalibrateArgs),
     /// Check the configuration, the video and the link, and suggest remedies.
     Check(CheckArgs),
+    /// Print the links of the running service, with a QR code.
+    Links(LinksArgs),
     /// Print an example, the JSON schema, or the effective configuration.
     Config(ConfigArgs),
 }

@@ -80,8 +80,11 @@ pub struct RunArgs {
     /// The console.
     #[command(flatten)]
     pub console: ConsoleOptions,
+    /// Write the console's links to this file while it is served, for its owner alone: `barrelman links` prints them.
+    #[arg(long, value_name = "FILE")]
+    pub links_file: Option<PathBuf>,
     /// No console.
-    #[arg(long, conflicts_with_all = ["listen", "console_token_file", "on_console_lost"])]
+    #[arg(long, conflicts_with_all = ["listen", "console_token_file", "links_file", "on_console_lost"])]
     pub headless: bool,
     /// Record to this file; default: a file of its own in the folder of the configuration, or `recordings`.
     #[arg(long, value_name = "FILE.mcap")]

@@ -14,6 +14,7 @@ pub mod emulate;
 pub mod export;
 pub mod law;
 pub mod library;
+pub mod links;
 pub mod merge;
 pub mod metrics;
 pub mod practice;

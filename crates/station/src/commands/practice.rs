@@ -102,6 +102,7 @@ pub fn run(args: &DemoArgs, clock: Clock) -> Result<ExitCode> {
             engage: true,
             hands_on: false,
             console: ConsoleOptions::default(),
+            links_file: None,
             headless: true,
             no_record: false,
             record: Some(recording.clone()),

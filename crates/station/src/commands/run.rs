@@ -9,7 +9,7 @@ use barrelman_pilot::{CommandPath, Pilot, PilotSettings};
 
 use super::draw_selection::{draw_selection, has_display};
 use crate::cli::{CalibrateAxesArgs, RunArgs, UsageError};
-use crate::config::{Configuration, ConsoleConfig, RecordingConfig};
+use crate::config::{Configuration, ConsoleConfig, RecordingConfig, UnusableConfiguration};
 use crate::link::url::Endpoint;
 use crate::link::{LinkUrl, command_path, find_guard, vehicle_over_http, video_of_vehicle};
 use crate::live::calibration::LiveCalibration;
@@ -64,8 +64,10 @@ pub fn run_with_outputs(
         }
     }
     let Some(video) = &configuration.video else {
-        let remedy = "give --video rtsp://..., --video file:clip.mp4, --video sim:arena1, or video.url in the configuration";
-        return Err(UsageError(format!("no video source: {remedy}")).into());
+        let file = args.connection.config.as_ref();
+        let file = file.map_or_else(|| "the configuration".to_owned(), |path| path.display().to_string());
+        let remedy = "give --video rtsp://..., --video file:clip.mp4, --video sim:arena1, or video.url in";
+        return Err(UsageError(format!("no video source: {remedy} {file}")).into());
     };
     let source = match named {
         Some(video) => secrets::named_source_url(video, &configuration.video_login)?,
@@ -365,9 +367,10 @@ pub fn calibrate(
 fn open_console(args: &RunArgs, config: &ConsoleConfig) -> Result<ConsoleSettings> {
     let options = &args.console;
     let token_file = options.console_token_file.as_deref().or(config.token_file.as_deref());
-    let console = ConsoleSettings::with_tokens(options.listen, token_file)?;
+    let console = ConsoleSettings::with_tokens(options.listen.or(config.listen), token_file)?;
     let on_lost = options.on_console_lost.unwrap_or(config.on_lost);
-    Ok(ConsoleSettings { on_lost, host_names: config.hosts.clone(), ..console })
+    let links_file = args.links_file.clone();
+    Ok(ConsoleSettings { on_lost, links_file, host_names: config.hosts.clone(), ..console })
 }
 
 /// Opens the output files that the arguments name.
@@ -421,9 +424,11 @@ fn effective_configuration(args: &RunArgs) -> Result<(Configuration, bool)> {
         file.link.without_guard = Some(true);
     }
     file.tracker.name = args.tracker.or(file.tracker.name);
-    let context = || match &connection.config {
-        Some(path) => format!("the configuration {} is not usable", path.display()),
-        None => "the command line is not usable".to_owned(),
+    let context = || {
+        UnusableConfiguration(match &connection.config {
+            Some(path) => format!("the configuration {}", path.display()),
+            None => "the command line".to_owned(),
+        })
     };
     let latency_is_known = file.vehicle.video_latency_s.is_some();
     let mut configuration = Configuration::resolve(&file).with_context(context)?;

@@ -1,5 +1,6 @@
 //! The console and the recordings in the configuration.
 
+use std::net::SocketAddr;
 use std::path::PathBuf;
 
 use schemars::JsonSchema;
@@ -11,10 +12,16 @@ use barrelman_console_server::OnConsoleLost;
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct ConsoleSection {
+    /// Address of the console, an IP address with a port: "0.0.0.0:8480" is for other devices, too, without encryption; default:
+    /// "127.0.0.1:8480", or the next free port.
+    #[schemars(example = "127.0.0.1:8480")]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub listen: Option<SocketAddr>,
     /// Further names by which the console is opened, besides the addresses of this machine.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub hosts: Option<Vec<String>>,
-    /// File with the console's tokens, two lines: control, watch.
+    /// File with the console's tokens, two lines: control, watch. Where it is missing, tokens are made and kept in it; without this
+    /// key, tokens are made for each run.
     #[schemars(example = "/etc/barrelman/console-tokens")]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub token_file: Option<PathBuf>,
@@ -46,6 +53,8 @@ pub struct RecordingSection {
 /// The effective settings of the console.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct ConsoleConfig {
+    /// The address; `None`: the first free port.
+    pub listen: Option<SocketAddr>,
     /// Further names of the server.
     pub hosts: Vec<String>,
     /// The file with the tokens; `None`: tokens are made.
@@ -71,6 +80,7 @@ impl ConsoleSection {
     /// The effective settings.
     pub(super) fn resolve(&self) -> ConsoleConfig {
         ConsoleConfig {
+            listen: self.listen,
             hosts: self.hosts.clone().unwrap_or_default(),
             token_file: self.token_file.clone(),
             on_lost: self.on_lost.unwrap_or_default(),
@@ -80,6 +90,7 @@ impl ConsoleSection {
     /// A complete section.
     pub(super) fn from_config(config: &ConsoleConfig) -> Self {
         Self {
+            listen: config.listen,
             hosts: Some(config.hosts.clone()),
             token_file: config.token_file.clone(),
             on_lost: Some(config.on_lost),

@@ -37,6 +37,11 @@ pub use file::{ConfigFile, LineEnding};
 pub use resolve::Configuration;
 pub use tracking_camera::TrackingCameraConfig;
 
+/// A configuration with a mistake: the program ends with exit code 2, so that a service is not started again and again.
+#[derive(Debug, thiserror::Error)]
+#[error("{0} is not usable")]
+pub struct UnusableConfiguration(pub String);
+
 /// The documented example.
 ///
 /// # Errors
@@ -56,7 +61,7 @@ pub fn read(path: &Path) -> Result<ConfigFile> {
         file.camera.read_lens()?;
         Ok(file)
     });
-    parsed.with_context(|| format!("the configuration {} is not usable", path.display()))
+    parsed.with_context(|| UnusableConfiguration(format!("the configuration {}", path.display())))
 }
 
 /// Parses the text of a configuration file.

@@ -29,6 +29,7 @@ fn wrong_use_ends_with_2_and_says_what_is_expected() {
     refused(&["emulate", "fotokite-pro"], 2, &["--pty"]);
     refused(&["emulate", "fotokite-pro", "--no-echo"], 2, &["--pty", "--listen"]);
     refused(&["run"], 2, &["no video source", "--video"]);
+    refused(&["run", "--headless", "--links-file", "links"], 2, &["--headless", "--links-file"]);
     refused(&["fly"], 2, &["fly"]);
     refused(
         &["track", "clip.mp4", "--select", "1,2,3,4", "--tracker", "csrt"],
@@ -42,12 +43,28 @@ fn wrong_use_ends_with_2_and_says_what_is_expected() {
 }
 
 #[test]
+fn a_configuration_that_a_service_cannot_run_with_ends_with_2() {
+    for (name, text, words) in [
+        ("no-video.toml", "[console]\n", ["no video source", "video.url in"]),
+        ("unknown-key.toml", "[video]\nadress = \"sim:open\"\n", ["is not usable", "adress"]),
+        ("out-of-range.toml", "[recording]\nquota_gb = -1.0\n", ["is not usable", "quota_gb"]),
+        ("no-address.toml", "[console]\nlisten = \"localhost\"\n", ["is not usable", "listen"]),
+    ] {
+        let file = empty_folder("unusable_configurations").join(name);
+        std::fs::write(&file, text).unwrap();
+        let file = file.to_str().unwrap();
+        refused(&["run", file], 2, &[words[0], words[1], file]);
+    }
+}
+
+#[test]
 fn what_is_not_there_is_named_and_ends_with_1() {
     refused(&["track", "nowhere.mp4", "--select", "1,2,3,4"], 1, &["nowhere.mp4", "check the path"]);
     refused(&["law", "nowhere.csv"], 1, &["nowhere.csv"]);
     refused(&["replay", "nowhere.mcap"], 1, &["nowhere.mcap"]);
     refused(&["export", "nowhere.mcap", "--output", "nowhere"], 1, &["nowhere.mcap"]);
     refused(&["run", "nowhere.toml"], 1, &["nowhere.toml"]);
+    refused(&["links", "--file", "nowhere"], 1, &["nowhere", "sudo systemctl start barrelman"]);
     refused(&["law", "nowhere.csv", "--profile", "kite"], 1, &["kite", "fotokite-pro"]);
     refused(&["run", "--video", "udp://127.0.0.1"], 1, &["udp://127.0.0.1", "there is no port"]);
     refused(&["run", "--video", "sim:"], 1, &["names no scenario", "sim:arena1"]);
