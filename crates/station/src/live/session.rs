@@ -44,6 +44,7 @@ use super::sortie_text::SortieText;
 use super::source::Source;
 use super::status_line::StatusLine;
 use super::status_writer::{LineStyle, StatusWriter};
+use super::supervision::ServiceManager;
 use super::terminal::{KEYS, Terminal};
 use super::tracked_video::TrackedVideo;
 use super::video_sink::{LiveVideoSink, VideoReceivers};
@@ -307,6 +308,7 @@ impl Session<'_> {
         let style = LineStyle::for_stdout();
         let status_output =
             StatusWriter::start(stdout(), style, clock, fault_injector.clone(), events.clone())?;
+        let manager = ServiceManager::of_this_process(events.clone())?;
         let mut observers: Vec<Box<dyn LiveStepObserver + '_>> = Vec::new();
         observers.extend(parts.overlay.as_ref().map(|overlay| observer(overlay.input())));
         if let Some(outlets) = outlets {
@@ -317,7 +319,11 @@ impl Session<'_> {
         }
         let requests = first_requests(self.selection, self.engage);
         let queue = EventQueue { queue, clock, absence: AbsenceWatch::start(clock.now()) };
-        let mut events = fault_injector.events(clock, queue);
+        let events = fault_injector.events(clock, queue);
+        let mut events = match &manager {
+            Some(manager) => manager.events(events),
+            None => events,
+        };
         let run_loop = RunLoop {
             pilot,
             profile: profile.clone(),
@@ -339,6 +345,9 @@ impl Session<'_> {
         // A panic in the pilot must not unwind past the link's shutdown.
         let end = catch_unwind(AssertUnwindSafe(|| run_loop.run(&requests)))
             .unwrap_or_else(|_| RunEnd::Failed("the pilot's thread panicked".to_owned()));
+        if let Some(manager) = &manager {
+            manager.say_ending();
+        }
         Ok(parts.close(end))
     }
 }
