@@ -8,6 +8,8 @@ use std::process::{ChildStdin, Command, Stdio};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use super::supervision::SOCKET;
+
 const PROGRAM: &str = "systemd-inhibit";
 
 /// A held inhibitor. Dropping it lets the machine sleep again.
@@ -28,6 +30,8 @@ impl SleepInhibitor {
         let mut child = Command::new(PROGRAM)
             .args(["--what=sleep:idle:handle-lid-switch", "--mode=block", "--who=barrelman"])
             .args(["--why=moves the camera of a vehicle", "cat"])
+            // It would tell the service manager that the program is ready.
+            .env_remove(SOCKET)
             // Ctrl-C on the terminal is for this program alone.
             .process_group(0)
             .stdin(Stdio::piped())

@@ -14,7 +14,7 @@ use sd_notify::NotifyState;
 use super::event::{Event, EventSource, report_panics};
 
 /// The variable by which a service manager says where it listens (`sd_notify(3)`).
-const SOCKET: &str = "NOTIFY_SOCKET";
+pub(super) const SOCKET: &str = "NOTIFY_SOCKET";
 /// Signs of life in the time after which the service manager takes the program for hanging.
 const SIGNS_IN_TIMEOUT: u32 = 4;
 /// Signs that may wait. One that finds no room is dropped.
