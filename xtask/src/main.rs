@@ -1,4 +1,5 @@
-//! Checks the rules of the repository that a program can check: `cargo run -p xtask -- tidy`.
+//! Checks the rules of the repository that a program can check: `cargo run -p xtask -- tidy`. Prints the licences of what
+//! programs consist of: `cargo run -p xtask -- licences PACKAGE...`.
 //!
 //! `xtask` depends on no crate of the workspace, so that it runs in seconds, also while the code does not compile.
 
@@ -6,6 +7,7 @@ mod circles;
 mod dependencies;
 mod documents;
 mod guard;
+mod licences;
 
 mod tracked_files;
 
@@ -17,18 +19,29 @@ use anyhow::{Context, Result};
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
-    if arguments != ["tidy"] {
-        print_line("usage: cargo run -p xtask -- tidy");
-        return ExitCode::from(2);
-    }
-    match tidy() {
+    let done = match &arguments[..] {
+        [command] if command == "tidy" => tidy(),
+        [command, packages @ ..] if command == "licences" && !packages.is_empty() => licences(packages),
+        _ => {
+            print_line("usage: cargo run -p xtask -- tidy\n       cargo run -p xtask -- licences PACKAGE...");
+            return ExitCode::from(2);
+        }
+    };
+    match done {
         Ok(true) => ExitCode::SUCCESS,
         Ok(false) => ExitCode::FAILURE,
         Err(error) => {
-            print_line(&format!("tidy: {error:#}"));
+            let _ = writeln!(std::io::stderr(), "xtask: {error:#}");
             ExitCode::FAILURE
         }
     }
+}
+
+/// Prints the licences of what these packages consist of.
+fn licences(packages: &[String]) -> Result<bool> {
+    let text = licences::text(&root()?, packages)?;
+    std::io::stdout().write_all(text.as_bytes())?;
+    Ok(true)
 }
 
 /// Runs all checks and prints the findings. Returns whether there are none.
