@@ -33,8 +33,10 @@ use barrelman_video::{VideoFrames, VideoSink, VideoState, VideoUrl};
 /// How long a live source may take to deliver its first picture: 5 s by the built-in engine, 5 s to connect by GStreamer,
 /// and up to 5 s to the next key frame.
 const FIRST_PICTURE_TIMEOUT: Duration = Duration::from_secs(15);
-/// Path of this project's udev rule, when installed.
+/// Where this project's udev rule is when it was installed by hand.
 const UDEV_RULE: &str = "/etc/udev/rules.d/70-barrelman.rules";
+/// Where the package installs the rule.
+const PACKAGED_UDEV_RULE: &str = "/usr/lib/udev/rules.d/70-barrelman.rules";
 
 /// Runs the command.
 ///
@@ -264,7 +266,7 @@ fn check_modem_manager() -> CheckResult {
     let is_running = std::fs::read_dir("/proc").into_iter().flatten().flatten().any(|entry| {
         std::fs::read_to_string(entry.path().join("comm")).is_ok_and(|name| name.trim() == "ModemManager")
     });
-    let has_rule = Path::new(UDEV_RULE).exists();
+    let has_rule = installed_udev_rule().is_some();
     let (verdict, details) = match (is_running, has_rule) {
         (true, false) => (
             Verdict::Warning,
@@ -279,9 +281,13 @@ fn check_modem_manager() -> CheckResult {
     CheckResult::new("ModemManager", verdict, details)
 }
 
+fn installed_udev_rule() -> Option<&'static str> {
+    [UDEV_RULE, PACKAGED_UDEV_RULE].into_iter().find(|rule| Path::new(rule).exists())
+}
+
 fn check_udev_rule() -> CheckResult {
-    let (verdict, details) = if Path::new(UDEV_RULE).exists() {
-        (Verdict::Ok, format!("{UDEV_RULE} is installed"))
+    let (verdict, details) = if let Some(rule) = installed_udev_rule() {
+        (Verdict::Ok, format!("{rule} is installed"))
     } else {
         (
             Verdict::Warning,
