@@ -40,6 +40,7 @@ ABSENT = {
     "sigma.example": "sigma.example",
     "/dev/ttyACM0": "/dev/ttyACM0",
     "--turn-the-camera": "not confirmed",
+    "barrelman links": "/run/barrelman/links",
     "--link udp://127.0.0.1:14550": "nobody takes packets there",
 }
 # Options whose value is a file or a folder that the command writes.
@@ -60,7 +61,7 @@ PROMISES = {
     "render ": "frames",
     "config schema": "$schema",
     "config api": "openapi",
-    "report ": "trials",
+    "report ": ".html: ",
     "check ": "configuration",
     "track ": "mean confidence",
 }

@@ -7,8 +7,9 @@ use clap::Args;
 /// `links`.
 #[derive(Debug, Args)]
 #[command(after_help = "Example:
-  sudo barrelman links
+  barrelman links
 
+The links of the service are root's to read: put sudo before it.
 The links hold the console's tokens: who has the first one may control.")]
 pub struct LinksArgs {
     /// The file that a run writes with --links-file; default: that of the service.
