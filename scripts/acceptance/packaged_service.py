@@ -69,7 +69,7 @@ def processes_of(name: str) -> list[int]:
 def links() -> dict[str, str]:
     lines = must("barrelman", "links").splitlines()
     found = [line.split(": ", 1) for line in lines if ": http://" in line]
-    return {name: link for name, link in found}
+    return dict(found)
 
 
 def ask(path: str, body: dict[str, Any] | None = None) -> Any:
@@ -168,7 +168,8 @@ def the_guard_outlives_a_killed_program_and_stops_the_camera() -> None:
     wait_until(lambda: guard not in processes_of("barrelman-guard"), "the guard ends")
     at_rest = [at for at, *of_axes in rates() if at > killed - 1 and not any(of_axes)]
     after = [at for at in at_rest if at >= killed]
-    assert after and after[0] - killed < ZEROS_WITHIN_S + SLACK_S, (killed, rates()[-5:])
+    assert after, rates()[-5:]
+    assert after[0] - killed < ZEROS_WITHIN_S + SLACK_S, (killed, rates()[-5:])
     print(f"  zeros {1000 * (after[0] - killed):.0f} ms after the program was killed")
     wait_until(lambda: unit("NRestarts") != restarts and unit("ActiveState") == "active", "a new start")
     assert main_pid() != pid
@@ -176,7 +177,8 @@ def the_guard_outlives_a_killed_program_and_stops_the_camera() -> None:
     wait_until(lambda: ask("status")["track"]["state"] == "tracking", "the boat is tracked again")
     time.sleep(3)
     mode = ask("status")["mode"]
-    assert mode["name"] == "idle" and not mode["engaged"], mode
+    assert mode["name"] == "idle", mode
+    assert not mode["engaged"], mode
     moving = [row for row in rates() if row[0] > after[0] and any(row[1:])]
     assert not moving, f"a new start moves the camera: {moving[:3]}"
 
