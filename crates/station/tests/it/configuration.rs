@@ -44,6 +44,23 @@ fn the_committed_example_is_the_one_that_the_program_prints() {
 }
 
 #[test]
+fn the_services_configuration_is_usable_once_it_has_a_video() {
+    let text = include_str!("../../../../config/service/barrelman.toml");
+    let resolved = |text: &str| Configuration::resolve(&config::parse(text).unwrap()).unwrap();
+    assert_eq!(resolved(text).video, None);
+    // Its proposals are usable, too.
+    let proposed = resolved(&text.replace("# url", "url"));
+    assert!(proposed.video.is_some() && proposed.link.is_some());
+    let console = proposed.console;
+    assert!(
+        console.listen.is_some_and(|address| address.ip().is_loopback()),
+        "the page is for this computer alone"
+    );
+    assert!(console.token_file.is_some_and(|file| file.starts_with("/var/lib/barrelman")));
+    assert!(proposed.recording.folder.starts_with("/var/lib/barrelman"));
+}
+
+#[test]
 fn the_example_changes_nothing_as_it_stands() {
     let example = resolved(&config::example().unwrap()).expect("the example is usable");
     assert_eq!(example, Configuration::resolve(&ConfigFile::default()).expect("the defaults are usable"));
