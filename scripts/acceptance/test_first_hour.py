@@ -46,7 +46,7 @@ ABSENT = {
 # Options whose value is a file or a folder that the command writes.
 WRITES = ("--output", "--truth", "--masks", "--overlay", "--svg", "--store", "--log", "--record")
 # Commands that are not run: the set-up of the machine, and these tests.
-LEFT_OUT = ("scripts/setup.sh", "scripts/test.sh")
+LEFT_OUT = ("scripts/setup.sh", "scripts/test.sh", "scripts/package.sh")
 # Commands that read the laboratory's logs, which a user's machine may not have.
 READS_LOGS = re.compile(r"arena([12]_|\*)")
 # Words that the standard output of a command must hold.

@@ -8,6 +8,9 @@ use barrelman_station::config::UnusableConfiguration;
 use barrelman_station::{commands, logging};
 use clap::Parser as _;
 
+/// The exit status of sysexits.h for a configuration that cannot be used.
+const EX_CONFIG: u8 = 78;
+
 fn main() -> ExitCode {
     // The clock comes first: all timestamps of the run count from here.
     let clock = Clock::start();
@@ -40,8 +43,14 @@ fn main() -> ExitCode {
         if !is_broken_pipe(&error) {
             tracing::error!("{error:#}");
         }
-        let is_wrong_use = error.is::<UsageError>() || error.is::<UnusableConfiguration>();
-        if is_wrong_use { ExitCode::from(2) } else { ExitCode::FAILURE }
+        if error.is::<UsageError>() {
+            ExitCode::from(2)
+        } else if error.is::<UnusableConfiguration>() && std::env::var_os("NOTIFY_SOCKET").is_some() {
+            // A service with this configuration is not started again: see config/systemd/barrelman.service.
+            ExitCode::from(EX_CONFIG)
+        } else {
+            ExitCode::FAILURE
+        }
     })
 }
 
