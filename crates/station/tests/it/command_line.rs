@@ -43,17 +43,24 @@ fn wrong_use_ends_with_2_and_says_what_is_expected() {
 }
 
 #[test]
-fn a_configuration_that_a_service_cannot_run_with_ends_with_2() {
-    for (name, text, words) in [
-        ("no-video.toml", "[console]\n", ["no video source", "video.url in"]),
-        ("unknown-key.toml", "[video]\nadress = \"sim:open\"\n", ["is not usable", "adress"]),
-        ("out-of-range.toml", "[recording]\nquota_gb = -1.0\n", ["is not usable", "quota_gb"]),
-        ("no-address.toml", "[console]\nlisten = \"localhost\"\n", ["is not usable", "listen"]),
+fn a_service_with_a_configuration_that_it_cannot_run_with_is_not_started_again() {
+    const UNIT: &str = include_str!("../../../../config/systemd/barrelman.service");
+    for (name, text, words, code) in [
+        ("no-video.toml", "[console]\n", ["no video source", "video.url in"], 2),
+        ("unknown-key.toml", "[video]\nadress = \"sim:open\"\n", ["is not usable", "adress"], 78),
+        ("out-of-range.toml", "[recording]\nquota_gb = -1.0\n", ["is not usable", "quota_gb"], 78),
+        ("no-address.toml", "[console]\nlisten = \"localhost\"\n", ["is not usable", "listen"], 78),
     ] {
         let file = empty_folder("unusable_configurations").join(name);
         std::fs::write(&file, text).unwrap();
         let file = file.to_str().unwrap();
-        refused(&["run", file], 2, &[words[0], words[1], file]);
+        // On a terminal: what is missing on the command line is wrong use, a mistake in the file is a failure.
+        refused(&["run", file], if code == 78 { 1 } else { code }, &[words[0], words[1], file]);
+        let mut program = Command::new(env!("CARGO_BIN_EXE_barrelman"));
+        let done = program.args(["run", file]).env("NOTIFY_SOCKET", "/nowhere").output().unwrap();
+        assert_eq!(done.status.code(), Some(code), "{name}");
+        let prevented = UNIT.lines().find_map(|line| line.strip_prefix("RestartPreventExitStatus=")).unwrap();
+        assert!(prevented.split(' ').any(|status| status == code.to_string()), "{prevented}");
     }
 }
 
