@@ -7,12 +7,11 @@ use std::time::Duration;
 use barrelman_host::latest::Latest;
 use barrelman_pilot::Outcome;
 use barrelman_video::jpeg;
-use barrelman_vocab::unit::Rotation;
 use barrelman_vocab::{VehicleRates, VideoFrame};
 use bytes::Bytes;
 use tokio::sync::watch;
 
-use super::api::{HEAD_BYTES, VideoHead, VideoKind};
+use super::api::VideoHead;
 use super::newest_picture::NewestPicture;
 
 /// Interval at which the thread looks for a page that asks for pictures.
@@ -97,22 +96,7 @@ pub(super) fn encode_pictures(slot: &PictureSlot) {
     while let Some(frame) = slot.frames.wait_until_wanted(POLL_INTERVAL, || slot.has_viewer()) {
         match jpeg::encode(&frame.picture) {
             Ok(payload) => {
-                let size = frame.picture.size();
-                let side = |length: u32| u16::try_from(length).unwrap_or(u16::MAX);
-                let head = VideoHead {
-                    kind: VideoKind::Jpeg,
-                    key: true,
-                    shown: true,
-                    rotation: Rotation::None,
-                    epoch: 0,
-                    captured_ns: frame.capture.at.as_nanos(),
-                    index: frame.sequence,
-                    size: (side(size.width), side(size.height)),
-                };
-                let mut message = Vec::with_capacity(HEAD_BYTES + payload.len());
-                message.extend_from_slice(&head.to_bytes());
-                message.extend_from_slice(&payload);
-                slot.pictures.send_replace(message.into());
+                slot.pictures.send_replace(VideoHead::of_picture(&frame).message(&payload).into());
             }
             Err(error) => tracing::error!("a picture for the console cannot be encoded: {error}"),
         }
@@ -121,6 +105,7 @@ pub(super) fn encode_pictures(slot: &PictureSlot) {
 
 #[cfg(test)]
 mod tests {
+    use super::super::api::{HEAD_BYTES, VideoKind};
     use super::super::in_memory::block_on;
     use super::*;
     use crate::test_scenes::{at, frame, idle};

@@ -1,6 +1,6 @@
 //! The API's form of a snapshot.
 
-use barrelman_control::{Percept, Sector};
+use barrelman_control::{Percept, Region, Sector};
 use barrelman_pilot::on_earth::NotOnEarth;
 use barrelman_pilot::{Advice, Mode, ProposedObject};
 use barrelman_vocab::acceptance::Acceptance;
@@ -29,9 +29,7 @@ pub(super) fn status_of(snapshot: &Snapshot, codecs: &Videos<Option<EncodedVideo
             TrackStatus { confirming, ..track_of(&outcome.track, outcome.at) }
         }),
         proposal: outcome.and_then(|outcome| outcome.proposal).map(proposal_of),
-        region: outcome
-            .and_then(|outcome| outcome.region)
-            .map(|region| RegionStatus { a_px: region.a_px, b_px: region.b_px }),
+        region: outcome.and_then(|outcome| outcome.region).map(region_of),
         percept: outcome.and_then(|outcome| percept_of(outcome.percept, outcome.advice)),
         advice: outcome.and_then(|outcome| outcome.advice).map(|advice| axes_of(advice.command)),
         command: outcome.map_or_else(|| axes_of(CameraCommand::REST), |outcome| axes_of(outcome.command)),
@@ -118,6 +116,10 @@ pub(super) fn track_of(track: &Track, at: Timestamp) -> TrackStatus {
         confidence: Some(seen.confidence),
         lost_s: None,
     }
+}
+
+pub(super) const fn region_of(region: Region) -> RegionStatus {
+    RegionStatus { a_px: region.a_px, b_px: region.b_px }
 }
 
 fn proposal_of(object: ProposedObject) -> ProposalStatus {

@@ -7,7 +7,7 @@ use barrelman_vocab::unit::UnitCodec;
 use bytes::Bytes;
 use tokio::sync::broadcast;
 
-use super::api::{EncodedVideo, HEAD_BYTES, VideoHead, VideoKind};
+use super::api::{EncodedVideo, VideoHead, VideoKind};
 
 /// Units that a page may be behind before it loses some: about one second.
 const BACKLOG: usize = 32;
@@ -66,7 +66,10 @@ impl VideoRelay {
         let mut group = self.group();
         group.codec = codec.map(|(codec, _)| codec);
         let Some((_, kind)) = codec else { return };
-        let unit = RelayedUnit { message: message_of(unit, kind), key: unit.key };
+        let unit = RelayedUnit {
+            message: VideoHead::of_unit(kind, unit).message(&unit.payload).into(),
+            key: unit.key,
+        };
         if unit.key {
             group.clear();
         }
@@ -95,23 +98,6 @@ impl VideoRelay {
     fn group(&self) -> MutexGuard<'_, Group> {
         self.group.lock().unwrap_or_else(PoisonError::into_inner)
     }
-}
-
-fn message_of(unit: &EncodedUnit, kind: VideoKind) -> Bytes {
-    let head = VideoHead {
-        kind,
-        key: unit.key,
-        shown: unit.shown,
-        rotation: unit.rotation,
-        epoch: unit.epoch,
-        captured_ns: unit.capture.at.as_nanos(),
-        index: unit.index,
-        size: (0, 0),
-    };
-    let mut message = Vec::with_capacity(HEAD_BYTES + unit.payload.len());
-    message.extend_from_slice(&head.to_bytes());
-    message.extend_from_slice(&unit.payload);
-    message.into()
 }
 
 #[cfg(test)]

@@ -13,6 +13,7 @@
 //! | 28..32 | 0 |
 
 use barrelman_vocab::unit::Rotation;
+use barrelman_vocab::{EncodedUnit, VideoFrame};
 
 /// Length of the head, bytes.
 pub const HEAD_BYTES: usize = 32;
@@ -53,6 +54,41 @@ pub struct VideoHead {
 }
 
 impl VideoHead {
+    /// The head of a unit as it was received.
+    pub fn of_unit(kind: VideoKind, unit: &EncodedUnit) -> Self {
+        Self {
+            kind,
+            key: unit.key,
+            shown: unit.shown,
+            rotation: unit.rotation,
+            epoch: unit.epoch,
+            captured_ns: unit.capture.at.as_nanos(),
+            index: unit.index,
+            size: (0, 0),
+        }
+    }
+
+    /// The head of a video frame as JPEG.
+    pub fn of_picture(frame: &VideoFrame) -> Self {
+        let side = |length: u32| u16::try_from(length).unwrap_or(u16::MAX);
+        let size = frame.picture.size();
+        Self {
+            kind: VideoKind::Jpeg,
+            key: true,
+            shown: true,
+            rotation: Rotation::None,
+            epoch: 0,
+            captured_ns: frame.capture.at.as_nanos(),
+            index: frame.sequence,
+            size: (side(size.width), side(size.height)),
+        }
+    }
+
+    /// The whole message.
+    pub fn message(self, payload: &[u8]) -> Vec<u8> {
+        [self.to_bytes().as_slice(), payload].concat()
+    }
+
     /// The bytes of the head.
     pub fn to_bytes(self) -> [u8; HEAD_BYTES] {
         let mut bytes = [0; HEAD_BYTES];

@@ -239,11 +239,10 @@ impl Library {
     /// that is being written, or was cut off, has no index.
     fn part(&self, name: &RecordingName, from: Duration, form: Form) -> anyhow::Result<Option<Part>> {
         let path = self.path(name);
-        let shares = read_sortie(File::open(&path)?)?.map_or([1.0, 1.0], |sortie| sortie.region);
         let Some(mut recording) = IndexedRecording::open(BufReader::new(File::open(&path)?))? else {
             return Ok(None);
         };
-        part_of(&mut recording, from, form, shares).map(Some)
+        part_of(&mut recording, from, form).map(Some)
     }
 
     fn path(&self, name: &RecordingName) -> PathBuf {

@@ -9,18 +9,18 @@ use std::io::{Read, Seek};
 use std::time::Duration;
 
 use anyhow::{Context as _, Result, bail};
+use barrelman_control::Region;
 use barrelman_trial::records::{Entry, FrameFingerprint, IndexedRecording, RecordedInput, RecordedOutcome};
 use barrelman_video::decoder::UnitDecoder;
 use barrelman_video::jpeg;
 use barrelman_video::mode::DecodeMode;
-use barrelman_vocab::unit::{Rotation, UnitCodec};
-use barrelman_vocab::{EncodedUnit, PictureSize, Timestamp, VideoFrame, VideoNumber};
+use barrelman_vocab::profile::RegionShares;
+use barrelman_vocab::unit::UnitCodec;
+use barrelman_vocab::{EncodedUnit, Timestamp, VideoFrame, VideoNumber};
 use serde::Serialize;
 
-use crate::api::{
-    AxisPair, HEAD_BYTES, ModeStatus, PerceptStatus, RegionStatus, TrackStatus, VideoHead, VideoKind,
-};
-use crate::status::{axes_of, mode_of, percept_of, track_of};
+use crate::api::{AxisPair, ModeStatus, PerceptStatus, RegionStatus, TrackStatus, VideoHead, VideoKind};
+use crate::status::{axes_of, mode_of, percept_of, region_of, track_of};
 
 /// Least length of a part.
 const LENGTH: Duration = Duration::from_secs(1);
@@ -65,8 +65,7 @@ pub(super) struct Part {
     pub(super) began: Timestamp,
 }
 
-/// The part that shows the moment `from` after the first outcome. `shares`: the region's semi-axes, as shares
-/// of half the picture.
+/// The part that shows the moment `from` after the first outcome.
 ///
 /// # Errors
 /// If the recording cannot be read, holds no video, or has no key unit for too long.
@@ -74,14 +73,19 @@ pub(super) fn part_of<R: Read + Seek>(
     recording: &mut IndexedRecording<R>,
     from: Duration,
     form: Form,
-    shares: [f64; 2],
 ) -> Result<Part> {
-    let began = first_outcome(recording)?.context("the recording holds no step")?;
+    let first_outcome = recording.find_from(Timestamp::ZERO, |entry| match entry {
+        Entry::Outcome(outcome) => Some(outcome.at),
+        _ => None,
+    })?;
+    let began = first_outcome.context("the recording holds no step")?;
     let from = began.plus(from);
     let video = tracked_video(recording, from)?;
-    let Some(begin) = recording.key_unit_before(video, from)?.or(first_key(recording, video)?) else {
+    let Some(begin) = key_unit(recording, video, from)? else {
         bail!("the recording holds no video: `barrelman replay` renders the pictures of a simulated trial");
     };
+    let [half_width, half_height] = recording.sortie()?.map_or([1.0, 1.0], |sortie| sortie.region);
+    let shares = RegionShares { half_width, half_height };
     let mut builder = Builder::new(video, begin, from, form, shares);
     let mut result = Ok(());
     recording.entries_from(begin, |entry| match builder.add(entry) {
@@ -95,48 +99,31 @@ pub(super) fn part_of<R: Read + Seek>(
     Ok(Part { items: builder.items, next: builder.next.map(|next| next.since(began)), began })
 }
 
-fn first_outcome<R: Read + Seek>(recording: &mut IndexedRecording<R>) -> Result<Option<Timestamp>> {
-    let mut first = None;
-    recording.entries_from(Timestamp::ZERO, |entry| {
-        if let Entry::Outcome(outcome) = &entry {
-            first = Some(outcome.at);
-        }
-        first.is_none()
-    })?;
-    Ok(first)
-}
-
 /// The video that the pilot saw at a time.
 fn tracked_video<R: Read + Seek>(recording: &mut IndexedRecording<R>, at: Timestamp) -> Result<VideoNumber> {
     if recording.start().videos.second.is_none() {
         return Ok(VideoNumber::First);
     }
-    let mut found = None;
-    recording.entries_from(at, |entry| {
-        if let Entry::Input { input: RecordedInput::Frame(FrameFingerprint { video, .. }), .. } = entry {
-            found = Some(video);
-        }
-        found.is_none()
+    let found = recording.find_from(at, |entry| match entry {
+        Entry::Input { input: RecordedInput::Frame(FrameFingerprint { video, .. }), .. } => Some(video),
+        _ => None,
     })?;
     Ok(found.unwrap_or_default())
 }
 
-/// The first unit of a video with which decoding can start.
-fn first_key<R: Read + Seek>(
+/// The unit of a video with which decoding has to start for a time: before it, or else the first of all.
+fn key_unit<R: Read + Seek>(
     recording: &mut IndexedRecording<R>,
     video: VideoNumber,
+    at: Timestamp,
 ) -> Result<Option<Timestamp>> {
-    let mut found = None;
-    recording.entries_from(Timestamp::ZERO, |entry| {
-        if let Entry::Unit(number, unit) = entry
-            && number == video
-            && unit.key
-        {
-            found = Some(unit.capture.at);
-        }
-        found.is_none()
-    })?;
-    Ok(found)
+    if let Some(before) = recording.key_unit_before(video, at)? {
+        return Ok(Some(before));
+    }
+    Ok(recording.find_from(at, |entry| match entry {
+        Entry::Unit(number, unit) if number == video && unit.key => Some(unit.capture.at),
+        _ => None,
+    })?)
 }
 
 /// Collects the items of a part.
@@ -145,8 +132,7 @@ struct Builder {
     /// From here on, a key unit begins the next part.
     until: Timestamp,
     form: Form,
-    /// The region's semi-axes as shares of half the picture.
-    shares: [f64; 2],
+    shares: RegionShares,
     decoder: UnitDecoder,
     items: Vec<u8>,
     next: Option<Timestamp>,
@@ -155,7 +141,7 @@ struct Builder {
 }
 
 impl Builder {
-    fn new(video: VideoNumber, begin: Timestamp, from: Timestamp, form: Form, shares: [f64; 2]) -> Self {
+    fn new(video: VideoNumber, begin: Timestamp, from: Timestamp, form: Form, shares: RegionShares) -> Self {
         Self {
             video,
             until: begin.max(from).plus(LENGTH),
@@ -213,7 +199,7 @@ impl Builder {
             ) => None,
         };
         if let Some(kind) = kind {
-            return self.add_video(head_of(unit, kind), &unit.payload);
+            return self.add_item(UNIT, &VideoHead::of_unit(kind, unit).message(&unit.payload));
         }
         let mut frames = Vec::new();
         // A damaged unit gives no picture: the next key unit does.
@@ -223,24 +209,7 @@ impl Builder {
 
     fn add_picture(&mut self, frame: &VideoFrame) -> Result<()> {
         let payload = jpeg::encode(&frame.picture).context("a picture cannot be encoded as JPEG")?;
-        let head = VideoHead {
-            kind: VideoKind::Jpeg,
-            key: true,
-            shown: true,
-            rotation: Rotation::None,
-            epoch: 0,
-            captured_ns: frame.capture.at.as_nanos(),
-            index: frame.sequence,
-            size: (0, 0),
-        };
-        self.add_video(head, &payload)
-    }
-
-    fn add_video(&mut self, head: VideoHead, payload: &[u8]) -> Result<()> {
-        let mut content = Vec::with_capacity(HEAD_BYTES + payload.len());
-        content.extend_from_slice(&head.to_bytes());
-        content.extend_from_slice(payload);
-        self.add_item(UNIT, &content)
+        self.add_item(UNIT, &VideoHead::of_picture(frame).message(&payload))
     }
 
     fn add_scene(&mut self, frame: &FrameFingerprint, outcome: &RecordedOutcome) -> Result<()> {
@@ -249,20 +218,12 @@ impl Builder {
             size: [frame.size.width, frame.size.height],
             mode: mode_of(outcome.mode),
             track: track_of(&outcome.track, outcome.at),
-            region: self.region_of(frame.size),
+            region: region_of(Region::from_shares(self.shares, frame.size)),
             percept: percept_of(outcome.percept, outcome.advice),
             advice: outcome.advice.map(|advice| axes_of(advice.command)),
             command: axes_of(outcome.command),
         };
         self.add_item(SCENE, &serde_json::to_vec(&scene)?)
-    }
-
-    fn region_of(&self, size: PictureSize) -> RegionStatus {
-        let [width, height] = self.shares;
-        RegionStatus {
-            a_px: width * f64::from(size.width) / 2.0,
-            b_px: height * f64::from(size.height) / 2.0,
-        }
     }
 
     fn add_item(&mut self, kind: u8, content: &[u8]) -> Result<()> {
@@ -277,18 +238,5 @@ impl Builder {
         self.items.push(kind);
         self.items.extend_from_slice(content);
         Ok(())
-    }
-}
-
-fn head_of(unit: &EncodedUnit, kind: VideoKind) -> VideoHead {
-    VideoHead {
-        kind,
-        key: unit.key,
-        shown: unit.shown,
-        rotation: unit.rotation,
-        epoch: unit.epoch,
-        captured_ns: unit.capture.at.as_nanos(),
-        index: unit.index,
-        size: (0, 0),
     }
 }

@@ -14,8 +14,9 @@ use super::entry::{Entry, RecordingStart};
 use super::reader::{ReadError, decode};
 use super::record_lengths::MAX_RECORD_BYTES;
 use super::stored;
-use super::stored_sortie::summary_of;
+use super::stored_sortie::{sortie_of, summary_of};
 use super::topics::Topic;
+use crate::sortie::Sortie;
 
 /// The topics of videos and steps; the others repeat them for other programs.
 const TOPICS: [Topic; 13] = [
@@ -106,6 +107,31 @@ impl<R: Read + Seek> IndexedRecording<R> {
             let entry = decode(topic, data, &mut pending)?;
             Ok(entry.is_none_or(&mut each))
         })
+    }
+
+    /// The first thing from a time on that `wanted` takes from an entry.
+    ///
+    /// # Errors
+    /// As [`Self::entries_from`].
+    pub fn find_from<T>(
+        &mut self,
+        at: Timestamp,
+        mut wanted: impl FnMut(Entry) -> Option<T>,
+    ) -> Result<Option<T>, ReadError> {
+        let mut found = None;
+        self.entries_from(at, |entry| {
+            found = wanted(entry);
+            found.is_none()
+        })?;
+        Ok(found)
+    }
+
+    /// The summary of the sortie, where the recording holds one.
+    ///
+    /// # Errors
+    /// If the input cannot be read.
+    pub fn sortie(&mut self) -> io::Result<Option<Sortie>> {
+        sortie_of(&mut self.input, &self.summary)
     }
 
     const fn log_time(&self, at: Timestamp) -> u64 {

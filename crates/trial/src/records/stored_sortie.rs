@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::io::{self, Read, Seek, SeekFrom};
 
-use mcap::records::{Metadata, MetadataIndex, Record};
+use mcap::records::{Metadata, Record};
 use mcap::sans_io::summary_reader::{SummaryReadEvent, SummaryReader, SummaryReaderOptions};
 use mcap::{McapError, Summary};
 
@@ -34,11 +34,19 @@ pub(super) fn metadata_of(sortie: &Sortie) -> Metadata {
 pub fn read_sortie<R: Read + Seek>(mut input: R) -> io::Result<Option<Sortie>> {
     let bytes = input.seek(SeekFrom::End(0))?;
     input.rewind()?;
-    let index = match metadata_index(&mut input, bytes) {
-        Ok(index) => index.filter(|index| (RECORD_HEAD..=MAX_SUMMARY_BYTES).contains(&index.length)),
-        Err(McapError::Io(error)) => return Err(error),
-        Err(_) => None,
-    };
+    match summary_of(&mut input, bytes) {
+        Ok(Some(summary)) => sortie_of(&mut input, &summary),
+        Err(McapError::Io(error)) => Err(error),
+        Ok(None) | Err(_) => Ok(None),
+    }
+}
+
+/// As [`read_sortie`], of a file whose index is read.
+pub(super) fn sortie_of<R: Read + Seek>(input: &mut R, summary: &Summary) -> io::Result<Option<Sortie>> {
+    let mut indexes = summary.metadata_indexes.iter();
+    let index = indexes
+        .find(|index| index.name == NAME)
+        .filter(|index| (RECORD_HEAD..=MAX_SUMMARY_BYTES).contains(&index.length));
     let Some(index) = index else { return Ok(None) };
     let mut record = vec![0; index.length as usize];
     input.seek(SeekFrom::Start(index.offset))?;
@@ -49,12 +57,6 @@ pub fn read_sortie<R: Read + Seek>(mut input: R) -> io::Result<Option<Sortie>> {
     let parsed = mcap::read::parse_record(record[0], &record[RECORD_HEAD as usize..]);
     let Ok(Record::Metadata(metadata)) = parsed else { return Ok(None) };
     Ok(metadata.metadata.get(KEY).and_then(|text| serde_json::from_str(text).ok()))
-}
-
-/// Where the summary's record is.
-fn metadata_index<R: Read + Seek>(input: &mut R, bytes: u64) -> mcap::McapResult<Option<MetadataIndex>> {
-    let summary = summary_of(input, bytes)?;
-    Ok(summary.and_then(|summary| summary.metadata_indexes.into_iter().find(|index| index.name == NAME)))
 }
 
 /// The index of a file of this length; `None`: it has none.
