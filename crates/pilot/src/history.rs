@@ -6,6 +6,8 @@ use core::time::Duration;
 
 use barrelman_vocab::{Timestamp, VideoFrame};
 
+use crate::outcome::Refusal;
+
 /// How long a video frame is kept after its capture. An operator draws a box within a second.
 pub(crate) const KEPT: Duration = Duration::from_millis(1500);
 /// Largest number of frames that are kept: 1.5 s at 60 frames a second.
@@ -67,9 +69,13 @@ impl FrameHistory {
     pub(crate) fn newest(&self) -> Option<&VideoFrame> {
         self.frames.back()
     }
+}
 
-    /// Age of a time of capture relative to the newest frame.
-    pub(crate) fn age(&self, captured: Timestamp) -> Option<Duration> {
-        self.frames.back().map(|newest| newest.capture.at.since(captured))
+/// Why nothing is selected on a frame that [`FrameHistory::find`] does not find. `newest`: when the newest
+/// frame was captured.
+pub(crate) fn not_kept(captured: Timestamp, newest: Timestamp) -> Refusal {
+    if captured > newest {
+        return Refusal::NotYetCaptured;
     }
+    Refusal::SelectionTooOld { age: newest.since(captured), kept: KEPT }
 }

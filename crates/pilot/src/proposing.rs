@@ -10,7 +10,7 @@ use core::time::Duration;
 use barrelman_vision::{NoProposal, ObjectSizes, Proposer};
 use barrelman_vocab::{DrawnSelection, PixelBox, PixelPoint, Tap, Timestamp, VideoFrame};
 
-use crate::history::{FrameHistory, KEPT};
+use crate::history::{FrameHistory, not_kept};
 use crate::outcome::Refusal;
 
 /// Age of its video frame from which on a proposal is renewed.
@@ -74,10 +74,7 @@ impl Proposals {
         self.standing = None;
         let captured = tap.captured_ns;
         let frame = history.find(captured).ok_or_else(|| match history.newest() {
-            Some(newest) if captured <= newest.capture.at => {
-                Refusal::SelectionTooOld { age: newest.capture.at.since(captured), kept: KEPT }
-            }
-            Some(_) => Refusal::NotYetCaptured,
+            Some(newest) => not_kept(captured, newest.capture.at),
             None => Refusal::NoFreshVideo,
         })?;
         let bounds = self.object_at(frame, tap.at).map_err(Refusal::NothingProposed)?;

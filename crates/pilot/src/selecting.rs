@@ -14,8 +14,8 @@
 use barrelman_vision::Tracker;
 use barrelman_vocab::{DrawnSelection, MotionPrior, PictureSize, PixelBox, Timestamp, Track, VideoFrame};
 
-use crate::history::{FrameHistory, KEPT};
-use crate::outcome::{Notice, Refusal, Unconfirmed};
+use crate::history::{FrameHistory, not_kept};
+use crate::outcome::{Notice, Unconfirmed};
 
 /// Frames of the history that one step processes, beside its own frame.
 const MAX_CATCH_UP: usize = 11;
@@ -122,12 +122,8 @@ impl PendingSelection {
             Some(frame) => frame,
             // Without a history, the newest frame is the only one.
             None if newest.capture.at == captured => newest,
-            None if captured > newest.capture.at => {
-                return Some(SelectingResult::Refused(Notice::RequestRefused(Refusal::NotYetCaptured)));
-            }
             None => {
-                let age = context.history.age(captured).unwrap_or_else(|| newest.capture.at.since(captured));
-                let refusal = Refusal::SelectionTooOld { age, kept: KEPT };
+                let refusal = not_kept(captured, newest.capture.at);
                 return Some(SelectingResult::Refused(Notice::RequestRefused(refusal)));
             }
         };
