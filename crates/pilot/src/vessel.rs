@@ -18,7 +18,7 @@ use barrelman_vocab::{
     VesselCommand, VesselProfile, VesselRequest, WaterPoint,
 };
 
-use crate::history::KEPT;
+use crate::history::{KEPT, not_kept};
 use crate::refusal::Refusal;
 use crate::vehicle::CommandPath;
 
@@ -335,12 +335,8 @@ impl VesselPilot {
         view: VesselView<'_>,
     ) -> Result<FrameView, Refusal> {
         let picture = picture.ok_or(Refusal::NoFreshVideo)?;
-        let age = view.now.since(captured);
-        if age > KEPT {
-            return Err(Refusal::SelectionTooOld { age, kept: KEPT });
-        }
-        if captured > view.now {
-            return Err(Refusal::NotYetCaptured);
+        if captured > view.now || view.now.since(captured) > KEPT {
+            return Err(not_kept(captured, view.now));
         }
         Ok(self.frame_view_at(captured, picture, view, self.guide.displacement_at(captured)))
     }
