@@ -5,6 +5,7 @@ use std::process::ExitCode;
 use barrelman_host::clock::Clock;
 use barrelman_station::cli::{Cli, Command, UsageError};
 use barrelman_station::config::UnusableConfiguration;
+use barrelman_station::live::supervision::is_a_service;
 use barrelman_station::{commands, logging};
 use clap::Parser as _;
 
@@ -45,7 +46,7 @@ fn main() -> ExitCode {
         }
         if error.is::<UsageError>() {
             ExitCode::from(2)
-        } else if error.is::<UnusableConfiguration>() && std::env::var_os("NOTIFY_SOCKET").is_some() {
+        } else if error.is::<UnusableConfiguration>() && is_a_service() {
             // A service with this configuration is not started again: see config/systemd/barrelman.service.
             ExitCode::from(EX_CONFIG)
         } else {

@@ -37,7 +37,7 @@ pub use file::{ConfigFile, LineEnding};
 pub use resolve::Configuration;
 pub use tracking_camera::TrackingCameraConfig;
 
-/// A configuration with a mistake: the program ends with exit code 2, so that a service is not started again and again.
+/// A configuration with a mistake: a service with it is not started again and again.
 #[derive(Debug, thiserror::Error)]
 #[error("{0} is not usable")]
 pub struct UnusableConfiguration(pub String);

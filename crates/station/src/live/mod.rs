@@ -25,7 +25,7 @@ mod recording_start;
 mod sleep_inhibitor;
 pub mod sortie_text;
 pub mod source;
-mod supervision;
+pub mod supervision;
 mod track_video;
 pub mod tracked_video;
 mod video_sink;

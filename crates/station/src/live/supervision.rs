@@ -20,6 +20,11 @@ const SIGNS_IN_TIMEOUT: u32 = 4;
 /// Signs that may wait. One that finds no room is dropped.
 const MAX_WAITING: usize = 4;
 
+/// Whether a service manager started this process and listens.
+pub fn is_a_service() -> bool {
+    std::env::var_os(SOCKET).is_some()
+}
+
 /// A sign for the service manager.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Sign {
@@ -55,7 +60,7 @@ impl ServiceManager {
     /// # Errors
     /// If the system has no more threads.
     pub(super) fn of_this_process(events: SyncSender<Event>) -> std::io::Result<Option<Self>> {
-        if std::env::var_os(SOCKET).is_none() {
+        if !is_a_service() {
             return Ok(None);
         }
         let interval = sd_notify::watchdog_enabled().map(|timeout| timeout / SIGNS_IN_TIMEOUT);
