@@ -51,18 +51,16 @@ impl Drop for LinksFile {
 /// Reads the file of a console that is served now.
 pub(super) fn read(path: &Path) -> Result<ServedConsole> {
     let shown = path.display();
+    let is_readable = rustix::fs::access(path, rustix::fs::Access::READ_OK).is_ok();
     match path.try_exists() {
-        Ok(true) => {}
+        Ok(true) if is_readable => {}
         Ok(false) => bail!(
             "no console is served that writes its links to {shown}: start the service (`sudo systemctl start barrelman`), and look \
              why it ended with `journalctl -u barrelman`"
         ),
-        Err(_) => {
+        Ok(true) | Err(_) => {
             bail!("{shown} may not be read by this user, for it holds the tokens: use `sudo barrelman links`")
         }
-    }
-    if rustix::fs::access(path, rustix::fs::Access::READ_OK).is_err() {
-        bail!("{shown} may not be read by this user, for it holds the tokens: use `sudo barrelman links`");
     }
     let bytes = input::read(path)?;
     if !is_being_written(path) {
