@@ -67,7 +67,6 @@ export class Player extends EventTarget {
 
   play(isPlaying) {
     this.isPlaying = isPlaying && this.#place !== "";
-    this.dispatchEvent(new Event("change"));
   }
 
   seek(ms) {
@@ -175,6 +174,5 @@ export class Player extends EventTarget {
     this.draw(image, quarters, this.#scenes.get(captured) ?? null);
     this.#shown = ms;
     for (const picture of passed) picture.image.close();
-    this.dispatchEvent(new Event("shown"));
   }
 }
