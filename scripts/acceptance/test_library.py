@@ -15,7 +15,7 @@ from client import DISENGAGE, ENGAGE, Program, Request
 from conftest import Check
 from machine import wait_until
 from page import Page, axe_finds, scroll_bars, started
-from process import end, run
+from process import end, memory_mb, run
 from recording import prolonged
 
 WORLD = "sim:arena1?seed=3&size=640x360"
@@ -158,7 +158,7 @@ def test_half_an_hour_opens_and_seeks_at_once(
         page.driver.set_script_timeout(30)
         page.driver.get(f"http://{program.host}/library")
         wait_until(lambda: page.script("return document.querySelector('#recordings button')"), "the list")
-        before = resident_mb(program.child.pid)
+        before = memory_mb(program.child)
         opened = page.driver.execute_async_script(UNTIL_DRAWN, 0, 1)
         places = range(90_000, 1_800_000, 170_000)
         sought = sorted(page.driver.execute_async_script(UNTIL_DRAWN, ms, "seek") for ms in places)
@@ -167,13 +167,8 @@ def test_half_an_hour_opens_and_seeks_at_once(
         check("it opens within a second", opened < 1000, opened)
         median = sought[len(sought) // 2]
         check("it seeks within 0.3 s, in the median", median < 300, sought)
-        grown = resident_mb(program.child.pid) - before
+        grown = memory_mb(program.child) - before
         check("the program keeps none of it", grown < 80, grown)
-
-
-def resident_mb(process: int) -> float:
-    lines = pathlib.Path(f"/proc/{process}/status").read_text().splitlines()
-    return float(next(line.split()[1] for line in lines if line.startswith("VmRSS"))) / 1024
 
 
 def test_recording_is_renamed_and_deleted_while_disengaged_alone(
