@@ -13,7 +13,9 @@ use super::api::{
     WorkFigures,
 };
 use super::vessel_status::vessel_of;
-use crate::snapshot::{self, RecordingState, Snapshot, VehicleSnapshot, VideoSnapshot, VideoSourceState};
+use crate::snapshot::{
+    self, RecordingState, Snapshot, SourceSnapshot, VehicleSnapshot, VideoSnapshot, VideoSourceState,
+};
 
 /// The API's form of a snapshot. `codecs`: the codecs in which the videos can be sent as they come.
 pub(super) fn status_of(snapshot: &Snapshot, codecs: &Videos<Option<EncodedVideo>>) -> StatusSnapshot {
@@ -41,7 +43,7 @@ pub(super) fn status_of(snapshot: &Snapshot, codecs: &Videos<Option<EncodedVideo
         video: video_of(&snapshot.video, codec_of(snapshot.video.number)),
         other_video: snapshot.other_video.as_ref().map(|other| {
             let number = snapshot.video.number.other();
-            let (state, reason) = video_state(&other.state, other.timing_text.as_deref());
+            let (state, reason) = source_of(other);
             OtherVideoStatus { number, state, reason, codec: codec_of(number) }
         }),
         boat: snapshot.boat.map(boat_of),
@@ -142,18 +144,18 @@ pub(super) fn axes_of(command: CameraCommand) -> AxisPair {
     AxisPair { pan: command.pan.radians_per_second(), tilt: command.tilt.radians_per_second() }
 }
 
-/// The name of a state, and the reason for it.
-fn video_state(state: &VideoSourceState, timing: Option<&str>) -> (&'static str, Option<String>) {
-    match state {
+/// The name of a source's state, and the reason for it.
+fn source_of(source: &SourceSnapshot) -> (&'static str, Option<String>) {
+    match &source.state {
         VideoSourceState::Connecting => ("connecting", None),
-        VideoSourceState::Up => ("up", timing.map(str::to_owned)),
+        VideoSourceState::Up => ("up", source.timing_text.as_deref().map(str::to_owned)),
         VideoSourceState::Lost(reason) => ("lost", Some(reason.clone())),
         VideoSourceState::Ended => ("ended", None),
     }
 }
 
 fn video_of(video: &VideoSnapshot, codec: Option<EncodedVideo>) -> VideoStatus {
-    let (state, reason) = video_state(&video.state, video.timing_text.as_deref());
+    let (state, reason) = source_of(&video.source);
     VideoStatus {
         number: video.number,
         state,

@@ -56,7 +56,7 @@ pub struct Snapshot {
     /// The video.
     pub video: VideoSnapshot,
     /// The other video; `None`: there is one.
-    pub other_video: Option<OtherVideo>,
+    pub other_video: Option<SourceSnapshot>,
     /// The vehicle and its link.
     pub vehicle: VehicleSnapshot,
     /// The link to the boat that is commanded.
@@ -81,9 +81,9 @@ pub struct Snapshot {
     pub drive: Option<DriveState>,
 }
 
-/// The state of the video that the pilot does not see.
+/// What is known of the source of a video.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct OtherVideo {
+pub struct SourceSnapshot {
     /// The state of the source.
     pub state: VideoSourceState,
     /// What the times of the pictures tell.
@@ -97,12 +97,8 @@ pub struct OtherVideo {
 pub struct VideoSnapshot {
     /// Which of the videos this is.
     pub number: VideoNumber,
-    /// The state of the source.
-    pub state: VideoSourceState,
-    /// What the times of the pictures tell.
-    pub timing: VideoTiming,
-    /// The same in words, where the pictures are not in time.
-    pub timing_text: Option<Arc<str>>,
+    /// Its source.
+    pub source: SourceSnapshot,
     /// The newest video frame that the pilot processed: time of capture and size.
     pub frame: Option<(Timestamp, PictureSize)>,
     /// Age of that frame when the pilot had processed it.

@@ -253,12 +253,12 @@ impl Publisher {
             (
                 Alarm::StaleVideo,
                 mode == Some(Mode::Holding(HoldCause::VideoStale))
-                    || matches!(state.video.timing, VideoTiming::Late { .. }),
+                    || matches!(state.video.source.timing, VideoTiming::Late { .. }),
             ),
             (
                 Alarm::NoVideo,
                 mode == Some(Mode::Holding(HoldCause::VideoSilent))
-                    || matches!(state.video.state, VideoSourceState::Lost(_)),
+                    || matches!(state.video.source.state, VideoSourceState::Lost(_)),
             ),
             (Alarm::LinkDown, is_link_down),
             (Alarm::CameraMayTurn, vehicle.may_be_turning),

@@ -180,9 +180,11 @@ fn the_video_is_given_in_milliseconds_and_frames_a_second() {
     ] {
         let video = VideoSnapshot {
             number: VideoNumber::First,
-            state,
-            timing: VideoTiming::InTime,
-            timing_text: timing_text.map(Into::into),
+            source: SourceSnapshot {
+                state,
+                timing: VideoTiming::InTime,
+                timing_text: timing_text.map(Into::into),
+            },
             frame: Some((at(40), PICTURE)),
             age: Some(Duration::from_micros(12_500)),
             fps: 25.0,

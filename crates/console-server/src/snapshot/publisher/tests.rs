@@ -68,11 +68,11 @@ fn late_video_is_an_alarm_whether_engaged_or_not_and_is_logged_once() {
     }
     let newest = readers.borrow().clone();
     assert_eq!(newest.alarms, [Alarm::StaleVideo]);
-    let text = newest.video.timing_text.as_deref().unwrap();
+    let text = newest.video.source.timing_text.as_deref().unwrap();
     assert!(text.starts_with("video 3.0 s late since ") && text.ends_with("; reconnect"), "{text}");
     publisher.set_video_timing(VideoNumber::First, VideoTiming::InTime, at(4000));
     assert_eq!(readers.borrow().alarms, []);
-    assert_eq!(readers.borrow().video.timing_text, None);
+    assert_eq!(readers.borrow().video.source.timing_text, None);
     assert_eq!(keys(&publisher), ["video-timing", "stale-video", "video-timing"]);
 }
 
@@ -416,7 +416,7 @@ fn changes_of_the_video_are_logged_once_however_often_it_fails_to_connect() {
     let mut keys = keys(&publisher);
     keys.retain(|key| key.starts_with("video-"));
     assert_eq!(keys, ["video-up", "video-lost", "video-up", "video-ended"]);
-    assert_eq!(publisher.newest().video.state, VideoSourceState::Ended);
+    assert_eq!(publisher.newest().video.source.state, VideoSourceState::Ended);
 }
 
 #[test]

@@ -5,13 +5,13 @@ use barrelman_vocab::{Timestamp, VideoNumber};
 use jiff::Zoned;
 
 use super::super::timing_text::timing_text;
-use super::super::{Level, OtherVideo, VideoSourceState};
+use super::super::{Level, SourceSnapshot, VideoSourceState};
 use super::Publisher;
 
 impl Publisher {
     /// There is a second video, which the pilot does not see.
     pub fn add_second_video(&mut self) {
-        self.state.other_video = Some(OtherVideo::default());
+        self.state.other_video = Some(SourceSnapshot::default());
     }
 
     /// The pilot sees this video from now on. Of its picture nothing is known until its first frame.
@@ -22,9 +22,7 @@ impl Publisher {
             return;
         }
         video.number = number;
-        std::mem::swap(&mut video.state, &mut other.state);
-        std::mem::swap(&mut video.timing, &mut other.timing);
-        std::mem::swap(&mut video.timing_text, &mut other.timing_text);
+        std::mem::swap(&mut video.source, other);
         (video.frame, video.age) = (None, None);
         let text = format!("the boat is looked for in video {}", number.count());
         self.events.add(now, Level::Info, "video-tracked", text);
@@ -35,7 +33,8 @@ impl Publisher {
     pub fn set_video(&mut self, number: VideoNumber, state: VideoSourceState, now: Timestamp) {
         let is_tracked = number == self.state.video.number;
         let (name, worst) = name_and_level(number, is_tracked);
-        let Some(before) = self.video_state(number) else { return };
+        let Some(source) = self.source_mut(number) else { return };
+        let before = &mut source.state;
         if *before != state {
             let was_lost = matches!(before, VideoSourceState::Lost(_));
             let (level, text) = match &state {
@@ -56,23 +55,16 @@ impl Publisher {
         self.publish(now);
     }
 
-    fn video_state(&mut self, number: VideoNumber) -> Option<&mut VideoSourceState> {
-        if number == self.state.video.number {
-            return Some(&mut self.state.video.state);
-        }
-        self.state.other_video.as_mut().map(|other| &mut other.state)
+    fn source_mut(&mut self, number: VideoNumber) -> Option<&mut SourceSnapshot> {
+        let video = &mut self.state.video;
+        if number == video.number { Some(&mut video.source) } else { self.state.other_video.as_mut() }
     }
 
     /// What the times of a video's pictures tell. The log gets the beginning and the end of a delay.
     pub fn set_video_timing(&mut self, number: VideoNumber, timing: VideoTiming, now: Timestamp) {
-        let video = &mut self.state.video;
-        let is_tracked = number == video.number;
-        let (known, known_text) = match (&mut self.state.other_video, is_tracked) {
-            (_, true) => (&mut video.timing, &mut video.timing_text),
-            (Some(other), false) => (&mut other.timing, &mut other.timing_text),
-            (None, false) => return,
-        };
-        let before = std::mem::replace(known, timing);
+        let is_tracked = number == self.state.video.number;
+        let Some(source) = self.source_mut(number) else { return };
+        let before = std::mem::replace(&mut source.timing, timing);
         let text = timing_text(timing, now, &Zoned::now());
         let is_told = match (before, timing) {
             (VideoTiming::Late { since, .. }, VideoTiming::Late { since: new_since, .. }) => {
@@ -80,7 +72,7 @@ impl Publisher {
             }
             _ => before == timing,
         };
-        *known_text = text.as_deref().map(Into::into);
+        source.timing_text = text.as_deref().map(Into::into);
         if !is_told {
             let level = if timing == VideoTiming::InTime { Level::Info } else { Level::Warning };
             let text = text.as_deref().unwrap_or("the video is in time again");
