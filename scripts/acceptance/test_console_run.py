@@ -296,7 +296,7 @@ class TestRun:
 
 
 class TestRates:
-    """A run of its own, as its world ends after three minutes."""
+    """A run of its own, whose world is at its start."""
 
     def test_stop_among_200_requests_rests_the_camera(self, station: Station, check: Check) -> None:
         """While the camera turns, at the ground station."""

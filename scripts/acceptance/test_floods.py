@@ -42,7 +42,6 @@ from flooding import FLOODS, STOPS
 from machine import NEVER, Delay, poll, wait_until
 from process import Child, Lines, end, free_port, memory_mb, secret, spawn
 from recording import Recording
-from worlds import endless
 
 pytestmark = [pytest.mark.alone, pytest.mark.clocked]
 
@@ -171,7 +170,7 @@ def bench(barrelman: pathlib.Path, tmp_path_factory: pytest.TempPathFactory) -> 
     with Emulator(barrelman, folder) as emulator:
         what = [
             "--video",
-            f"{endless(barrelman, folder, 'open')}?seed=3&size=640x360",
+            "sim:open?seed=3&size=640x360",
             "--link",
             emulator.url,
             "--record",

@@ -1,9 +1,7 @@
-"""Simulated worlds: one that lasts, and a run that closes the loop, as a vehicle moves the camera of the
-world that the run sees."""
+"""A run that closes the loop: a vehicle moves the camera of the simulated world that the run sees."""
 
 import csv
 import pathlib
-import re
 import time
 
 from client import Program
@@ -11,20 +9,6 @@ from conftest import Check
 from process import run
 
 SECONDS = 15
-
-
-def endless(barrelman: pathlib.Path, folder: pathlib.Path, scenario: str) -> str:
-    """The address of a world that lasts an hour. A boat that goes round goes round for as long."""
-    text = run([barrelman, "scenarios", scenario]).stdout
-    text = re.sub(
-        r"way_points = \[(\[.*\])\]",
-        lambda found: f"way_points = [{', '.join([found[1]] * 30)}]",
-        text,
-        count=1,
-    )
-    path = folder / "endless.toml"
-    path.write_text(re.sub(r"longest_s = \d+", "longest_s = 3600", text))
-    return f"sim:{path}"
 
 
 def first_box(barrelman: pathlib.Path, folder: pathlib.Path) -> str:

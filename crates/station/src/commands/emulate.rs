@@ -189,7 +189,7 @@ fn fotokite_sigma(args: &EmulateFotokiteSigmaArgs, clock: Clock) -> Result<ExitC
     serve(&answers, world, &ended, clock, |is_over| emulator.run(is_over))
 }
 
-/// Says where the emulator answers, and runs the emulator until its world has ended or a signal asks to end.
+/// Says where the emulator answers, and runs the emulator until a signal asks to end or its world fails.
 fn serve(
     answers: &str,
     mut world: Option<ServedWorld>,
@@ -209,13 +209,13 @@ fn serve(
     stdout().flush()?;
     let mut failure = None;
     run(&mut || {
-        let is_world_over = world.as_mut().is_some_and(|world| {
+        let has_world_failed = world.as_mut().is_some_and(|world| {
             world.update(clock).unwrap_or_else(|error| {
                 failure = Some(error);
                 true
             })
         });
-        is_world_over || ended.load(Ordering::Relaxed)
+        has_world_failed || ended.load(Ordering::Relaxed)
     })?;
     failure.map_or(Ok(ExitCode::SUCCESS), Err)
 }
@@ -255,7 +255,7 @@ impl ServedWorld {
         Ok(Some(Self { server, link, boat, field_of_view_deg, url, waiting: Some(world), running: None }))
     }
 
-    /// Starts the world once there is a viewer. Returns whether the world has ended.
+    /// Starts the world once there is a viewer. Returns whether the world has failed: it has no end.
     fn update(&mut self, clock: Clock) -> Result<bool> {
         if self.server.is_wanted()
             && let Some(world) = self.waiting.take()

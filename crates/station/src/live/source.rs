@@ -88,8 +88,7 @@ impl Source {
     ) -> Result<VideoHandle> {
         Ok(match self {
             Self::Simulated(url, world) => {
-                let world =
-                    world.without_end().with_profile(&configuration.profile).with_encoding(is_recorded);
+                let world = world.with_profile(&configuration.profile).with_encoding(is_recorded);
                 simulated_source::spawn_world(world, &url, clock, sink)?
             }
             Self::Video(mut url, trust) => {

@@ -68,12 +68,6 @@ impl LiveWorld {
         self.boat.clone()
     }
 
-    /// The same world without an end ([`World::without_end`]).
-    #[must_use]
-    pub fn without_end(self) -> Self {
-        Self { first: self.first.without_end(), ..self }
-    }
-
     /// Sets the vehicle profile. The rates on the link have its signs.
     #[must_use]
     pub fn with_profile(self, profile: &VehicleProfile) -> Self {

@@ -14,7 +14,7 @@ pub struct LoadedWorld {
 }
 
 impl LoadedWorld {
-    /// Loads a world.
+    /// Loads a world, which has no end ([`World::without_end`]).
     ///
     /// # Errors
     /// If the scenario does not exist or has a mistake.
@@ -24,11 +24,6 @@ impl LoadedWorld {
         let world = World::new(&scenario, url.seed).map_err(|_| {
             anyhow!("the way-points of {} make no path with seed {}", scenario.name, url.seed)
         })?;
-        Ok(Self { scenario, world, seed: url.seed })
-    }
-
-    /// The same world without an end ([`World::without_end`]).
-    pub(super) fn without_end(self) -> Self {
-        Self { world: self.world.without_end(), ..self }
+        Ok(Self { scenario, world: world.without_end(), seed: url.seed })
     }
 }

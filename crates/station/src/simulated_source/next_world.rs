@@ -53,14 +53,14 @@ impl WorldSwitch {
         &self.url
     }
 
-    /// Loads a world, which has no end.
+    /// Loads a world.
     ///
     /// # Errors
     /// There is no such scenario, or it makes no world with this seed.
     pub fn load(&self, wanted: &NewDrive) -> Result<LoadedWorld> {
         scenario::require_choice(&wanted.scenario, &self.choices)?;
         let NewDrive { scenario, seed } = wanted.clone();
-        Ok(LoadedWorld::load(&WorldUrl { scenario, seed, size: self.url.size })?.without_end())
+        LoadedWorld::load(&WorldUrl { scenario, seed, size: self.url.size })
     }
 
     /// Lets a world take the place of the running one.

@@ -74,7 +74,7 @@ fn another_world_takes_the_place_of_the_running_one_and_says_where_its_boat_is()
     let (deliveries, queue) = channel();
     let clock = Clock::start();
     let SourceUrl::Simulated(url) = SourceUrl::parse("sim:rescue?size=192x108").unwrap() else { panic!() };
-    let world = LiveWorld::load(&url.world).unwrap().without_end();
+    let world = LiveWorld::load(&url.world).unwrap();
     let switch = world.switch().unwrap();
     let source = simulated_source::spawn_world(world, &url, clock, DeliverySink(deliveries)).unwrap();
     let (mut epoch, mut targets, mut captured) = (0, Vec::new(), Vec::new());
