@@ -106,9 +106,12 @@ impl Reader {
                 Message::Ping(_) | Message::Pong(_) => continue,
                 Message::Binary(_) | Message::Close(_) | Message::Frame(_) => break,
             };
-            let Ok(message) = serde_json::from_str::<ClientMessage>(&text) else {
-                tracing::warn!("a page sent a message that cannot be read; it is disconnected");
-                break;
+            let message = match serde_json::from_str::<ClientMessage>(&text) {
+                Ok(message) => message,
+                Err(error) => {
+                    tracing::warn!("a page sent a message that cannot be read ({error}); it is disconnected");
+                    break;
+                }
             };
             if self.is_over.load(Ordering::Relaxed) {
                 // The next read ends the connection. A stop among what came before is taken.
