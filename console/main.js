@@ -43,7 +43,12 @@ const hints = new Hints(stage);
 let snapshot = null;
 let loss = null;
 
-const show = () => showStatus({ snapshot, loss, ageS: heartbeat.ageS(performance.now()), isConnected: link.isUp, seat, stopper, stage, video });
+function show() {
+  const now = performance.now();
+  const behindMs = link.behindMs(now);
+  const ageS = Math.max(heartbeat.ageS(now), Math.floor(behindMs / 1000));
+  showStatus({ snapshot, loss, ageS, behindMs, isConnected: link.isUp, seat, stopper, stage, video });
+}
 
 /** Makes a request; a refusal is shown with its reason. */
 async function request(wanted, done = "") {
@@ -115,7 +120,6 @@ link.addEventListener("snapshot", ({ detail }) => {
   strips.add(snapshot, video.delay?.median ?? null);
   const { vessel } = snapshot;
   const isBoatMoving = seat.isControlling && ["by-hand", "guided", "holding"].includes(vessel?.mode);
-  link.isWatchingBoat = isBoatMoving;
   keepAwake(snapshot.mode.engaged || isBoatMoving);
   const { alarms } = snapshot;
   if (lastMode && alarms.some((alarm) => !lastMode.alarms.includes(alarm))) sounds.play("alarm");

@@ -16,7 +16,7 @@ const ofWatcher = ({ mayControl, hasAsked }) => (!mayControl ? "watchLink" : has
 export function nextAction({ loss, isConnected, isStopOverdue, seat, snapshot }) {
   if (loss === "ended") return "ended";
   if (isStopOverdue) return "stopUnacknowledged";
-  if (loss === "hangs") return "hangs";
+  if (loss === "hangs" || loss === "behind") return loss;
   if (loss !== null) return "connect";
   if (!isConnected || !snapshot) return "connecting";
   if (!seat.isControlling) return ofWatcher(seat);

@@ -46,7 +46,7 @@ export class Player extends EventTarget {
     super();
     this.draw = draw;
     this.#decoder = new UnitDecoder(
-      (frame, captured, quarters) => this.#addPicture(frame, captured, quarters, this.#generation),
+      (frame, { captured, quarters }) => this.#addPicture(frame, captured, quarters, this.#generation),
       () => {
         this.#form = "?form=jpeg";
         this.seek(this.ms);

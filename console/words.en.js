@@ -62,6 +62,7 @@ export default {
   notices: {
     connecting: "Connecting to the program", waiting: "Waiting for the first picture", old: "The last picture", ended: "The video has ended",
     videoConnecting: "Connecting to the video", lost: (reason) => `No picture: the video is lost${reason ? `: ${reason}` : ""}`, none: (s) => `No video for ${s} s`,
+    behind: "THIS PAGE IS LATE - the network or this device is too slow. What stands here is old. Stop works.",
   },
   youControl: "You control", client: (id, isProgram) => (isProgram ? "a program" : `page ${id}`), youWatch: (who) => `${capital(who)} controls; you watch`, nobodyControls: "Nobody controls",
   mayWatch: "You watch (watch link)", holderLost: (who) => `${capital(who)} controls, but is not connected`,
@@ -70,6 +71,7 @@ export default {
   modes: { idle: "DISENGAGED", servoing: "FOLLOWING", holding: "HOLDING", nudging: "TURNED BY HAND", searching: "SEARCHING",
     calibrating: "CALIBRATING", stopped: "STOPPED" },
   tracks: { unseeded: "nothing selected", tracking: "tracking", coasting: "coasting", lost: "lost", confirming: "confirming" },
+    behind: (s) => `The picture is ${s} s late`,
   next: {
     connecting: "Wait: the page connects to the program.",
     connect: "Wait for the connection, or stop at the ground station.",
@@ -82,6 +84,7 @@ export default {
     video: "Wait for video: check the camera and the network.",
     late: "The video is late: the camera rests. Check the network, or restart the camera's stream.",
     link: "The link is down: check the cable or the ground station.",
+    behind: "This page is late: improve its network, or close other programs.",
     dryRun: "Dry run: the camera is not moved. Start with --link to move it.",
     emergency: "The vehicle has an emergency or lands: the camera rests.",
     vehicle: "Another client has the control. Press Engage to take it back.",
