@@ -4,6 +4,7 @@ import { askForToken, enter } from "./access.js";
 import { Appearance } from "./appearance.js";
 import { ControlSeat } from "./control_seat.js";
 import { openDialog } from "./dialogs.js";
+import { Drills } from "./drills.js";
 import { EventList } from "./events.js";
 import { GamepadHelm } from "./gamepad.js";
 import { Heartbeat } from "./heartbeat.js";
@@ -61,6 +62,7 @@ async function request(wanted, done = "") {
 
 const twoVideos = new TwoVideos(request, stage, video);
 const newDrive = new NewDrive(request);
+const drills = new Drills(request, toast);
 newDrive.addEventListener("begun", () => {
   stage.unfreeze();
   stage.trail.clear();
@@ -116,6 +118,7 @@ link.addEventListener("snapshot", ({ detail }) => {
   snapshot = detail;
   stage.setProposal(snapshot.proposal?.box ?? null);
   newDrive.onSnapshot(snapshot);
+  drills.onSnapshot(snapshot);
   twoVideos.onSnapshot(snapshot);
   strips.add(snapshot, video.delay?.median ?? null);
   const { vessel } = snapshot;
@@ -191,6 +194,7 @@ const act = {
   "net-yaw-zero": () => request({ kind: "net-yaw", degrees: 0 }),
   pause: () => request({ kind: snapshot?.drive?.paused ? "resume" : "pause" }),
   "new-drive": () => newDrive.open(),
+  drills: () => drills.open(),
   "hints-again": () => hints.again(),
   helmsman: () => request({ kind: "release-vessel" }),
   mark: () => stage.setMarking(!stage.isMarking),

@@ -22,6 +22,7 @@ export function nextAction({ loss, isConnected, isStopOverdue, seat, snapshot })
   if (!seat.isControlling) return ofWatcher(seat);
   const { mode, track, video, link, alarms, drive } = snapshot;
   if (drive?.paused && !drive.waits) return "paused";
+  if (alarms.includes("drill")) return "drill";
   if (alarms.includes("camera-turns")) return "camera-turns";
   if (alarms.includes("boat-moves")) return "boat-moves";
   if (video.state !== "up" || alarms.includes("no-video")) return "video";

@@ -9,7 +9,7 @@ import { sentence, words } from "./words.js";
 const at = (id) => document.getElementById(id);
 
 /** Sets a text only where it changed, so that screen readers are not told the same again. */
-function setText(element, text) {
+export function setText(element, text) {
   if (element.textContent !== text) element.textContent = text;
 }
 

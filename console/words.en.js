@@ -32,6 +32,14 @@ export default {
   newDrive: "New drive", beginDrive: "Begin", scenario: "Scenario", seed: "Seed",
   newDriveText: "Another world takes the place of this one. The camera stops, and the marks go.",
   worldText: (command, { scenario, seed }) => `${command}  sim:${scenario}, seed ${seed}`,
+  drillsTitle: "Drills", drillsText: "Short tasks in another world, each with a result. The camera stops, and the marks go.",
+  drillText: (title, s) => `Drill: ${title}. ${s} s left`, drillPassed: "passed", drillFailed: "not passed",
+  drillBy: { person: "You", schema: "The paper's schema", default: "The default law" },
+  drillInPicture: "In the picture", drillInEllipse: "In the ellipse", drillMoves: "Movements", drillTravel: "Camera's way",
+  drillFigures: ({ in_picture: picture, in_ellipse: ellipse, moves, travel_rad: travel }) =>
+    [`${Math.round(100 * picture)} %`, `${Math.round(100 * ellipse)} %`, String(moves), `${fixed(travel, 2)} rad`],
+  drillNote: "The laws had the same boat on the same way, with perfect sight, and were engaged from the start.",
+  drillNext: "Next drill", drillAgain: "Again", drillAll: "All drills",
   thisIsTheBoat: "This is the boat: tap it, or drag a box around it.",
   hintClose: "Got it", hintsAgain: "Show the hints again",
   hints: {
@@ -54,6 +62,7 @@ export default {
   losses: {
     lost: "CONNECTION LOST - retrying. The camera can be stopped at the ground station.",
     hangs: "THE PROGRAM HANGS - what stands here is old. The link rests the camera; look at the ground station.",
+    behind: "THIS PAGE IS LATE - the network or this device is too slow. What stands here is old. Stop works.",
     dismissed: "TOO MANY PAGES ARE OPEN - this one was disconnected. Close others, then reload.",
     ended: "The program has ended; the camera rests.",
     endedUnknown: "The program has ended. The camera may be turning: look at the ground station.",
@@ -62,7 +71,7 @@ export default {
   notices: {
     connecting: "Connecting to the program", waiting: "Waiting for the first picture", old: "The last picture", ended: "The video has ended",
     videoConnecting: "Connecting to the video", lost: (reason) => `No picture: the video is lost${reason ? `: ${reason}` : ""}`, none: (s) => `No video for ${s} s`,
-    behind: "THIS PAGE IS LATE - the network or this device is too slow. What stands here is old. Stop works.",
+    behind: (s) => `The picture is ${s} s late`,
   },
   youControl: "You control", client: (id, isProgram) => (isProgram ? "a program" : `page ${id}`), youWatch: (who) => `${capital(who)} controls; you watch`, nobodyControls: "Nobody controls",
   mayWatch: "You watch (watch link)", holderLost: (who) => `${capital(who)} controls, but is not connected`,
@@ -71,11 +80,11 @@ export default {
   modes: { idle: "DISENGAGED", servoing: "FOLLOWING", holding: "HOLDING", nudging: "TURNED BY HAND", searching: "SEARCHING",
     calibrating: "CALIBRATING", stopped: "STOPPED" },
   tracks: { unseeded: "nothing selected", tracking: "tracking", coasting: "coasting", lost: "lost", confirming: "confirming" },
-    behind: (s) => `The picture is ${s} s late`,
   next: {
     connecting: "Wait: the page connects to the program.",
     connect: "Wait for the connection, or stop at the ground station.",
     hangs: "The program hangs: stop the camera at the ground station.",
+    behind: "This page is late: improve its network, or close other programs.",
     ended: "Start the program again to go on: the page connects by itself.",
     stopUnacknowledged: "Stop was not acknowledged: use the ground station's own stop.",
     watch: "You watch. Only Stop works here. Take the control to do more.",
@@ -84,7 +93,6 @@ export default {
     video: "Wait for video: check the camera and the network.",
     late: "The video is late: the camera rests. Check the network, or restart the camera's stream.",
     link: "The link is down: check the cable or the ground station.",
-    behind: "This page is late: improve its network, or close other programs.",
     dryRun: "Dry run: the camera is not moved. Start with --link to move it.",
     emergency: "The vehicle has an emergency or lands: the camera rests.",
     vehicle: "Another client has the control. Press Engage to take it back.",

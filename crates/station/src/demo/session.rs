@@ -17,6 +17,7 @@ use barrelman_experiments::drive::{Drive, DriveSetup, DriveWriter};
 use barrelman_experiments::render_threads::RenderThreads;
 use barrelman_host::clock::Clock;
 
+use super::drill::Drill;
 use super::drive_files::{DriveFiles, OpenFiles};
 use super::drive_plan::DrivePlan;
 use super::first_selection::FirstSelection;
@@ -65,7 +66,7 @@ impl DriveSession {
     /// If the world, a thread or the console cannot be started, or a file cannot be written.
     pub fn run(self) -> Result<SessionEnd> {
         let Self { plan, files, first_files, console, max_duration, clock } = self;
-        let mut setup = plan.setup(&plan.first)?;
+        let (mut setup, mut judge) = (plan.setup(&plan.first)?, plan.first.judge());
         let threads = RenderThreads::new()?;
         let (events, queue) = sync_channel(EVENTS);
         let gateway = Arc::new(Gateway::new(wake_by(events.clone())));
@@ -98,6 +99,7 @@ impl DriveSession {
         let (mut number, mut open, mut answer) = (1, first_files, None::<AnswerSlot>);
         let end = loop {
             let drive = Drive::new(&setup, &threads)?;
+            let drive = if judge.is_some() { drive.with_log() } else { drive };
             let now = drive.world().now();
             time.set(now);
             publisher.set_recording(recording_state(&open), now);
@@ -136,7 +138,13 @@ impl DriveSession {
                 clock,
                 time: time.clone(),
                 is_paused: false,
-                first_selection: FirstSelection::of(&setup),
+                // The time of a drill goes on.
+                first_selection: if judge.is_some() {
+                    FirstSelection::Over
+                } else {
+                    FirstSelection::of(&setup)
+                },
+                drill: judge.take().map(Drill::new),
                 is_slow_told: false,
             };
             let next = live.run(&queue, until)?;
@@ -144,8 +152,8 @@ impl DriveSession {
             match next {
                 Next::End(end) => break end,
                 Next::Drive(next) => {
-                    let NextDrive { setup: next_setup, files: next_files, answer: next_answer } = *next;
-                    (setup, open, answer) = (next_setup, next_files, Some(next_answer));
+                    let NextDrive { setup: next_setup, judge: next_judge, files, answer: slot } = *next;
+                    (setup, judge, open, answer) = (next_setup, next_judge, files, Some(slot));
                     number += 1;
                     tracing::info!("new drive: {}", setup.url);
                 }
