@@ -40,7 +40,8 @@ export class UnitDecoder {
     }
     const timestamp = Math.round(unit.captured / 1000);
     this.#sentAt.set(timestamp, unit);
-    // Units that still wait for the decoder, as after a start within a long group of pictures, are no reordering.
+    // Units that still wait for the decoder, as after a start within a long group of pictures, are no
+    // reordering.
     const isHeld = this.#sentAt.size - (this.#decoder?.decodeQueueSize ?? 0) > MAX_REORDERED * 4;
     if (this.#hasOutput && isHeld) return this.#giveUp("reordered pictures");
     try {

@@ -113,8 +113,8 @@ export class Link extends EventTarget {
     if (!socket || silence <= STALE_MS) return;
     this.#setUp(false);
     if (silence <= GIVEN_UP_MS) return;
-    // A peer that is gone does not answer the closing handshake, and the browser waits a minute for it: `onclose` is not
-    // waited for, and ignores this socket from now on.
+    // A peer that is gone does not answer the closing handshake, and the browser waits a minute for it:
+    // `onclose` is not waited for, and ignores this socket from now on.
     this.#socket = null;
     socket.close();
     this.#endWaiting();

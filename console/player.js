@@ -1,4 +1,5 @@
-// Plays a recording: fetches its parts, decodes them as the time goes on, and shows each picture with what the pilot made of it.
+// Plays a recording: fetches its parts, decodes them as the time goes on, and shows each picture with what
+// the pilot made of it.
 
 import { UnitDecoder, isWebCodecsPossible } from "./decoder.js";
 import { JPEG, readVideoMessage } from "./video_message.js";

@@ -1,4 +1,5 @@
-// Video: chooses the codec of the stream or JPEG, and pairs each picture with the snapshot that belongs to it.
+// Video: chooses the codec of the stream or JPEG, and pairs each picture with the snapshot that belongs to
+// it.
 
 import { Percentiles } from "./clock.js";
 import { UnitDecoder, isWebCodecsPossible } from "./decoder.js";

@@ -1,4 +1,5 @@
-// All words of the page, in English. Another language is another file of the same keys (words.xx.js, chosen by ?lang=xx).
+// All words of the page, in English. Another language is another file of the same keys (words.xx.js, chosen
+// by ?lang=xx).
 import { fixed } from "./numbers.js";
 import states from "./states.en.js";
 

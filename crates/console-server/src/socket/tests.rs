@@ -371,7 +371,8 @@ fn a_stop_in_the_piece_that_exceeds_the_limit_is_taken() {
     let session = InMemory::new(LIVE);
     block_on(async {
         let mut page = Page::open(&session, WATCH_TOKEN, "a1").await;
-        // A ping has six bytes: the last of them and the stop come in one piece. Then one more piece, for the end.
+        // A ping has six bytes: the last of them and the stop come in one piece. Then one more piece, for the
+        // end.
         let mut flood = [0x89, 0x80, 0, 0, 0, 0].repeat(400);
         let stop = br#"{"type":"request","id":1,"request":{"kind":"stop"}}"#;
         flood.extend([0x81, 0x80 | stop.len() as u8, 0, 0, 0, 0]);

@@ -171,7 +171,8 @@ impl TrialFile {
         if let Some(seen) = outcome.track.localisation() {
             self.size = Some(seen.picture);
         }
-        // The rows are those of the localisations, also of a simulated trial in pixels, whose truth is not exported.
+        // The rows are those of the localisations, also of a simulated trial in pixels, whose truth is not
+        // exported.
         let is_accepted = self.rows.accepts(outcome, false);
         let Some(size) = self.size.filter(|_| is_accepted) else { return Ok(()) };
         let start = *self.start.get_or_insert(outcome.at);
