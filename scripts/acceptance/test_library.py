@@ -15,8 +15,8 @@ from client import DISENGAGE, ENGAGE, Program, Request
 from conftest import Check
 from machine import wait_until
 from page import Page, axe_finds, scroll_bars, started
-from process import end, memory_mb, run
-from recording import prolonged
+from process import ROOT, end, memory_mb, run
+from recording import Recording, prolonged
 
 WORLD = "sim:arena1?seed=3&size=640x360"
 
@@ -250,3 +250,28 @@ def test_recording_that_was_cut_has_its_figures_or_says_why_not(
         check("the page says so", "cut off" in page.text("no-summary"), page.text("no-summary"))
         page.driver.save_screenshot(str(folder / "cut.png"))
     end(program.child)
+
+
+def strings(value: Any) -> list[str]:
+    """All strings of a JSON value, the keys of its objects among them."""
+    if isinstance(value, dict):
+        return [text for key, item in value.items() for text in [key, *strings(item)]]
+    if isinstance(value, list):
+        return [text for item in value for text in strings(item)]
+    return [value] if isinstance(value, str) else []
+
+
+@pytest.mark.parametrize("name", ["foxglove-layout.json", "lichtblick-layout.json"])
+def test_layout_names_what_a_recording_holds(sorties: pathlib.Path, check: Check, name: str) -> None:
+    record = Recording(sorties / "first.mcap")
+    layout = json.loads((ROOT / "docs" / name).read_text())
+    named = {text for text in strings(layout) if text.startswith("/")}
+    check("something is named", len(named) >= 9, named)
+    # A simulated boat has no latitude and longitude.
+    for path in named - {"/boat/location"}:
+        topic, *fields = path.split(".")
+        check(f"{topic} is recorded", record[topic], sorted(record.topics))
+        found = type(record[topic][0]).DESCRIPTOR
+        for field in fields:
+            check(f"{path} is a field", field in found.fields_by_name, list(found.fields_by_name))
+            found = found.fields_by_name[field].message_type
