@@ -81,6 +81,13 @@ function listed(recording) {
     element("strong", at ? at.toLocaleString() : recording.name),
     element("small", [recording.sortie && length(recording.sortie.length_s), `${(recording.bytes / 1e6).toFixed(1)} MB`, stateOf(recording)].filter(Boolean).join(" · ")),
     element("small", recording.sortie ? recording.sortie.video : recording.name),
+  const picture = element("img", "", { alt: "", loading: "lazy" });
+  // There may be none: cut off, without video, or the camera is engaged now.
+  picture.addEventListener("error", () => picture.remove());
+  if (recording.state === "complete") {
+    picture.src = `${place(recording.name)}/thumbnail.jpg`;
+    button.append(picture);
+  }
   );
   button.addEventListener("click", () => choose(recording.name));
   const item = document.createElement("li");

@@ -68,6 +68,10 @@ def test_sortie_is_watched_again(program: Program, folder: pathlib.Path, check: 
             return str(driver.find_element(By.ID, name).text)
 
         wait_until(lambda: text("name") == "first.mcap", "the chosen recording")
+        images = "return [...document.querySelectorAll('#recordings img')].map((image) => image.naturalWidth)"
+        wait_until(
+            lambda: page.script(images) == [640, 640], lambda: f"two thumbnails ({page.script(images)})"
+        )
         check("the summary is there", "Engaged" in text("summary"), text("summary"))
 
         def drawn() -> float:

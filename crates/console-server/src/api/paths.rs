@@ -163,6 +163,10 @@ fn recordings(sent: &mut SchemaGenerator, taken: &mut SchemaGenerator) -> Vec<(S
         ),
         ("/api/v1/recordings/{name}/sortie.json", get("The summary of a recording", &[name()], &summary)),
         (
+            "/api/v1/recordings/{name}/thumbnail.jpg",
+            get("A picture from the middle of a recording (JPEG)", &[name()], &found),
+        ),
+        (
             "/api/v1/recordings/{name}/{file}",
             get("A file of a recording", &[name(), path_parameter("file", file)], &found),
         ),

@@ -7,6 +7,7 @@
 
 mod name;
 mod part;
+mod thumbnail;
 
 pub(super) mod routes;
 
@@ -28,6 +29,7 @@ use serde::{Deserialize, Serialize};
 
 use name::RecordingName;
 use part::{Form, Part, part_of};
+use thumbnail::thumbnail_of;
 
 /// The file of an export that is written last.
 const FILM: &str = "annotated.mp4";
@@ -243,6 +245,14 @@ impl Library {
             return Ok(None);
         };
         part_of(&mut recording, from, form).map(Some)
+    }
+
+    /// A picture of a recording; `None`: one that is being written or was cut off, or has no picture.
+    fn thumbnail(&self, name: &RecordingName) -> anyhow::Result<Option<Vec<u8>>> {
+        match IndexedRecording::open(BufReader::new(File::open(self.path(name))?))? {
+            Some(mut recording) => thumbnail_of(&mut recording),
+            None => Ok(None),
+        }
     }
 
     fn path(&self, name: &RecordingName) -> PathBuf {
