@@ -87,6 +87,11 @@ def test_sortie_is_watched_again(program: Program, folder: pathlib.Path, check: 
         driver.find_element(By.ID, "play-button").click()
         wait_until(lambda: position() > 1500, lambda: f"the play ({position()})")
         wait_until(lambda: "FOLLOWING" in text("scene"), lambda: text("scene"))
+        ink = """
+            const canvas = document.getElementById('strips');
+            const pixels = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height).data;
+            return pixels.filter((value, index) => index % 4 === 3 && value > 0).length"""
+        wait_until(lambda: page.script(ink) > 3000, lambda: f"the strips ({page.script(ink)} pixels)")
         driver.find_element(By.ID, "play-button").click()
         wait_until(lambda: text("play-button") == "Play", lambda: text("play-button"))
         stood = position()
