@@ -189,7 +189,7 @@ function clock(ms) {
 }
 
 function showFiles(recording) {
-  const files = ["recording.mcap", ...(recording.state === "being-recorded" ? [] : ["sortie.json"]), ...(recording.film === "ready" ? ["annotated.mp4", "video.mp4", "trial.csv"] : [])];
+  const files = ["recording.mcap", ...(recording.state === "being-recorded" ? [] : ["sortie.json"]), ...recording.exported];
   const stem = recording.name.replace(/\.mcap$/, "");
   $("files").replaceChildren(
     ...files.map((file) => {

@@ -191,7 +191,7 @@ export default {
   watched: "The picture of the recording", watchedBeside: "The picture of the recording beside it", position: "Time in the recording", playFilm: "Play", pauseFilm: "Pause", beside: "Beside it", besideNone: "nothing",
   notWatchable: { "being-recorded": "It is being recorded.", "cut-off": "The recording was cut off and has no index: make its film to watch it." },
   filmStates: { none: "with box, mode and time of day, for a player of videos", "being-made": "The film is being made.", ready: "", failed: "The film could not be made: the recording may hold no video." },
-  files: { "recording.mcap": "Recording (MCAP)", "sortie.json": "Summary (JSON)", "annotated.mp4": "Film (MP4)", "video.mp4": "Video without drawings (MP4)", "trial.csv": "Table (CSV)" },
+  files: { "recording.mcap": "Recording (MCAP)", "sortie.json": "Summary (JSON)", "annotated.mp4": "Film (MP4)", "report.html": "Report (HTML)", "video.mp4": "Video without drawings (MP4)", "trial.csv": "Table (CSV)" },
   moment: ({ what, cause, text }) => (what === "stopped" ? `stopped: ${states.causes[cause] ?? cause}` : what === "noted" ? `moment marked${text ? `: ${text}` : ""}` : { selected: "selected", engaged: "engaged", disengaged: "disengaged", lost: "boat lost", found: "boat found", marked: "marked", guided: "boat sent to a mark" }[what] ?? what),
   sortie: (sortie, length) => [
     ["Length", length(sortie.length_s)],

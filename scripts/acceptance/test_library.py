@@ -18,6 +18,7 @@ from page import Page, axe_finds, scroll_bars, started
 from process import ROOT, end, memory_mb, run
 from recording import Recording, prolonged
 
+EXPORTED = ["annotated.mp4", "report.html", "video.mp4", "trial.csv"]
 WORLD = "sim:arena1?seed=3&size=640x360"
 
 
@@ -110,6 +111,10 @@ def test_sortie_is_watched_again(program: Program, folder: pathlib.Path, check: 
         driver.save_screenshot(str(folder / "beside.png"))
         driver.find_element(By.ID, "make-film").click()
         wait_until(lambda: recordings(program)["first.mcap"]["film"] == "ready", "the film")
+        exported = recordings(program)["first.mcap"]["exported"]
+        check("film, report and table are there", exported == EXPORTED, exported)
+        report = program.ask("GET", "/api/v1/recordings/first.mcap/report.html")[1].decode()
+        check("the report speaks of a sortie", "sortie" in report.lower(), report[:200])
         film = folder / "film.mp4"
         film.write_bytes(program.ask("GET", "/api/v1/recordings/first.mcap/annotated.mp4")[1])
         opened = cv2.VideoCapture(str(film))

@@ -7,7 +7,7 @@
 //! | `GET /api/v1/recordings/NAME/sortie.json` | the summary, also of one that was cut off | token |
 //! | `GET /api/v1/recordings/NAME/part/MS` | video and scenes from a moment on ([`super::part`]); `?form=jpeg` | token |
 //! | `GET /api/v1/recordings/NAME/thumbnail.jpg` | a picture from its middle | token |
-//! | `GET /api/v1/recordings/NAME/FILE` | `recording.mcap`, `annotated.mp4`, `video.mp4`, `trial.csv`; ranges | token |
+//! | `GET /api/v1/recordings/NAME/FILE` | `recording.mcap`, `annotated.mp4`, `report.html`, `video.mp4`, `trial.csv`; ranges | token |
 //! | `POST /api/v1/recordings/NAME/film` | begins to make film and tables | control, disengaged |
 //! | `POST /api/v1/recordings/NAME/name` | renames: `{"to": "NAME.mcap"}` | control, disengaged |
 //! | `DELETE /api/v1/recordings/NAME` | deletes | control, disengaged |

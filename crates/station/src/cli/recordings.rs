@@ -67,6 +67,9 @@ pub struct ExportArgs {
     /// Write annotated.mp4, too: the video with box, region, mode and time of day drawn into it.
     #[arg(long)]
     pub annotated: bool,
+    /// Write report.html, too: the page of `barrelman report`.
+    #[arg(long)]
+    pub report: bool,
     /// Overwrite existing output files.
     #[arg(long)]
     pub force: bool,

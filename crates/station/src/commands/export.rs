@@ -15,7 +15,8 @@ use barrelman_vocab::{EncodedUnit, PictureSize, Timestamp, VideoNumber, Videos};
 
 use super::annotated_film;
 use super::channel_tables::ChannelTables;
-use crate::cli::ExportArgs;
+use super::report;
+use crate::cli::{ExportArgs, RegionArgs, ReportArgs};
 use barrelman_experiments::campaign::recorded_trial;
 use barrelman_host::input;
 use barrelman_host::output::OutputFile;
@@ -26,6 +27,8 @@ use barrelman_video::writer::Mp4Writer;
 
 /// The name of the trial's table, without its extension.
 const TRIAL: &str = "trial";
+/// The page of the report.
+const REPORT: &str = "report.html";
 /// The film with the annotations.
 const ANNOTATED: &str = "annotated.mp4";
 
@@ -61,6 +64,9 @@ pub fn run(args: &ExportArgs) -> Result<ExitCode> {
     {
         writeln!(stdout(), "{reason}")?;
     }
+    if args.report {
+        write_report(args);
+    }
     if let Some(file) = annotated {
         let pictures = annotated_film::write(&args.recording, file).with_context(context)?;
         writeln!(stdout(), "{ANNOTATED}: {pictures} pictures")?;
@@ -70,6 +76,22 @@ pub fn run(args: &ExportArgs) -> Result<ExitCode> {
         return Ok(ExitCode::FAILURE);
     }
     Ok(ExitCode::SUCCESS)
+}
+
+/// Writes the page of `barrelman report`. A recording without a localisation has none.
+fn write_report(args: &ExportArgs) {
+    let page = ReportArgs {
+        logs: vec![args.recording.clone()],
+        output: args.output.join(REPORT),
+        svg: None,
+        arena: None,
+        region: RegionArgs::default(),
+        force: args.force,
+    };
+    if let Err(error) = report::run(&page) {
+        tracing::warn!("no {REPORT}: {error:#}");
+        let _ = std::fs::remove_file(&page.output);
+    }
 }
 
 /// Writes a CSV file for every channel. Returns whether the recording is truncated.
