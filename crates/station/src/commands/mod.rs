@@ -9,6 +9,7 @@ mod check_result;
 pub mod compare;
 pub mod config;
 pub mod demo;
+pub mod doctor;
 mod draw_selection;
 pub mod emulate;
 pub mod export;
