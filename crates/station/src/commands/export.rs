@@ -15,6 +15,7 @@ use barrelman_vocab::{EncodedUnit, PictureSize, Timestamp, VideoNumber, Videos};
 
 use super::annotated_film;
 use super::channel_tables::ChannelTables;
+use super::map_tracks::{MapFormat, Tracks};
 use super::report;
 use crate::cli::{ExportArgs, RegionArgs, ReportArgs};
 use barrelman_experiments::campaign::recorded_trial;
@@ -67,6 +68,7 @@ pub fn run(args: &ExportArgs) -> Result<ExitCode> {
     if args.report {
         write_report(args);
     }
+    write_tracks(args).with_context(context)?;
     if let Some(file) = annotated {
         let pictures = annotated_film::write(&args.recording, file).with_context(context)?;
         writeln!(stdout(), "{ANNOTATED}: {pictures} pictures")?;
@@ -92,6 +94,24 @@ fn write_report(args: &ExportArgs) {
         tracing::warn!("no {REPORT}: {error:#}");
         let _ = std::fs::remove_file(&page.output);
     }
+}
+
+/// Writes the tracks for maps that are asked for.
+fn write_tracks(args: &ExportArgs) -> Result<()> {
+    let asked = [(args.geojson, MapFormat::Geojson), (args.kml, MapFormat::Kml), (args.gpx, MapFormat::Gpx)];
+    let formats: Vec<_> = asked.iter().filter(|(is_asked, _)| *is_asked).map(|(_, format)| *format).collect();
+    if formats.is_empty() {
+        return Ok(());
+    }
+    let tracks = Tracks::read(&args.recording)?;
+    for format in formats {
+        let path = args.output.join(format.file());
+        let mut file = BufWriter::new(OutputFile::open(&path, args.force)?);
+        tracks.write(format, &mut file)?;
+        file.flush()?;
+        writeln!(stdout(), "{}: boat and marks on Earth", format.file())?;
+    }
+    Ok(())
 }
 
 /// Writes a CSV file for every channel. Returns whether the recording is truncated.

@@ -16,6 +16,7 @@ pub mod export;
 pub mod law;
 pub mod library;
 pub mod links;
+mod map_tracks;
 pub mod merge;
 pub mod metrics;
 pub mod practice;
