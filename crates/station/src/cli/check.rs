@@ -27,6 +27,7 @@ pub struct CheckArgs {
 
 /// `doctor`.
 #[derive(Debug, Args)]
+#[command(after_help = "Examples:\n  barrelman doctor\n  barrelman doctor --json")]
 pub struct DoctorArgs {
     /// Print JSON.
     #[arg(long)]

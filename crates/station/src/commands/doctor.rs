@@ -16,7 +16,7 @@ use super::check::{PACKAGED_UDEV_RULE, UDEV_RULE, check_decoders};
 use super::check_result::{CheckResult, Verdict, print};
 use crate::cli::DoctorArgs;
 use crate::config::RecordingConfig;
-use crate::live::killed_together;
+use crate::live::{killed_together, sleep_inhibitor};
 
 /// Below this much free space a sortie may end without a recording.
 const LITTLE_SPACE_GB: f64 = 5.0;
@@ -53,6 +53,8 @@ struct Machine {
     recordings: PathBuf,
     lid: PathBuf,
     power_supplies: PathBuf,
+    /// Whether a run can keep the machine awake.
+    inhibits: fn() -> bool,
 }
 
 impl Machine {
@@ -65,6 +67,7 @@ impl Machine {
             recordings: RecordingConfig::default().folder,
             lid: PathBuf::from("/proc/acpi/button/lid"),
             power_supplies: PathBuf::from("/sys/class/power_supply"),
+            inhibits: sleep_inhibitor::is_possible,
         }
     }
 
@@ -169,11 +172,15 @@ impl Machine {
         if !has_entries(&self.lid) && !has_battery {
             return CheckResult::new("sleep", Verdict::Ok, "no lid and no battery");
         }
+        if (self.inhibits)() {
+            let text = "a laptop: a run with a vehicle keeps it awake, with its lid closed, too";
+            return CheckResult::new("sleep", Verdict::Ok, text);
+        }
         CheckResult::new(
             "sleep",
             Verdict::Warning,
-            "a laptop: closing the lid or idling may suspend it, and the program waits for Engage afterwards. Start \
-             the run as: systemd-inhibit --what=sleep:idle:handle-lid-switch barrelman run barrelman.toml",
+            "a laptop that systemd-inhibit does not keep awake: while it sleeps, nothing stops the camera. Run: sudo \
+             systemctl mask sleep.target suspend.target",
         )
     }
 }
@@ -243,6 +250,7 @@ mod tests {
                 recordings: folder.join("recordings"),
                 lid: folder.join("lid"),
                 power_supplies: folder.join("power"),
+                inhibits: || false,
             };
             Self { folder, machine }
         }
@@ -283,14 +291,15 @@ mod tests {
     }
 
     #[test]
-    fn a_laptop_is_told_how_to_stay_awake() {
-        let scene = Scene::new("laptop");
-        let machine = &scene.machine;
-        fs::create_dir_all(machine.power_supplies.join("BAT0")).unwrap();
-        fs::write(machine.power_supplies.join("BAT0/type"), "Battery\n").unwrap();
-        let result = machine.sleep();
+    fn a_laptop_that_nothing_keeps_awake_is_named() {
+        let mut scene = Scene::new("laptop");
+        fs::create_dir_all(scene.machine.power_supplies.join("BAT0")).unwrap();
+        fs::write(scene.machine.power_supplies.join("BAT0/type"), "Battery\n").unwrap();
+        let result = scene.machine.sleep();
         assert_eq!(result.verdict, Verdict::Warning);
-        assert!(result.details.contains("systemd-inhibit"), "{}", result.details);
+        assert!(result.details.contains("sleep.target"), "{}", result.details);
+        scene.machine.inhibits = || true;
+        assert_eq!(scene.machine.sleep().verdict, Verdict::Ok);
     }
 
     #[test]

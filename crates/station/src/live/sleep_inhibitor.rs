@@ -11,6 +11,18 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use super::supervision::SOCKET;
 
 const PROGRAM: &str = "systemd-inhibit";
+const WHAT: &str = "--what=sleep:idle:handle-lid-switch";
+
+/// Whether the machine can be kept awake.
+pub fn is_possible() -> bool {
+    let tried = Command::new(PROGRAM)
+        .args([WHAT, "--mode=block", "true"])
+        .stdin(Stdio::null())
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .status();
+    tried.is_ok_and(|status| status.success())
+}
 
 /// A held inhibitor. Dropping it lets the machine sleep again.
 #[derive(Debug)]
@@ -28,7 +40,7 @@ impl SleepInhibitor {
 
     fn start() -> io::Result<Self> {
         let mut child = Command::new(PROGRAM)
-            .args(["--what=sleep:idle:handle-lid-switch", "--mode=block", "--who=barrelman"])
+            .args([WHAT, "--mode=block", "--who=barrelman"])
             .args(["--why=moves the camera of a vehicle", "cat"])
             // It would tell the service manager that the program is ready.
             .env_remove(SOCKET)
