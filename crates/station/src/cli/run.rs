@@ -1,5 +1,6 @@
 //! The arguments of `run`.
 
+use std::net::SocketAddr;
 use std::path::PathBuf;
 
 use barrelman_experiments::tracker_choice::TrackerName;
@@ -11,7 +12,7 @@ use crate::config::vessel::GuidanceName;
 use super::connection_options::ConnectionOptions;
 use super::console_options::ConsoleOptions;
 use super::law_options::LawOptions;
-use super::values::{parse_box, parse_mp4_path};
+use super::values::{parse_box, parse_listen, parse_mp4_path};
 
 /// `run`.
 #[derive(Debug, Args)]
@@ -89,6 +90,10 @@ pub struct RunArgs {
     /// Record to this file; default: a file of its own in the folder of the configuration, or `recordings`.
     #[arg(long, value_name = "FILE.mcap")]
     pub record: Option<PathBuf>,
+    /// Let Foxglove or Lichtblick on this machine watch what is recorded: the address of a WebSocket server, as in
+    /// 127.0.0.1:8765.
+    #[arg(long, value_name = "ADDR", value_parser = parse_listen, conflicts_with = "no_record")]
+    pub foxglove: Option<SocketAddr>,
     /// Do not record.
     #[arg(long, conflicts_with = "record")]
     pub no_record: bool,

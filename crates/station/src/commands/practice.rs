@@ -104,6 +104,7 @@ pub fn run(args: &DemoArgs, clock: Clock) -> Result<ExitCode> {
             console: ConsoleOptions::default(),
             links_file: None,
             headless: true,
+            foxglove: None,
             no_record: false,
             record: Some(recording.clone()),
             overlay: Some(film.clone()),

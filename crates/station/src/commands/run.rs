@@ -377,8 +377,12 @@ fn open_console(args: &RunArgs, config: &ConsoleConfig) -> Result<ConsoleSetting
 fn open_outputs(args: &RunArgs, recording: &RecordingConfig) -> Result<Outputs> {
     let open =
         |path: &Option<PathBuf>| path.as_deref().map(|path| OutputFile::open(path, args.force)).transpose();
-    let mut outputs =
-        Outputs { record: open(&args.record)?, overlay: open(&args.overlay)?, ..Outputs::default() };
+    let mut outputs = Outputs {
+        record: open(&args.record)?,
+        overlay: open(&args.overlay)?,
+        foxglove: args.foxglove,
+        ..Outputs::default()
+    };
     if outputs.record.is_none() && recording.enabled && !args.no_record {
         match recording_folder::open_next(recording) {
             Ok(file) => {

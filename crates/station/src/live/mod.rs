@@ -22,7 +22,7 @@ mod open_link;
 mod open_vessel;
 pub mod recording_folder;
 mod recording_start;
-mod sleep_inhibitor;
+pub mod sleep_inhibitor;
 pub mod sortie_text;
 pub mod source;
 pub mod supervision;
@@ -39,4 +39,5 @@ pub mod terminal;
 pub mod threads;
 
 pub mod faults;
+pub mod foxglove_server;
 mod inbox;

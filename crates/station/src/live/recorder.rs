@@ -14,7 +14,7 @@ use std::time::{Duration, Instant};
 use anyhow::Result;
 use barrelman_host::clock::Clock;
 use barrelman_trial::records::{
-    Entry, FrameFingerprint, RecordedInput, RecordedOutcome, RecordingStart, RecordingWriter,
+    Entry, FrameFingerprint, LiveChannels, RecordedInput, RecordedOutcome, RecordingStart, RecordingWriter,
 };
 use barrelman_trial::sortie::Sortie;
 use barrelman_vocab::{EncodedUnit, Note, Timestamp, VehicleProfile, VideoFrame, VideoNumber};
@@ -100,6 +100,15 @@ impl LiveStepObserver for RecorderInput {
     }
 }
 
+/// What not every recording has.
+#[derive(Default)]
+pub struct Extras {
+    /// The free space that stays on the disk.
+    pub reserve: Option<DiskReserve>,
+    /// Where the messages go, too.
+    pub live: Option<LiveChannels>,
+}
+
 /// A recording that is being written.
 pub struct Recorder {
     input: RecorderInput,
@@ -119,10 +128,11 @@ impl Recorder {
         clock: Clock,
         fault_injector: FaultInjector,
         events: SyncSender<Event>,
-        reserve: Option<DiskReserve>,
+        Extras { reserve, live }: Extras,
         profile: &VehicleProfile,
     ) -> Result<Self> {
-        let mut writer = RecordingWriter::begin(BufWriter::new(output), start, profile)?;
+        let writer = RecordingWriter::begin(BufWriter::new(output), start, profile)?;
+        let mut writer = writer.with_live(live);
         writer.flush()?;
         let (items, queue) = sync_channel(QUEUE_CAPACITY);
         let has_failed = Arc::new(AtomicBool::new(false));

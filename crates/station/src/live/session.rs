@@ -6,6 +6,7 @@
 //! 4. The link is closed first: zeros and the vehicle's own stop. The other parts follow.
 
 use std::io::{Write as _, stdout};
+use std::net::SocketAddr;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -31,11 +32,12 @@ use barrelman_vocab::{CameraRequest, OperatorRequest, PixelBox, Videos};
 use super::calibration::LiveCalibration;
 use super::event::{Event, EventQueue, report_panics, wake_by};
 use super::faults::FaultInjector;
+use super::foxglove_server::FoxgloveServer;
 use super::killed_together;
 use super::open_link::{LinkedVehicle, open_link, take_lock};
 use super::open_vessel::open_vessel;
 use super::overlay_video::OverlayVideo;
-use super::recorder::Recorder;
+use super::recorder::{Extras, Recorder};
 use super::recording_folder::{DiskReserve, library};
 use super::recording_start::recording_start;
 use super::run_loop::{LiveStepObserver, RunEnd, RunLoop};
@@ -68,6 +70,8 @@ pub struct Outputs {
     pub overlay: Option<OutputFile>,
     /// The free space that the recording leaves on its disk.
     pub reserve: Option<DiskReserve>,
+    /// Who watches the recording while it is made.
+    pub foxglove: Option<SocketAddr>,
     /// Why the recording that every run makes could not be opened.
     pub not_recorded: Option<String>,
 }
@@ -123,6 +127,8 @@ struct OpenParts {
 struct Recording {
     path: PathBuf,
     recorder: Recorder,
+    /// Ends after the recording.
+    _foxglove: Option<FoxgloveServer>,
 }
 
 impl Session<'_> {
@@ -236,16 +242,19 @@ impl Session<'_> {
                 let start = recording_start(configuration, &sources, link_url.as_ref(), clock)?;
                 let path = file.path().to_owned();
                 let context = format!("the recording {} cannot be written", path.display());
+                let server = outputs.foxglove.map(FoxgloveServer::start).transpose()?;
+                let (foxglove, live) =
+                    server.map_or((None, None), |(server, live)| (Some(server), Some(live)));
                 let recorder = Recorder::begin(
                     file,
                     &start,
                     clock,
                     fault_injector.clone(),
                     events.clone(),
-                    outputs.reserve,
+                    Extras { reserve: outputs.reserve, live },
                     profile,
                 );
-                Some(Recording { path, recorder: recorder.context(context)? })
+                Some(Recording { path, recorder: recorder.context(context)?, _foxglove: foxglove })
             }
             None => None,
         };
@@ -376,7 +385,7 @@ impl OpenParts {
         }
         drop(self.console);
         drop(self.tracking_camera);
-        if let Some(Recording { path, recorder }) = self.recording
+        if let Some(Recording { path, recorder, _foxglove }) = self.recording
             && let Some(sortie) = recorder.finish()
         {
             SortieText { sortie: &sortie, path: &path, is_cut: false }.print();

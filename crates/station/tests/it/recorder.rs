@@ -9,7 +9,7 @@ use barrelman_pilot::CommandPath;
 use barrelman_pilot::{Input, Pilot};
 use barrelman_station::live::event::Event;
 use barrelman_station::live::faults::FaultInjector;
-use barrelman_station::live::recorder::{Recorder, RecorderInput};
+use barrelman_station::live::recorder::{Extras, Recorder, RecorderInput};
 use barrelman_station::live::run_loop::{LiveStep, LiveStepObserver as _};
 use barrelman_trial::records::{
     Entry, FrameFingerprint, RecordedInput, RecordedOutcome, RecordedVideo, RecordingReader, RecordingStart,
@@ -108,7 +108,7 @@ fn begin() -> (MemoryOutput, Recorder, Receiver<Event>) {
         Clock::start(),
         FaultInjector::default(),
         events,
-        None,
+        Extras::default(),
         &VehicleProfile::fotokite_pro(),
     );
     (output, recorder.unwrap(), queue)
@@ -233,7 +233,7 @@ fn an_output_that_cannot_be_written_is_refused_at_the_start() {
             Clock::start(),
             FaultInjector::default(),
             events,
-            None,
+            Extras::default(),
             &VehicleProfile::fotokite_pro()
         )
         .is_err()

@@ -26,12 +26,14 @@ mod record_lengths;
 mod stored_sortie;
 
 mod foxglove_view;
+mod live_channels;
 
 pub use entry::{
     Entry, RecordedMark, RecordedOutcome, RecordedProgress, RecordedTruth, RecordedVessel, RecordedVideo,
     RecordingStart, SimulatedTrial,
 };
 pub use indexed::IndexedRecording;
+pub use live_channels::LiveChannels;
 pub use reader::{ReadError, RecordingReader};
 pub use recorded_input::{FrameFingerprint, RecordedInput};
 pub use stored_sortie::read_sortie;

@@ -84,7 +84,7 @@ impl Topic {
     }
 
     /// Name of the schema, and its descriptors.
-    fn schema(self) -> (String, Vec<u8>) {
+    pub(super) fn schema(self) -> (String, Vec<u8>) {
         let own = |message: &str| (format!("barrelman.{message}"), DESCRIPTORS.to_vec());
         let known = |schema: Option<foxglove::Schema>| {
             schema.map(|schema| (schema.name, schema.data.into_owned())).unwrap_or_default()

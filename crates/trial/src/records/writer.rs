@@ -16,6 +16,7 @@ use mcap::write::NoSeek;
 
 use super::entry::{Entry, RecordedOutcome, RecordingStart};
 use super::foxglove_view;
+use super::live_channels::LiveChannels;
 use super::recorded_input::RecordedInput;
 use super::stored;
 use super::stored_sortie;
@@ -68,6 +69,8 @@ pub struct RecordingWriter<W: Write> {
     region: RegionShares,
     observer: SortieObserver,
     last_mode: Option<Mode>,
+    /// Where each message goes, too.
+    live: Option<LiveChannels>,
     sequence: u32,
     buffer: Vec<u8>,
 }
@@ -97,12 +100,19 @@ impl<W: Write> RecordingWriter<W> {
             region: profile.region,
             observer: SortieObserver::new(profile.clone()),
             last_mode: None,
+            live: None,
             sequence: 0,
             buffer: Vec::new(),
         };
         recording.observer.begin(start);
         recording.write_message(Topic::Start, Timestamp::ZERO, &stored::RecordingStart::from(start))?;
         Ok(recording)
+    }
+
+    /// The same recording, whose messages are passed on from now on, too.
+    #[must_use]
+    pub fn with_live(self, live: Option<LiveChannels>) -> Self {
+        Self { live, ..self }
     }
 
     /// Adds an entry.
@@ -219,6 +229,9 @@ impl<W: Write> RecordingWriter<W> {
         // Encoding into a vector cannot fail: it grows as needed.
         let _ = message.encode(&mut self.buffer);
         let time = self.unix_ns(at);
+        if let Some(live) = &self.live {
+            live.log(topic, &self.buffer, time);
+        }
         let header = MessageHeader {
             channel_id: self.channels[&topic],
             sequence: self.sequence,
