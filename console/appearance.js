@@ -1,4 +1,5 @@
-// How the page looks: the level (Operate or Expert), day or night, full screen. The browser remembers level and theme.
+// How the page looks: the level (Operate or Expert), day or night, full screen. The browser remembers level
+// and theme.
 
 import { words } from "./words.js";
 

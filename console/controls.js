@@ -33,7 +33,7 @@ export function enableControls({ snapshot, isConnected, seat, stage, video }) {
   set("track-video", !isShown && isAtRest, isShown ? words.reasons.isTracked : words.reasons.videoAtRest);
   setCamera(snapshot, set);
   setBoat(snapshot?.vessel ?? null, set);
-  for (const id of ["pause", "helmsman", "new-drive"]) set(id, true);
+  for (const id of ["pause", "helmsman", "new-drive", "drills"]) set(id, true);
   if (!snapshot) return;
   // A law that is not in the list leaves it empty. A list that the operator has open is left alone.
   const law = snapshot.law ?? "";
@@ -42,7 +42,7 @@ export function enableControls({ snapshot, isConnected, seat, stage, video }) {
   if (snapshot.step === 0) return;
   at("drive").hidden = at("boat").hidden = at("marks").hidden = !snapshot.vessel;
   at("world").hidden = !snapshot.world;
-  at("pause").hidden = !snapshot.drive;
+  at("pause").hidden = at("drills").hidden = !snapshot.drive;
   at("helmsman").hidden = !snapshot.vessel;
 }
 

@@ -21,7 +21,7 @@ export class UnitDecoder {
   #firstSent = 0;
   #hasOutput = false;
 
-  /** @param {(frame: VideoFrame, captured: number, quarters: number) => void} onFrame @param {(why: string) => void} onGiveUp */
+  /** @param {(frame: VideoFrame, unit: any) => void} onFrame @param {(why: string) => void} onGiveUp */
   constructor(onFrame, onGiveUp) {
     [this.onFrame, this.onGiveUp] = [onFrame, onGiveUp];
   }
@@ -40,7 +40,8 @@ export class UnitDecoder {
     }
     const timestamp = Math.round(unit.captured / 1000);
     this.#sentAt.set(timestamp, unit);
-    // Units that still wait for the decoder, as after a start within a long group of pictures, are no reordering.
+    // Units that still wait for the decoder, as after a start within a long group of pictures, are no
+    // reordering.
     const isHeld = this.#sentAt.size - (this.#decoder?.decodeQueueSize ?? 0) > MAX_REORDERED * 4;
     if (this.#hasOutput && isHeld) return this.#giveUp("reordered pictures");
     try {
@@ -61,7 +62,7 @@ export class UnitDecoder {
         this.#hasOutput = true;
         const sent = this.#sentAt.get(frame.timestamp);
         for (const timestamp of this.#sentAt.keys()) if (timestamp <= frame.timestamp) this.#sentAt.delete(timestamp);
-        if (sent?.shown) this.onFrame(frame, sent.captured, sent.quarters);
+        if (sent?.shown) this.onFrame(frame, sent);
         else frame.close();
       },
       error: (error) => this.#onError(error),
@@ -81,14 +82,24 @@ export class UnitDecoder {
     const now = performance.now();
     this.#errors = this.#errors.filter((at) => now - at < ERROR_WINDOW_MS);
     this.#errors.push(now);
-    this.close();
-    this.#needsKey = true;
+    this.skip();
     if (this.#errors.length >= MAX_ERRORS) this.#giveUp(String(error));
   }
 
   #giveUp(why) {
     this.close();
     this.onGiveUp(why);
+  }
+
+  /** The unit that waits longest for its picture; null where none does. */
+  get waiting() {
+    return this.#sentAt.values().next().value ?? null;
+  }
+
+  /** Gives up what waits, and goes on with the next key frame. */
+  skip() {
+    this.close();
+    this.#needsKey = true;
   }
 
   close() {

@@ -1,5 +1,5 @@
-// Dialogs that leave the rest of the page alive: Stop acts while one is open, by key, click and touch. (A modal dialog makes the
-// page around it inert.)
+// Dialogs that leave the rest of the page alive: Stop acts while one is open, by key, click and touch. (A
+// modal dialog makes the page around it inert.)
 
 /** Opens a dialog at its beginning. @param {HTMLDialogElement} dialog */
 export function openDialog(dialog) {

@@ -2,6 +2,8 @@
 
 /** The loop of a live run takes a turn every 0.2 s at least: one that has taken none for so long hangs, whatever else is still sent. */
 const HANGS_MS = 1500;
+/** What reaches the page so late is not what is now, ms. */
+const BEHIND_MS = 1000;
 
 export class Heartbeat {
   #beat = null;
@@ -22,11 +24,13 @@ export class Heartbeat {
   }
 
   /**
-   * @param {{isUp: boolean, isDismissed: boolean, isEnded: boolean, wasUp: boolean}} link
+   * @param {{isUp: boolean, isDismissed: boolean, isEnded: boolean, wasUp: boolean, behindMs: (nowMs: number) => number}} link
    * @returns {string | null} the key of a line in `words.losses`; null: all is well, or the page connects for the first time
    */
-  loss({ isUp, isDismissed, isEnded, wasUp }, nowMs) {
+  loss(link, nowMs) {
+    const { isUp, isDismissed, isEnded, wasUp } = link;
     if (!isUp) return isDismissed ? "dismissed" : isEnded ? "ended" : wasUp ? "lost" : null;
+    if (link.behindMs(nowMs) > BEHIND_MS) return "behind";
     return this.#beat !== null && !this.#isResting && nowMs - this.#beatAt > HANGS_MS ? "hangs" : null;
   }
 

@@ -1,5 +1,5 @@
-// The hints of the first minute, each shown once, over the picture's edge; and the mark that points at the boat of a simulated
-// world until it is selected.
+// The hints of the first minute, each shown once, over the picture's edge; and the mark that points at the
+// boat of a simulated world until it is selected.
 
 import { words } from "./words.js";
 

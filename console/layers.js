@@ -1,4 +1,5 @@
-// The layers of the overlay: those of each level, and the switches of the expert's, which the browser remembers.
+// The layers of the overlay: those of each level, and the switches of the expert's, which the browser
+// remembers.
 
 import { LAYERS } from "./overlay.js";
 import { words } from "./words.js";

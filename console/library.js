@@ -3,6 +3,7 @@
 import { askForToken, enter } from "/console/access.js";
 import { Player } from "/console/player.js";
 import { Stage } from "/console/stage.js";
+import { Strips } from "/console/strips.js";
 import { fillWords, sentence, words } from "/console/words.js";
 
 /** How often the list is asked for while a film is being made, ms. */
@@ -19,13 +20,15 @@ let beside;
 const stage = watching("picture");
 const secondStage = watching("second-picture");
 const player = new Player((image, quarters, scene) => draw(stage, "scene", chosenOne(), player, { image, quarters, scene }));
+/** Of the recording that was chosen: its delay is not recorded. */
+const strips = new Strips($("strips"), { ...words.strip, delay: "" }, () => player.ms);
 const second = new Player((image, quarters, scene) => draw(secondStage, "second-scene", beside, second, { image, quarters, scene }));
 
 /** A stage on which nothing is chosen. */
 function watching(id) {
   const made = new Stage($(id));
   made.isWatchedOnly = true;
-  made.layers = new Set(["region", "box", "heading", "trail", "command", "p"]);
+  made.layers = new Set(["region", "box", "heading", "trail", "command", "p", "map"]);
   made.label = ({ percept }) => (percept ? `P ${percept.p.toFixed(2)}` : "");
   return made;
 }
@@ -33,6 +36,7 @@ function watching(id) {
 function draw(on, text, recording, of, { image, quarters, scene }) {
   const snapshot = scene && { ...scene, video: { captured_ns: scene.captured_ns } };
   on.show(image, quarters, { captured: scene?.captured_ns ?? 0, snapshot });
+  if (snapshot && on === stage) strips.add(snapshot, null);
   if (recording) $(text).textContent = sceneText(recording, scene, of.ms);
   $(text).dataset.ms = String(Math.round(of.ms));
 }
@@ -77,6 +81,13 @@ async function load() {
 function listed(recording) {
   const at = began(recording);
   const button = element("button", "", { "aria-current": String(recording.name === chosen) });
+  const picture = element("img", "", { alt: "", loading: "lazy" });
+  // There may be none: cut off, without video, or the camera is engaged now.
+  picture.addEventListener("error", () => picture.remove());
+  if (recording.state === "complete") {
+    picture.src = `${place(recording.name)}/thumbnail.jpg`;
+    button.append(picture);
+  }
   button.append(
     element("strong", at ? at.toLocaleString() : recording.name),
     element("small", [recording.sortie && length(recording.sortie.length_s), `${(recording.bytes / 1e6).toFixed(1)} MB`, stateOf(recording)].filter(Boolean).join(" · ")),
@@ -116,10 +127,11 @@ function showChosen() {
 function showScreen(recording) {
   const isWatchable = recording.state === "complete";
   $("no-picture").textContent = isWatchable ? "" : words.notWatchable[recording.state];
-  for (const id of ["bar", "play"]) $(id).hidden = !isWatchable;
+  for (const id of ["bar", "play", "strips"]) $(id).hidden = !isWatchable;
   if (shown !== recording.name) {
     shown = recording.name;
     stage.clear();
+    strips.clear();
     player.open(isWatchable ? place(recording.name) : "");
     showBeside();
   }
@@ -177,7 +189,7 @@ function clock(ms) {
 }
 
 function showFiles(recording) {
-  const files = ["recording.mcap", ...(recording.state === "being-recorded" ? [] : ["sortie.json"]), ...(recording.film === "ready" ? ["annotated.mp4", "video.mp4", "trial.csv"] : [])];
+  const files = ["recording.mcap", ...(recording.state === "being-recorded" ? [] : ["sortie.json"]), ...recording.exported];
   const stem = recording.name.replace(/\.mcap$/, "");
   $("files").replaceChildren(
     ...files.map((file) => {

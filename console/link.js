@@ -4,6 +4,10 @@ import { mayEnter, pageName } from "./access.js";
 import { ProgramClock } from "./clock.js";
 
 const STALE_MS = 1500;
+/** How often the page shows that it lives, and says what it has handled, ms. */
+const PING_MS = 200;
+/** Shortest time between two pings that say that video was handled, ms. */
+const VIDEO_PING_MS = 20;
 /** A socket that was silent for so long is given up, and a new one is opened. */
 const GIVEN_UP_MS = 3 * STALE_MS;
 const LONGEST_WAIT_MS = 2000;
@@ -21,6 +25,13 @@ export class Link extends EventTarget {
   #wait = 250;
   #heard = 0;
   #video = "none";
+  /** Snapshots and video messages that this connection has brought. */
+  #handled = 0;
+  /** When the pings were sent that are not answered, ms of the page; oldest first. */
+  #unanswered = [];
+  #trip = 0;
+  #pingedAt = 0;
+  #isPinging = false;
   isUp = false;
   /** Whether the page was connected before. */
   wasUp = false;
@@ -28,16 +39,18 @@ export class Link extends EventTarget {
   isEnded = false;
   /** Whether the program closed the connection because too many pages are open. */
   isDismissed = false;
-  /** Whether this page commands a boat: the program then wants to hear the page some times a second. */
-  isWatchingBoat = false;
   clock = new ProgramClock();
 
   /** Connects, and reconnects for ever. */
   start() {
     this.#connect();
     setInterval(() => this.#watch(), 250);
-    setInterval(() => this.#ping(), 1000);
-    setInterval(() => this.isWatchingBoat && this.#ping(), 200);
+    setInterval(() => this.#ping(), PING_MS);
+  }
+
+  /** By how much what the page receives is late at the most, ms: the last round trip, or the one that still goes on. */
+  behindMs(nowMs) {
+    return this.isUp ? Math.max(this.#trip, nowMs - (this.#unanswered[0] ?? nowMs)) : 0;
   }
 
   #connect() {
@@ -49,6 +62,7 @@ export class Link extends EventTarget {
     socket.onopen = () => {
       this.#wait = 250;
       this.clock.reset();
+      [this.#handled, this.#trip, this.#unanswered] = [0, 0, []];
       this.#send({ type: "video", ...this.#video });
       this.#ping();
     };
@@ -56,7 +70,7 @@ export class Link extends EventTarget {
       if (socket !== this.#socket) return;
       this.#heard = performance.now();
       if (!this.isUp) this.#setUp(true);
-      if (event.data instanceof ArrayBuffer) this.dispatchEvent(new CustomEvent("video", { detail: event.data }));
+      if (event.data instanceof ArrayBuffer) this.#onVideo(event.data);
       else this.#onText(JSON.parse(event.data));
     };
     socket.onclose = ({ code }) => {
@@ -99,8 +113,8 @@ export class Link extends EventTarget {
     if (!socket || silence <= STALE_MS) return;
     this.#setUp(false);
     if (silence <= GIVEN_UP_MS) return;
-    // A peer that is gone does not answer the closing handshake, and the browser waits a minute for it: `onclose` is not
-    // waited for, and ignores this socket from now on.
+    // A peer that is gone does not answer the closing handshake, and the browser waits a minute for it:
+    // `onclose` is not waited for, and ignores this socket from now on.
     this.#socket = null;
     socket.close();
     this.#endWaiting();
@@ -108,12 +122,34 @@ export class Link extends EventTarget {
   }
 
   #ping() {
-    this.#send({ type: "ping", sent_ms: performance.now() });
+    this.#pingedAt = performance.now();
+    const isSent = this.#send({ type: "ping", sent_ms: this.#pingedAt, handled: this.#handled });
+    if (isSent) this.#unanswered.push(this.#pingedAt);
+  }
+
+  #onVideo(message) {
+    this.dispatchEvent(new CustomEvent("video", { detail: message }));
+    this.#handled += 1;
+    if (this.#isPinging) return;
+    this.#isPinging = true;
+    setTimeout(() => {
+      this.#isPinging = false;
+      this.#ping();
+    }, this.#pingedAt + VIDEO_PING_MS - performance.now());
+  }
+
+  #onPong({ sent_ms: pingedAt, now_ns: programNs, sent }) {
+    const now = performance.now();
+    this.clock.add(pingedAt, now, programNs);
+    this.#trip = now - pingedAt;
+    this.#unanswered = this.#unanswered.filter((other) => other > pingedAt);
+    this.#handled = sent;
   }
 
   #onText(message) {
+    if (message.type === "snapshot") this.#handled += 1;
     if (message.type === "pong") {
-      this.clock.add(message.sent_ms, performance.now(), message.now_ns);
+      this.#onPong(message);
     } else if (message.type === "answer") {
       this.#waiting.get(message.id)?.(message);
       this.#waiting.delete(message.id);

@@ -4,6 +4,7 @@ import { askForToken, enter } from "./access.js";
 import { Appearance } from "./appearance.js";
 import { ControlSeat } from "./control_seat.js";
 import { openDialog } from "./dialogs.js";
+import { Drills } from "./drills.js";
 import { EventList } from "./events.js";
 import { GamepadHelm } from "./gamepad.js";
 import { Heartbeat } from "./heartbeat.js";
@@ -43,7 +44,12 @@ const hints = new Hints(stage);
 let snapshot = null;
 let loss = null;
 
-const show = () => showStatus({ snapshot, loss, ageS: heartbeat.ageS(performance.now()), isConnected: link.isUp, seat, stopper, stage, video });
+function show() {
+  const now = performance.now();
+  const behindMs = link.behindMs(now);
+  const ageS = Math.max(heartbeat.ageS(now), Math.floor(behindMs / 1000));
+  showStatus({ snapshot, loss, ageS, behindMs, isConnected: link.isUp, seat, stopper, stage, video });
+}
 
 /** Makes a request; a refusal is shown with its reason. */
 async function request(wanted, done = "") {
@@ -56,6 +62,7 @@ async function request(wanted, done = "") {
 
 const twoVideos = new TwoVideos(request, stage, video);
 const newDrive = new NewDrive(request);
+const drills = new Drills(request, toast);
 newDrive.addEventListener("begun", () => {
   stage.unfreeze();
   stage.trail.clear();
@@ -111,11 +118,11 @@ link.addEventListener("snapshot", ({ detail }) => {
   snapshot = detail;
   stage.setProposal(snapshot.proposal?.box ?? null);
   newDrive.onSnapshot(snapshot);
+  drills.onSnapshot(snapshot);
   twoVideos.onSnapshot(snapshot);
   strips.add(snapshot, video.delay?.median ?? null);
   const { vessel } = snapshot;
   const isBoatMoving = seat.isControlling && ["by-hand", "guided", "holding"].includes(vessel?.mode);
-  link.isWatchingBoat = isBoatMoving;
   keepAwake(snapshot.mode.engaged || isBoatMoving);
   const { alarms } = snapshot;
   if (lastMode && alarms.some((alarm) => !lastMode.alarms.includes(alarm))) sounds.play("alarm");
@@ -187,6 +194,7 @@ const act = {
   "net-yaw-zero": () => request({ kind: "net-yaw", degrees: 0 }),
   pause: () => request({ kind: snapshot?.drive?.paused ? "resume" : "pause" }),
   "new-drive": () => newDrive.open(),
+  drills: () => drills.open(),
   "hints-again": () => hints.again(),
   helmsman: () => request({ kind: "release-vessel" }),
   mark: () => stage.setMarking(!stage.isMarking),

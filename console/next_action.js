@@ -16,12 +16,13 @@ const ofWatcher = ({ mayControl, hasAsked }) => (!mayControl ? "watchLink" : has
 export function nextAction({ loss, isConnected, isStopOverdue, seat, snapshot }) {
   if (loss === "ended") return "ended";
   if (isStopOverdue) return "stopUnacknowledged";
-  if (loss === "hangs") return "hangs";
+  if (loss === "hangs" || loss === "behind") return loss;
   if (loss !== null) return "connect";
   if (!isConnected || !snapshot) return "connecting";
   if (!seat.isControlling) return ofWatcher(seat);
   const { mode, track, video, link, alarms, drive } = snapshot;
   if (drive?.paused && !drive.waits) return "paused";
+  if (alarms.includes("drill")) return "drill";
   if (alarms.includes("camera-turns")) return "camera-turns";
   if (alarms.includes("boat-moves")) return "boat-moves";
   if (video.state !== "up" || alarms.includes("no-video")) return "video";

@@ -1,4 +1,5 @@
-// Plays a recording: fetches its parts, decodes them as the time goes on, and shows each picture with what the pilot made of it.
+// Plays a recording: fetches its parts, decodes them as the time goes on, and shows each picture with what
+// the pilot made of it.
 
 import { UnitDecoder, isWebCodecsPossible } from "./decoder.js";
 import { JPEG, readVideoMessage } from "./video_message.js";
@@ -46,7 +47,7 @@ export class Player extends EventTarget {
     super();
     this.draw = draw;
     this.#decoder = new UnitDecoder(
-      (frame, captured, quarters) => this.#addPicture(frame, captured, quarters, this.#generation),
+      (frame, { captured, quarters }) => this.#addPicture(frame, captured, quarters, this.#generation),
       () => {
         this.#form = "?form=jpeg";
         this.seek(this.ms);

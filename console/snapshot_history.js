@@ -1,4 +1,5 @@
-// The snapshots of the last seconds, so that each picture is drawn with the overlay of its own video frame. Pure.
+// The snapshots of the last seconds, so that each picture is drawn with the overlay of its own video frame.
+// Pure.
 
 /** Number of video frames whose snapshots are kept. */
 const KEPT = 90;

@@ -211,7 +211,8 @@ export class Stage extends EventTarget {
       } else if (drag?.mark) {
         const isMoved = this.#isMoved(drag);
         const detail = { mark: drag.mark, id: drag.mark.id, at: drag.to, captured_ns: drag.captured };
-        // While it is dragged the picture goes on: the mark is on the newest one. A tap is on the mark as it was shown.
+        // While it is dragged the picture goes on: the mark is on the newest one. A tap is on the mark as it
+        // was shown.
         if (isDone && isMoved) this.dispatchEvent(new CustomEvent("move-mark", { detail: { ...detail, captured_ns: this.#shown.captured } }));
         else if (isDone) this.dispatchEvent(new CustomEvent("tap-mark", { detail }));
       } else if (drag?.from) {

@@ -9,7 +9,7 @@ import { sentence, words } from "./words.js";
 const at = (id) => document.getElementById(id);
 
 /** Sets a text only where it changed, so that screen readers are not told the same again. */
-function setText(element, text) {
+export function setText(element, text) {
   if (element.textContent !== text) element.textContent = text;
 }
 
@@ -60,13 +60,14 @@ function showAlarms({ alarms, video }) {
 /** Says across the picture that it does not show what the camera sees now. Returns whether that is so. */
 function showNotice(state) {
   const { snapshot, loss, video } = state;
-  const notice = pictureNotice({ snapshot, source: video.source, loss, drawnAt: video.drawnAt, nowMs: performance.now() });
+  const behindMs = Math.max(state.behindMs, video.lagMs);
+  const notice = pictureNotice({ snapshot, source: video.source, loss, drawnAt: video.drawnAt, behindMs, nowMs: performance.now() });
   setText(at("no-video"), notice === null ? "" : notice.value === undefined ? words.notices[notice.key] : words.notices[notice.key](notice.value));
   at("stage").classList.toggle("stale", notice !== null || loss !== null);
   return notice !== null || loss !== null;
 }
 
-/** @param {{snapshot: any, loss: string | null, ageS: number, isConnected: boolean, seat: any, stopper: any, stage: any, video: any}} state */
+/** @param {{snapshot: any, loss: string | null, ageS: number, behindMs: number, isConnected: boolean, seat: any, stopper: any, stage: any, video: any}} state */
 export function showStatus(state) {
   const { snapshot, loss, isConnected, seat, stopper, stage, video } = state;
   const root = document.documentElement.dataset;
@@ -75,6 +76,7 @@ export function showStatus(state) {
   root.frozen = stage.isFrozen ? "yes" : "no";
   root.marking = stage.isMarking ? "yes" : "no";
   root.old = loss === null ? "no" : "yes";
+  root.loss = loss ?? "";
   const next = nextAction({ loss, isConnected, isStopOverdue: stopper.isOverdue, seat, snapshot });
   showAdvice(words.next[next] ?? `${sentence(words.alarms[next])}.`);
   root.next = next;

@@ -1,4 +1,4 @@
-// Strips over the last two minutes: P, commands, confidence, delay. Drawn at most five times a second.
+// Strips over two minutes: P, commands, confidence, delay. Drawn at most five times a second.
 
 import { fixed } from "./numbers.js";
 
@@ -21,20 +21,26 @@ function rowsOf(words, colour) {
 export class Strips {
   #samples = [];
 
-  /** @param {HTMLCanvasElement} canvas @param {Record<string, string>} words */
-  constructor(canvas, words) {
-    [this.canvas, this.words] = [canvas, words];
+  /** @param {HTMLCanvasElement} canvas @param {Record<string, string>} words @param {() => number} nowMs the time at the right end */
+  constructor(canvas, words, nowMs = () => performance.now()) {
+    [this.canvas, this.words, this.nowMs] = [canvas, words, nowMs];
     setInterval(() => this.#draw(), 200);
   }
 
-  /** Adds the state of now; at most 20 samples a second are kept. */
+  clear() {
+    this.#samples = [];
+  }
+
+  /** Adds the state of now; at most 20 samples a second are kept. A time before the last one begins anew. */
   add(snapshot, delayMs) {
-    const at = performance.now();
-    if (at - (this.#samples.at(-1)?.at ?? -1000) < 50) return;
+    const at = this.nowMs();
+    const last = this.#samples.at(-1)?.at ?? -Infinity;
+    if (at < last) this.clear();
+    else if (at - last < 50) return;
     this.#samples.push({
       at,
       p: snapshot.percept?.p ?? null,
-      schemaP: snapshot.work.schema_p,
+      schemaP: snapshot.work?.schema_p ?? null,
       pan: snapshot.command.pan,
       tilt: snapshot.command.tilt,
       confidence: snapshot.track.confidence,
@@ -53,12 +59,13 @@ export class Strips {
     const colour = (name) => style.getPropertyValue(name).trim();
     const pen = canvas.getContext("2d");
     pen.clearRect(0, 0, width, height);
-    const rows = rowsOf(this.words, colour);
-    const now = performance.now();
+    const rows = rowsOf(this.words, colour).filter(({ name }) => name);
+    const whole = rows.reduce((sum, { share }) => sum + share, 0);
+    const now = this.nowMs();
     const x = (at) => width * (1 - (now - at) / SPAN_MS);
     let top = 0;
     for (const row of rows) {
-      const rowHeight = row.share * height;
+      const rowHeight = (row.share / whole) * height;
       const y = (value) => top + rowHeight * (0.94 - 0.88 * Math.min(1, Math.max(0, row.map(value))));
       pen.strokeStyle = colour("--line");
       pen.lineWidth = unit;

@@ -1,4 +1,5 @@
-// All words of the page, in English. Another language is another file of the same keys (words.xx.js, chosen by ?lang=xx).
+// All words of the page, in English. Another language is another file of the same keys (words.xx.js, chosen
+// by ?lang=xx).
 import { fixed } from "./numbers.js";
 import states from "./states.en.js";
 
@@ -32,6 +33,14 @@ export default {
   newDrive: "New drive", beginDrive: "Begin", scenario: "Scenario", seed: "Seed",
   newDriveText: "Another world takes the place of this one. The camera stops, and the marks go.",
   worldText: (command, { scenario, seed }) => `${command}  sim:${scenario}, seed ${seed}`,
+  drillsTitle: "Drills", drillsText: "Short tasks in another world, each with a result. The camera stops, and the marks go.",
+  drillText: (title, s) => `Drill: ${title}. ${s} s left`, drillPassed: "passed", drillFailed: "not passed",
+  drillBy: { person: "You", schema: "The paper's schema", default: "The default law" },
+  drillInPicture: "In the picture", drillInEllipse: "In the ellipse", drillMoves: "Movements", drillTravel: "Camera's way",
+  drillFigures: ({ in_picture: picture, in_ellipse: ellipse, moves, travel_rad: travel }) =>
+    [`${Math.round(100 * picture)} %`, `${Math.round(100 * ellipse)} %`, String(moves), `${fixed(travel, 2)} rad`],
+  drillNote: "The laws had the same boat on the same way, with perfect sight, and were engaged from the start.",
+  drillNext: "Next drill", drillAgain: "Again", drillAll: "All drills",
   thisIsTheBoat: "This is the boat: tap it, or drag a box around it.",
   hintClose: "Got it", hintsAgain: "Show the hints again",
   hints: {
@@ -54,6 +63,7 @@ export default {
   losses: {
     lost: "CONNECTION LOST - retrying. The camera can be stopped at the ground station.",
     hangs: "THE PROGRAM HANGS - what stands here is old. The link rests the camera; look at the ground station.",
+    behind: "THIS PAGE IS LATE - the network or this device is too slow. What stands here is old. Stop works.",
     dismissed: "TOO MANY PAGES ARE OPEN - this one was disconnected. Close others, then reload.",
     ended: "The program has ended; the camera rests.",
     endedUnknown: "The program has ended. The camera may be turning: look at the ground station.",
@@ -62,6 +72,7 @@ export default {
   notices: {
     connecting: "Connecting to the program", waiting: "Waiting for the first picture", old: "The last picture", ended: "The video has ended",
     videoConnecting: "Connecting to the video", lost: (reason) => `No picture: the video is lost${reason ? `: ${reason}` : ""}`, none: (s) => `No video for ${s} s`,
+    behind: (s) => `The picture is ${s} s late`,
   },
   youControl: "You control", client: (id, isProgram) => (isProgram ? "a program" : `page ${id}`), youWatch: (who) => `${capital(who)} controls; you watch`, nobodyControls: "Nobody controls",
   mayWatch: "You watch (watch link)", holderLost: (who) => `${capital(who)} controls, but is not connected`,
@@ -74,6 +85,7 @@ export default {
     connecting: "Wait: the page connects to the program.",
     connect: "Wait for the connection, or stop at the ground station.",
     hangs: "The program hangs: stop the camera at the ground station.",
+    behind: "This page is late: improve its network, or close other programs.",
     ended: "Start the program again to go on: the page connects by itself.",
     stopUnacknowledged: "Stop was not acknowledged: use the ground station's own stop.",
     watch: "You watch. Only Stop works here. Take the control to do more.",
@@ -179,7 +191,7 @@ export default {
   watched: "The picture of the recording", watchedBeside: "The picture of the recording beside it", position: "Time in the recording", playFilm: "Play", pauseFilm: "Pause", beside: "Beside it", besideNone: "nothing",
   notWatchable: { "being-recorded": "It is being recorded.", "cut-off": "The recording was cut off and has no index: make its film to watch it." },
   filmStates: { none: "with box, mode and time of day, for a player of videos", "being-made": "The film is being made.", ready: "", failed: "The film could not be made: the recording may hold no video." },
-  files: { "recording.mcap": "Recording (MCAP)", "sortie.json": "Summary (JSON)", "annotated.mp4": "Film (MP4)", "video.mp4": "Video without drawings (MP4)", "trial.csv": "Table (CSV)" },
+  files: { "recording.mcap": "Recording (MCAP)", "sortie.json": "Summary (JSON)", "annotated.mp4": "Film (MP4)", "report.html": "Report (HTML)", "video.mp4": "Video without drawings (MP4)", "trial.csv": "Table (CSV)" },
   moment: ({ what, cause, text }) => (what === "stopped" ? `stopped: ${states.causes[cause] ?? cause}` : what === "noted" ? `moment marked${text ? `: ${text}` : ""}` : { selected: "selected", engaged: "engaged", disengaged: "disengaged", lost: "boat lost", found: "boat found", marked: "marked", guided: "boat sent to a mark" }[what] ?? what),
   sortie: (sortie, length) => [
     ["Length", length(sortie.length_s)],

@@ -17,7 +17,8 @@ HEIGHTS = (352, 360, 360, 480)
 # Pixels of the photograph for a pixel of the picture.
 SCALES = (0.4, 2.0)
 SUFFIXES = (".jpg", ".jpeg", ".png", ".webp")
-# Photographs have at least this short side, pixels, and this mean difference of neighbours in a picture of 160 x 100.
+# Photographs have at least this short side, pixels, and this mean difference of neighbours in a picture of
+# 160 x 100.
 MIN_PHOTOGRAPH, MIN_DETAIL = 250, 2.0
 # Objects have at least this short side, cover at least this share of their box, and are at most so elongated.
 MIN_OBJECT, MIN_SOLID, MAX_ASPECT = 30, 0.25, 6

@@ -37,10 +37,12 @@ RECORD = np.dtype([
     ("centre", "<f4", 2), ("sides", "<f4", 2), ("box", "<f4", 2), ("label", "<f4", 4), ("reported", "<f4", 4),
     ("picture", "<f4", 2), ("measurements", "<f4", MEASUREMENTS), ("cells", "i1", (CHANNELS, SIDE, SIDE)),
 ])
-# An overlap with the label below which nothing is learned about the edges, and the probability has no right box.
+# An overlap with the label below which nothing is learned about the edges, and the probability has no right
+# box.
 MIN_NEAR_IOU = 0.1
 EDGE_SCALE, ERROR_OFFSET = 0.4, -1.5
-# The log-odds are divided by this on writing: on recordings that were left out, probabilities as fitted are too far from one half.
+# The log-odds are divided by this on writing: on recordings that were left out, probabilities as fitted are
+# too far from one half.
 TEMPERATURE = 4 / 3
 # Weight of a composed or simulated clip beside a recording of as many samples.
 WEIGHTS = {COMPOSED: 0.3, SIMULATED: 0.5}

@@ -23,6 +23,7 @@ from drives import repeats
 from machine import poll, wait_until
 from page import Page, started
 from process import Lines, end, spawn
+from slow_line import SlowLine
 
 pytestmark = pytest.mark.alone
 
@@ -265,10 +266,46 @@ def test_program_that_hangs_is_not_shown_as_one_that_decides(
     )
     with started(program, tmp_path) as page:
         before = page.text("lost")
-        wait_until(lambda: page.text("lost"), "what the page says of a program that hangs")
+        wait_until(lambda: "HANGS" in page.text("lost"), "what the page says of a program that hangs")
         assert before == ""
-        assert "HANGS" in page.text("lost")
     program.child.kill()
+
+
+# Slower than the state alone.
+SLOW_BYTES_PER_SECOND, SLOW_FOR_S, MOST_LATE_S = 60_000.0, 15.0, 6.0
+
+
+@pytest.mark.parametrize("path", ["stream", "jpeg"])
+def test_page_behind_a_slow_line_is_late_by_seconds_at_most_and_says_so(
+    barrelman: pathlib.Path, tmp_path: pathlib.Path, check: Check, path: str
+) -> None:
+    """The line's buffer has no bound, so that the program feels nothing of it."""
+    with SlowLine() as line:
+        config = tmp_path / "barrelman.toml"
+        config.write_text(f'[console]\nhosts = ["{line.host}"]\n')
+        record = ("--no-record",) if path == "jpeg" else ("--record", tmp_path / "run.mcap")
+        what = ("--video", f"sim:open?size={SIZE}", "--link", "sim:", config, *record)
+        program = Program(barrelman, "run", *what)
+        line.leads_to = int(program.host.rpartition(":")[2])
+        with Page(program.url.replace(program.host, line.host), tmp_path) as page:
+            page.ready()
+            wait_until(lambda: page.text("lost") == "", "a page that keeps up")
+            line.rate = SLOW_BYTES_PER_SECOND
+            wait_until(lambda: "LATE" in page.text("lost"), "what the page says of a slow line")
+            wait_until(lambda: page.data["stale"] == "yes", "a picture that is dimmed")
+            # What was under way when the line became slow takes some seconds.
+            late = []
+            for _ in range(round(SLOW_FOR_S / 0.1)):
+                late.append((program.status()["at_ns"] - int(page.data["captured"])) / 1e9)
+                time.sleep(0.1)
+            later = late[len(late) // 2 :]
+            check("the picture is late by seconds at most", max(later) < MOST_LATE_S, late[::10])
+            page.type("space")
+            program.wait(lambda status: status["stops_taken"], "a Stop over the slow line")
+            line.rate = None
+            page.wait(lambda data: data["loss"] == "" and data["stale"] == "no", "a page that keeps up again")
+            check("nothing is wrong on the page", page.complaints() == [], page.complaints())
+        assert program.end() == 0
 
 
 def test_page_of_a_file_holds_the_first_picture_and_becomes_the_console(

@@ -15,9 +15,10 @@ from client import DISENGAGE, ENGAGE, Program, Request
 from conftest import Check
 from machine import wait_until
 from page import Page, axe_finds, scroll_bars, started
-from process import end, memory_mb, run
-from recording import prolonged
+from process import ROOT, end, memory_mb, run
+from recording import Recording, prolonged
 
+EXPORTED = ["annotated.mp4", "report.html", "video.mp4", "trial.csv"]
 WORLD = "sim:arena1?seed=3&size=640x360"
 
 
@@ -68,6 +69,10 @@ def test_sortie_is_watched_again(program: Program, folder: pathlib.Path, check: 
             return str(driver.find_element(By.ID, name).text)
 
         wait_until(lambda: text("name") == "first.mcap", "the chosen recording")
+        images = "return [...document.querySelectorAll('#recordings img')].map((image) => image.naturalWidth)"
+        wait_until(
+            lambda: page.script(images) == [640, 640], lambda: f"two thumbnails ({page.script(images)})"
+        )
         check("the summary is there", "Engaged" in text("summary"), text("summary"))
 
         def drawn() -> float:
@@ -83,6 +88,11 @@ def test_sortie_is_watched_again(program: Program, folder: pathlib.Path, check: 
         driver.find_element(By.ID, "play-button").click()
         wait_until(lambda: position() > 1500, lambda: f"the play ({position()})")
         wait_until(lambda: "FOLLOWING" in text("scene"), lambda: text("scene"))
+        ink = """
+            const canvas = document.getElementById('strips');
+            const pixels = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height).data;
+            return pixels.filter((value, index) => index % 4 === 3 && value > 0).length"""
+        wait_until(lambda: page.script(ink) > 3000, lambda: f"the strips ({page.script(ink)} pixels)")
         driver.find_element(By.ID, "play-button").click()
         wait_until(lambda: text("play-button") == "Play", lambda: text("play-button"))
         stood = position()
@@ -101,6 +111,10 @@ def test_sortie_is_watched_again(program: Program, folder: pathlib.Path, check: 
         driver.save_screenshot(str(folder / "beside.png"))
         driver.find_element(By.ID, "make-film").click()
         wait_until(lambda: recordings(program)["first.mcap"]["film"] == "ready", "the film")
+        exported = recordings(program)["first.mcap"]["exported"]
+        check("film, report and table are there", exported == EXPORTED, exported)
+        report = program.ask("GET", "/api/v1/recordings/first.mcap/report.html")[1].decode()
+        check("the report speaks of a sortie", "sortie" in report.lower(), report[:200])
         film = folder / "film.mp4"
         film.write_bytes(program.ask("GET", "/api/v1/recordings/first.mcap/annotated.mp4")[1])
         opened = cv2.VideoCapture(str(film))
@@ -250,3 +264,28 @@ def test_recording_that_was_cut_has_its_figures_or_says_why_not(
         check("the page says so", "cut off" in page.text("no-summary"), page.text("no-summary"))
         page.driver.save_screenshot(str(folder / "cut.png"))
     end(program.child)
+
+
+def strings(value: Any) -> list[str]:
+    """All strings of a JSON value, the keys of its objects among them."""
+    if isinstance(value, dict):
+        return [text for key, item in value.items() for text in [key, *strings(item)]]
+    if isinstance(value, list):
+        return [text for item in value for text in strings(item)]
+    return [value] if isinstance(value, str) else []
+
+
+@pytest.mark.parametrize("name", ["foxglove-layout.json", "lichtblick-layout.json"])
+def test_layout_names_what_a_recording_holds(sorties: pathlib.Path, check: Check, name: str) -> None:
+    record = Recording(sorties / "first.mcap")
+    layout = json.loads((ROOT / "docs" / name).read_text())
+    named = {text for text in strings(layout) if text.startswith("/")}
+    check("something is named", len(named) >= 9, named)
+    # A simulated boat has no latitude and longitude.
+    for path in named - {"/boat/location"}:
+        topic, *fields = path.split(".")
+        check(f"{topic} is recorded", record[topic], sorted(record.topics))
+        found = type(record[topic][0]).DESCRIPTOR
+        for field in fields:
+            check(f"{path} is a field", field in found.fields_by_name, list(found.fields_by_name))
+            found = found.fields_by_name[field].message_type

@@ -21,6 +21,8 @@ files![
     "controls.js",
     "decoder.js",
     "dialogs.js",
+    "drills.css",
+    "drills.js",
     "events.js",
     "facts.js",
     "gamepad.js",

@@ -23,6 +23,7 @@ mod upgrade;
 pub mod access;
 mod frame_counter;
 mod guard;
+mod in_flight;
 mod limited_stream;
 mod limits;
 mod on_lost;

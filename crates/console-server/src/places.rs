@@ -213,7 +213,8 @@ mod tests {
         let operators = take(&places, MAX_CONNECTIONS, "10.0.0.1");
         operators.iter().for_each(|place| place.show(Role::Control));
         assert_eq!((count(stay(&places, &watchers)), count(stay(&places, &operators))), (0, MAX_CONNECTIONS));
-        // Where all have the control token, the one that came goes; a page that also shows the other token stays what it is.
+        // Where all have the control token, the one that came goes; a page that also shows the other token
+        // stays what it is.
         let last = take(&places, 1, "10.0.0.2");
         operators[0].show(Role::Watch);
         last[0].show(Role::Control);

@@ -233,8 +233,8 @@ impl Seats {
             return Err("that page is not connected");
         }
         self.permitted(to).map_err(|_| "that page may only watch")?;
-        // The page that watched over the boat was heard a moment ago. One that only looked on is heard once a second, until it
-        // learns that the boat is its own.
+        // The page that watched over the boat was heard a moment ago. One that only looked on is heard once a
+        // second, until it learns that the boat is its own.
         let heard = self.client(from).map(|client| client.heard);
         self.seat(to);
         if let (Some(client), Some(heard)) = (self.client(to), heard) {

@@ -1,7 +1,8 @@
 //! The socket of one page: requests in; snapshots, answers, events and video out.
 //!
 //! Reading and writing are two halves of one task, so that a page that stops reading can still stop the
-//! camera. What is sent is always the newest: a slow page misses snapshots and video, and delays nobody.
+//! camera. What is sent is always the newest: a slow page misses snapshots and video, and delays nobody. A page
+//! that says what it has handled never gets more than it keeps up with.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -25,6 +26,7 @@ use barrelman_vocab::{OperatorRequest, Request};
 use super::access::Role;
 use super::api::{Answer, ClientMessage, ServerMessage, VideoPath, WantedVideo};
 use super::frame_counter::FrameCounter;
+use super::in_flight::InFlight;
 use super::limited_stream::LimitedStream;
 use super::limits::{FRAMES, IDLE_TIMEOUT, MAX_MESSAGE_BYTES, READ_BYTES, SEND_TIMEOUT};
 use super::pictures::PictureViewer;
@@ -68,11 +70,13 @@ pub(super) async fn serve(
     let (sink, stream) = socket.split();
     let (outbox, answers) = mpsc::channel(OUTBOX);
     let (path, paths) = watch::channel(WantedVideo::NONE);
+    let (handled, handled_counts) = watch::channel(None);
     let requester = Requester { role, client: Some(id) };
-    let reader = Reader { console: Arc::clone(&console), requester, outbox, path, is_over };
+    let reader = Reader { console: Arc::clone(&console), requester, outbox, path, handled, is_over };
+    let said = Said { answers, paths, handled: handled_counts };
     tokio::select! {
         () = reader.run(stream) => {}
-        _ = write(&console, sink, id, role, answers, paths) => {}
+        _ = write(&console, sink, (id, role), said) => {}
         () = gives_way(place) => {}
     }
     console.with_seats(|seats| seats.leave(id, console.time.clock()));
@@ -93,6 +97,8 @@ struct Reader {
     requester: Requester,
     outbox: mpsc::Sender<ServerMessage>,
     path: watch::Sender<WantedVideo>,
+    /// How many snapshots and video messages the page has handled; `None` until it says so.
+    handled: watch::Sender<Option<u64>>,
     /// Whether the page has sent more frames than it may.
     is_over: Arc<AtomicBool>,
 }
@@ -144,9 +150,12 @@ impl Reader {
                 });
             }
             ClientMessage::Video(wanted) => drop(self.path.send_replace(wanted)),
-            ClientMessage::Ping { sent_ms } => {
+            ClientMessage::Ping { sent_ms, handled } => {
+                if handled.is_some() {
+                    self.handled.send_replace(handled);
+                }
                 let now_ns = self.console.time.now().as_nanos();
-                let _ = self.outbox.try_send(ServerMessage::Pong { sent_ms, now_ns });
+                let _ = self.outbox.try_send(ServerMessage::Pong { sent_ms, now_ns, sent: 0 });
             }
         }
     }
@@ -174,14 +183,19 @@ impl Writer {
     }
 }
 
+/// What the reading half has for the writing one.
+struct Said {
+    answers: mpsc::Receiver<ServerMessage>,
+    paths: watch::Receiver<WantedVideo>,
+    handled: watch::Receiver<Option<u64>>,
+}
+
 /// Writes until the page is gone, or has to go.
 async fn write(
     console: &Arc<Console>,
     sink: SplitSink<WebSocket, Message>,
-    id: ClientId,
-    role: Role,
-    mut answers: mpsc::Receiver<ServerMessage>,
-    mut paths: watch::Receiver<WantedVideo>,
+    (id, role): (ClientId, Role),
+    Said { mut answers, mut paths, mut handled }: Said,
 ) -> Result<(), Closed> {
     let mut writer = Writer { sink };
     let mut snapshots = console.snapshots.clone();
@@ -194,11 +208,18 @@ async fn write(
     snapshots.mark_changed();
     let mut video = VideoFeed::None;
     let mut snapshot_at = Instant::now();
+    let mut in_flight = InFlight::default();
     loop {
+        let is_full = in_flight.is_full(Instant::now());
+        let takes_video = !is_full && in_flight.videos() < video.max_ahead();
         tokio::select! {
             biased;
             message = answers.recv() => {
-                let Some(message) = message else { return Err(Closed) };
+                let Some(mut message) = message else { return Err(Closed) };
+                // Known only now: what waits is overtaken by snapshots and video.
+                if let ServerMessage::Pong { sent, .. } = &mut message {
+                    *sent = in_flight.sent();
+                }
                 writer.send_json(&message).await?;
             }
             changed = seats.changed() => {
@@ -212,8 +233,15 @@ async fn write(
             () = ends(&mut ending) => {
                 return dismiss(&mut writer, CloseCode::Away, "the program ends").await;
             }
-            () = newest(&mut snapshots, snapshot_at) => {
+            changed = handled.changed() => {
+                changed.map_err(|_| Closed)?;
+                if let Some(count) = *handled.borrow_and_update() {
+                    in_flight.on_handled(count, Instant::now());
+                }
+            }
+            () = newest(&mut snapshots, snapshot_at), if !is_full => {
                 snapshot_at = Instant::now() + SNAPSHOT_INTERVAL;
+                in_flight.add(false);
                 let status = console.status_of(&snapshots.borrow_and_update());
                 writer.send_json(&ServerMessage::Snapshot(Box::new(status))).await?;
             }
@@ -224,8 +252,11 @@ async fn write(
                 changed.map_err(|_| Closed)?;
                 video = VideoFeed::begin(*paths.borrow_and_update(), console);
             }
-            message = video.next() => match message {
-                Some(message) => writer.send(Message::Binary(message)).await?,
+            message = video.next(), if takes_video => match message {
+                Some(message) => {
+                    in_flight.add(true);
+                    writer.send(Message::Binary(message)).await?;
+                }
                 None => video = VideoFeed::None,
             },
         }
@@ -290,6 +321,14 @@ impl VideoFeed {
                 let waits_for_key = group.is_empty();
                 Self::Encoded { group, units, waits_for_key }
             }
+        }
+    }
+
+    /// Messages that may be under way: a further picture would only grow old, while every unit is decoded.
+    const fn max_ahead(&self) -> usize {
+        match self {
+            Self::None | Self::Encoded { .. } => usize::MAX,
+            Self::Jpeg(_) => 1,
         }
     }
 

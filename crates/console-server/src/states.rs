@@ -1,9 +1,9 @@
-//! The words of laws, causes and alarms as a module of the page: those of the terminal, from the same types.
+//! The words of laws, causes, alarms and drills as a module of the page: those of the terminal, from the same types.
 
 use std::collections::BTreeMap;
 use std::sync::LazyLock;
 
-use barrelman_vocab::{HoldCause, LawId, Named, StopCause};
+use barrelman_vocab::{DrillName, HoldCause, LawId, Named, StopCause};
 use serde_json::json;
 
 use crate::snapshot::Alarm;
@@ -16,7 +16,12 @@ pub(super) static MODULE: LazyLock<String> = LazyLock::new(|| {
     let causes: BTreeMap<_, _> = words::<HoldCause>().chain(words::<StopCause>()).collect();
     let alarms: BTreeMap<_, _> = words::<Alarm>().collect();
     let laws: BTreeMap<_, _> = words::<LawId>().collect();
-    format!("export default {:#};\n", json!({ "causes": causes, "alarms": alarms, "laws": laws }))
+    let drills: Vec<_> = DrillName::ALL
+        .iter()
+        .map(|drill| json!({ "name": drill.key(), "title": drill.text(), "task": drill.task() }))
+        .collect();
+    let all = json!({ "causes": causes, "alarms": alarms, "laws": laws, "drills": drills });
+    format!("export default {all:#};\n")
 });
 
 fn words<T: Named>() -> impl Iterator<Item = (&'static str, &'static str)> {
@@ -39,9 +44,8 @@ mod tests {
 
     #[test]
     fn every_text_begins_in_lower_case_and_ends_without_a_full_stop() {
-        for (_, text) in
-            words::<HoldCause>().chain(words::<StopCause>()).chain(words::<Alarm>()).chain(words::<LawId>())
-        {
+        let states = words::<HoldCause>().chain(words::<StopCause>()).chain(words::<Alarm>());
+        for (_, text) in states.chain(words::<LawId>()).chain(words::<DrillName>()) {
             assert!(
                 !text.ends_with('.') && (text.starts_with("PID") || !text.starts_with(char::is_uppercase)),
                 "{text}"

@@ -59,6 +59,7 @@ pub(super) fn status_of(snapshot: &Snapshot, codecs: &Videos<Option<EncodedVideo
         alarms: snapshot.alarms.iter().map(|alarm| alarm.key()).collect(),
         stops_taken: snapshot.stops_taken,
         world: snapshot.world.clone(),
+        drill: snapshot.drill.clone(),
         drive: snapshot.drive.clone(),
     }
 }

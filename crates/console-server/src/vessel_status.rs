@@ -6,7 +6,7 @@ use barrelman_control::guidance::GuidanceState;
 use barrelman_control::water::earth::place_on_earth;
 use barrelman_pilot::vessel::{FrameView, Guidance, GuidanceBasis, Mark};
 use barrelman_pilot::{Outcome, VesselMode};
-use barrelman_vocab::{MarkKind, PictureSize, PixelPoint, Timestamp, VesselProfile, WaterPoint};
+use barrelman_vocab::{PictureSize, PixelPoint, Timestamp, VesselProfile, WaterPoint};
 
 use super::api::{MarkStatus, PlaceStatus, ProgressStatus, VesselStatus};
 use crate::snapshot::Snapshot;
@@ -108,13 +108,7 @@ fn mark_of(
     let pixel = |pixel: PixelPoint| [pixel.u, pixel.v];
     MarkStatus {
         id: mark.id,
-        kind: match mark.kind {
-            MarkKind::Place => "place",
-            MarkKind::Person => "person",
-            MarkKind::WayPoint => "way-point",
-            MarkKind::Forbidden => "forbidden",
-            MarkKind::Home => "home",
-        },
+        kind: mark.kind.key(),
         destination: is_destination,
         at: frame_view.and_then(|frame_view| mark.pixel(frame_view, outcome.at)).map(pixel),
         ring: frame_view.map(|frame_view| ring(mark, radius_m, frame_view, outcome.at)).unwrap_or_default(),

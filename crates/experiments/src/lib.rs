@@ -6,6 +6,7 @@
 
 pub mod calibration;
 pub mod campaign;
+pub mod drill;
 pub mod drive;
 
 pub mod scenario;

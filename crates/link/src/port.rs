@@ -173,8 +173,8 @@ impl AsFd for Port {
 impl Drop for Port {
     fn drop(&mut self) {
         if let Self::Serial(port) = self {
-            // The exclusive mode belongs to the device. It would outlive this program where another program still has
-            // the device open. For a lost port the call fails without consequence.
+            // The exclusive mode belongs to the device. It would outlive this program where another program
+            // still has the device open. For a lost port the call fails without consequence.
             let _ = rustix::termios::ioctl_tiocnxcl(port.as_fd());
         }
     }

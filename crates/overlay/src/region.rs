@@ -72,7 +72,8 @@ fn draw(canvas: &mut Canvas, region: Region, active: Option<Sector>) {
         draw_diagonals(canvas, region);
     }
     let around = |chord: u32| {
-        // The parameter of the ellipse, not the direction: the chords are shortest where the curvature is largest.
+        // The parameter of the ellipse, not the direction: the chords are shortest where the curvature is
+        // largest.
         let parameter = f64::from(chord) * TAU / f64::from(CHORDS);
         let (x, y) = (region.a_px * libm::cos(parameter), region.b_px * libm::sin(parameter));
         in_pixels(ImagePoint { x, y }, picture)

@@ -40,7 +40,8 @@ impl Rgba {
     /// This colour blended over a pixel.
     pub(super) fn blend_over(self, under: PremultipliedColorU8) -> PremultipliedColorU8 {
         let opacity = u32::from(self.opacity);
-        // Each channel is rounded once, as (over × opacity + under × (1 - opacity)); none can exceed the opacity.
+        // Each channel is rounded once, as (over × opacity + under × (1 - opacity)); none can exceed the
+        // opacity.
         let mix = |over: u8, under: u8| {
             ((u32::from(over) * opacity + u32::from(under) * (255 - opacity) + 127) / 255) as u8
         };

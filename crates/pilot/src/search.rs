@@ -56,7 +56,8 @@ pub struct LastBearing {
 impl LastBearing {
     /// The bearing of an image point in the view of a camera that points to (pan, tilt).
     pub fn bearing(focal_px: f64, (pan, tilt): (f64, f64), point: ImagePoint) -> (f64, f64) {
-        // Seen from a camera that points ahead at the same tilt, so that the pan stays continuous over several turns.
+        // Seen from a camera that points ahead at the same tilt, so that the pan stays continuous over
+        // several turns.
         let [right, ahead, up]: Direction = View::new(focal_px, 0.0, tilt).unproject(point);
         (pan + libm::atan2(right, ahead), libm::asin(up.clamp(-1.0, 1.0)))
     }

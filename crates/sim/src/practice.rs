@@ -213,7 +213,8 @@ impl PracticeClip {
                     *sample = (f64::from(*sample) + opacity * (value - f64::from(*sample)) + 0.5) as u8;
                 };
                 mix(&mut planes[0][row * width + column], colour[0], opacity);
-                // Four pixels share a chroma sample: four blends with this opacity equal one with the whole opacity.
+                // Four pixels share a chroma sample: four blends with this opacity equal one with the whole
+                // opacity.
                 let chroma = (row / 2) * chroma_width + column / 2;
                 let share = 1.0 - libm::sqrt(libm::sqrt(1.0 - opacity));
                 mix(&mut planes[1][chroma], colour[1], share);

@@ -158,7 +158,8 @@ mod x86 {
                                 let weights = &weights[first..][..$outputs];
                                 let mut registers = [$zero(); $registers];
                                 for r in 0..$registers {
-                                    // SAFETY: the part holds as many bytes as the register; the load needs no alignment.
+                                    // SAFETY: the part holds as many bytes as the register; the load needs no
+                                    // alignment.
                                     #[allow(unsafe_code)]
                                     let register: $register = unsafe { $load(parts[r].as_ptr().cast()) };
                                     registers[r] = register;

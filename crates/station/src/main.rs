@@ -36,6 +36,7 @@ fn main() -> ExitCode {
         Command::Export(args) => commands::export::run(&args),
         Command::Emulate(args) => commands::emulate::run(&args, clock),
         Command::Calibrate(args) => commands::calibrate::run(&args, clock),
+        Command::Doctor(args) => commands::doctor::run(&args),
         Command::Check(args) => commands::check::run(&args, clock),
         Command::Links(args) => commands::links::run(&args),
         Command::Config(args) => commands::config::run(&args),

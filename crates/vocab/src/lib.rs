@@ -21,6 +21,7 @@ pub mod water;
 
 pub mod acceptance;
 pub mod command;
+pub mod drill;
 pub mod drive_mode;
 pub mod hold_cause;
 pub mod law;
@@ -39,6 +40,7 @@ pub mod rng;
 
 pub use angle::{Angle, AngularRate};
 pub use command::{CameraCommand, RENEWAL_GRACE};
+pub use drill::DrillName;
 pub use hold_cause::HoldCause;
 pub use image::{ImagePoint, PictureSize, PixelBox, PixelPoint};
 pub use law::{LawId, LawName, OptimalMode};
@@ -47,8 +49,8 @@ pub use link_command::LinkCommand;
 pub use named::Named;
 pub use profile::{VehicleProfile, VehicleRates};
 pub use request::{
-    CameraRequest, DrawnMark, DrawnSelection, MarkKind, MovedMark, NewDrive, Note, NoteRequest, NoteText,
-    Nudge, OperatorRequest, Request, SeatRequest, Tap, VesselRequest, VesselStopper, VideoRequest,
+    CameraRequest, DrawnMark, DrawnSelection, MarkKind, MovedMark, NewDrill, NewDrive, Note, NoteRequest,
+    NoteText, Nudge, OperatorRequest, Request, SeatRequest, Tap, VesselRequest, VesselStopper, VideoRequest,
     WorldRequest,
 };
 pub use stop_cause::StopCause;

@@ -32,7 +32,7 @@ pub use note::{Note, NoteRequest, NoteText};
 pub use seat::SeatRequest;
 pub use vessel::{DrawnMark, MarkKind, MovedMark, VesselRequest, VesselStopper};
 pub use video::VideoRequest;
-pub use world::{NewDrive, WorldRequest};
+pub use world::{NewDrill, NewDrive, WorldRequest};
 
 use crate::stop_cause::StopCause;
 

@@ -44,7 +44,8 @@ impl ClosingZeros {
         }
         match self.evidence {
             RestEvidence::AtRest => false,
-            // A vehicle that reported before, or must answer, has to be heard again: nothing may have reached it.
+            // A vehicle that reported before, or must answer, has to be heard again: nothing may have reached
+            // it.
             _ if self.is_missing => true,
             // The link bounds the time: a vehicle that reports such a motion has not heard the zeros.
             RestEvidence::Moving { rate } if rate > self.sway => true,

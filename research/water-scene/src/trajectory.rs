@@ -164,8 +164,8 @@ impl Simulation {
         let hull = 2.0 * outline.half_length;
         let zoom = Zoom::new(&mut rng, script.kind, hull / height);
         let reach = outline.reach() * zoom.max_zoom();
-        // The room between the hull and 5 % from the border is shared by plan, sway and lag. Pictures of a few pixels
-        // have no such room; something must be left to share.
+        // The room between the hull and 5 % from the border is shared by plan, sway and lag. Pictures of a
+        // few pixels have no such room; something must be left to share.
         let room = ((0.45 * width - reach).max(0.02 * width), (0.45 * height - reach).max(0.02 * height));
         let wanted_reach = rng.between(8.0, 100.0) * relative;
         let sway_reach = (wanted_reach.min(0.25 * room.0), wanted_reach.min(0.25 * room.1));

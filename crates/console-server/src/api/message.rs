@@ -53,11 +53,15 @@ pub enum ClientMessage {
     /// Choose how video is sent. Nothing is sent before the first choice.
     Video(WantedVideo),
     /// Measure the clocks. Answered by `pong`. Also shows that the page is alive: to be sent every second, and
-    /// every 0.2 s while a boat is commanded. A page in control that is silent for 3 s loses the control, and for 0.9 s stops the
-    /// boat.
+    /// every 0.2 s while a boat is commanded. A page in control that is silent for 3 s loses the control, and
+    /// for 0.9 s stops the boat.
     Ping {
         /// The page's own time, milliseconds.
         sent_ms: f64,
+        /// How many snapshots and video messages the page has handled since it connected. A client that says
+        /// it gets no more of them ahead than it has handled within 0.75 s, and one picture (JPEG) at a time.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        handled: Option<u64>,
     },
 }
 
@@ -86,6 +90,8 @@ pub enum ServerMessage {
         sent_ms: f64,
         /// The program's time.
         now_ns: u64,
+        /// Snapshots and video messages that were sent before, on this connection.
+        sent: u64,
     },
 }
 
@@ -201,7 +207,11 @@ mod tests {
             json!({"type": "video", "path": "none", "video": "first"}),
             ClientMessage::Video(WantedVideo { path: VideoPath::None, video: VideoNumber::First }),
         );
-        check(json!({"type": "ping", "sent_ms": 12.5}), ClientMessage::Ping { sent_ms: 12.5 });
+        check(json!({"type": "ping", "sent_ms": 12.5}), ClientMessage::Ping { sent_ms: 12.5, handled: None });
+        check(
+            json!({"type": "ping", "sent_ms": 12.5, "handled": 7}),
+            ClientMessage::Ping { sent_ms: 12.5, handled: Some(7) },
+        );
     }
 
     #[test]
@@ -247,8 +257,8 @@ mod tests {
                 }),
             ),
             (
-                ServerMessage::Pong { sent_ms: 1.5, now_ns: 7 },
-                json!({"type": "pong", "sent_ms": 1.5, "now_ns": 7}),
+                ServerMessage::Pong { sent_ms: 1.5, now_ns: 7, sent: 3 },
+                json!({"type": "pong", "sent_ms": 1.5, "now_ns": 7, "sent": 3}),
             ),
         ] {
             assert_eq!(kind(message), expected);

@@ -111,7 +111,7 @@ fn recordings(sent: &mut SchemaGenerator, taken: &mut SchemaGenerator) -> Vec<(S
             "409": said("The camera is engaged, the recording is being written, or the name is taken"),
         })
     };
-    let file = "`recording.mcap`, and once the film is made `annotated.mp4`, `video.mp4` and `trial.csv`";
+    let file = "`recording.mcap`, and once the film is made `annotated.mp4`, `report.html`, `video.mp4` and `trial.csv`";
     let found = json!({
         "200": said("The file"), "206": said("A part of it, as `Range` asked"), "400": said("No name of a recording"),
         "401": token_needed(), "404": said("No such file"),
@@ -162,6 +162,10 @@ fn recordings(sent: &mut SchemaGenerator, taken: &mut SchemaGenerator) -> Vec<(S
             }}),
         ),
         ("/api/v1/recordings/{name}/sortie.json", get("The summary of a recording", &[name()], &summary)),
+        (
+            "/api/v1/recordings/{name}/thumbnail.jpg",
+            get("A picture from the middle of a recording (JPEG)", &[name()], &found),
+        ),
         (
             "/api/v1/recordings/{name}/{file}",
             get("A file of a recording", &[name(), path_parameter("file", file)], &found),

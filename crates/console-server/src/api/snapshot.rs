@@ -1,5 +1,6 @@
 //! The state after the newest step, as the page and programs see it.
 
+use barrelman_experiments::drill::DrillState;
 use schemars::JsonSchema;
 use serde::Serialize;
 
@@ -70,12 +71,14 @@ pub struct StatusSnapshot {
     pub work: CameraWork,
     /// Alarms in force, by their keys: `stale-video`, `no-video`, `link-down`, `camera-may-turn`, `camera-turns`,
     /// `boat-moves`, `control-lost`, `end-stop`,
-    /// `emergency`, `battery-low`, `recording-failed`, `console-lost`, `track-lost`, `net-yaw`, `net-yaw-limit`.
+    /// `emergency`, `battery-low`, `recording-failed`, `console-lost`, `track-lost`, `net-yaw`, `net-yaw-limit`, `drill`.
     pub alarms: Vec<&'static str>,
     /// How many presses of Stop have been taken so far; a press is acknowledged when this reaches its number.
     pub stops_taken: u64,
     /// The simulated world; `null`: the world is not simulated.
     pub world: Option<WorldState>,
+    /// The drill that goes on in a demo; `null`: none.
+    pub drill: Option<DrillState>,
     /// The boat and the time of a demo; `null` in a live run.
     pub drive: Option<DriveState>,
 }

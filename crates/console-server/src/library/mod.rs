@@ -7,6 +7,7 @@
 
 mod name;
 mod part;
+mod thumbnail;
 
 pub(super) mod routes;
 
@@ -28,11 +29,12 @@ use serde::{Deserialize, Serialize};
 
 use name::RecordingName;
 use part::{Form, Part, part_of};
+use thumbnail::thumbnail_of;
 
 /// The file of an export that is written last.
 const FILM: &str = "annotated.mp4";
 /// The files of an export that a page may get.
-const EXPORTED: [&str; 3] = [FILM, "video.mp4", "trial.csv"];
+const EXPORTED: [&str; 4] = [FILM, "report.html", "video.mp4", "trial.csv"];
 
 /// The recordings of a folder.
 #[derive(Debug)]
@@ -55,6 +57,8 @@ pub(crate) struct Listed {
     bytes: u64,
     state: RecordingState,
     film: FilmState,
+    /// Which files of the film there are.
+    exported: Vec<&'static str>,
     /// The summary; absent while it is recorded, and where the program was killed.
     sortie: Option<Sortie>,
 }
@@ -120,7 +124,13 @@ impl Library {
             (state, sortie)
         };
         let film = self.film_state(&name);
-        Some(Listed { name, bytes: metadata.len(), state, film, sortie })
+        let exported = match film {
+            FilmState::Ready => {
+                EXPORTED.into_iter().filter(|file| self.file(&name, file).is_some()).collect()
+            }
+            FilmState::None | FilmState::BeingMade | FilmState::Failed => Vec::new(),
+        };
+        Some(Listed { name, bytes: metadata.len(), state, film, exported, sortie })
     }
 
     /// The summary of a recording. One that was cut off is read as a whole, by the program in a process of its own,
@@ -185,7 +195,7 @@ impl Library {
         }
         let mut exports = self.exports.lock().unwrap_or_else(PoisonError::into_inner);
         let export = Command::new(&self.program)
-            .args(["export", "--annotated", "--force", "--output"])
+            .args(["export", "--annotated", "--report", "--force", "--output"])
             .arg(self.export_folder(name))
             .arg(self.path(name))
             .stdin(Stdio::null())
@@ -243,6 +253,14 @@ impl Library {
             return Ok(None);
         };
         part_of(&mut recording, from, form).map(Some)
+    }
+
+    /// A picture of a recording; `None`: one that is being written or was cut off, or has no picture.
+    fn thumbnail(&self, name: &RecordingName) -> anyhow::Result<Option<Vec<u8>>> {
+        match IndexedRecording::open(BufReader::new(File::open(self.path(name))?))? {
+            Some(mut recording) => thumbnail_of(&mut recording),
+            None => Ok(None),
+        }
     }
 
     fn path(&self, name: &RecordingName) -> PathBuf {

@@ -10,13 +10,15 @@ use std::time::Duration;
 
 use anyhow::{Context as _, Result, bail};
 use barrelman_control::Region;
-use barrelman_trial::records::{Entry, FrameFingerprint, IndexedRecording, RecordedInput, RecordedOutcome};
+use barrelman_trial::records::{
+    Entry, FrameFingerprint, IndexedRecording, RecordedInput, RecordedOutcome, RecordedVessel,
+};
 use barrelman_video::decoder::UnitDecoder;
 use barrelman_video::jpeg;
 use barrelman_video::mode::DecodeMode;
 use barrelman_vocab::profile::RegionShares;
 use barrelman_vocab::unit::UnitCodec;
-use barrelman_vocab::{EncodedUnit, Timestamp, VideoFrame, VideoNumber};
+use barrelman_vocab::{EncodedUnit, MarkKind, Timestamp, VideoFrame, VideoNumber, WaterPoint};
 use serde::Serialize;
 
 use crate::api::{AxisPair, ModeStatus, PerceptStatus, RegionStatus, TrackStatus, VideoHead, VideoKind};
@@ -44,6 +46,56 @@ struct Scene {
     percept: Option<PerceptStatus>,
     advice: Option<AxisPair>,
     command: AxisPair,
+    vessel: Option<SceneVessel>,
+}
+
+/// What was known of the water: the map.
+#[derive(Debug, Serialize)]
+struct SceneVessel {
+    /// Corners of what the picture shows of the water, metres.
+    footprint: Option<Vec<[f64; 2]>>,
+    marks: Vec<SceneMark>,
+    progress: Option<SceneProgress>,
+}
+
+#[derive(Debug, Serialize)]
+struct SceneMark {
+    kind: MarkKind,
+    destination: bool,
+    water_m: [f64; 2],
+    std_dev_m: f64,
+    radius_m: f64,
+}
+
+#[derive(Debug, Serialize)]
+struct SceneProgress {
+    boat_m: [f64; 2],
+    course_deg: Option<f64>,
+}
+
+impl SceneVessel {
+    fn of(vessel: &RecordedVessel) -> Self {
+        let on_water = |point: WaterPoint| [point.x, point.y];
+        let destination = vessel.destination.map(|(id, _)| id);
+        Self {
+            footprint: vessel.view.map(|corners| corners.map(on_water).to_vec()),
+            marks: vessel
+                .marks
+                .iter()
+                .map(|mark| SceneMark {
+                    kind: mark.kind,
+                    destination: destination == Some(mark.id),
+                    water_m: on_water(mark.at),
+                    std_dev_m: mark.std_dev_m,
+                    radius_m: mark.radius_m,
+                })
+                .collect(),
+            progress: vessel.progress.map(|progress| SceneProgress {
+                boat_m: on_water(progress.boat),
+                course_deg: progress.course_rad.map(f64::to_degrees),
+            }),
+        }
+    }
 }
 
 /// How the video of a part is given.
@@ -222,6 +274,7 @@ impl Builder {
             percept: percept_of(outcome.percept, outcome.advice),
             advice: outcome.advice.map(|advice| axes_of(advice.command)),
             command: axes_of(outcome.command),
+            vessel: outcome.vessel.as_deref().map(SceneVessel::of),
         };
         self.add_item(SCENE, &serde_json::to_vec(&scene)?)
     }

@@ -6,7 +6,8 @@
 //! | `GET /api/v1/recordings` | the recordings, the newest first | token |
 //! | `GET /api/v1/recordings/NAME/sortie.json` | the summary, also of one that was cut off | token |
 //! | `GET /api/v1/recordings/NAME/part/MS` | video and scenes from a moment on ([`super::part`]); `?form=jpeg` | token |
-//! | `GET /api/v1/recordings/NAME/FILE` | `recording.mcap`, `annotated.mp4`, `video.mp4`, `trial.csv`; ranges | token |
+//! | `GET /api/v1/recordings/NAME/thumbnail.jpg` | a picture from its middle | token |
+//! | `GET /api/v1/recordings/NAME/FILE` | `recording.mcap`, `annotated.mp4`, `report.html`, `video.mp4`, `trial.csv`; ranges | token |
 //! | `POST /api/v1/recordings/NAME/film` | begins to make film and tables | control, disengaged |
 //! | `POST /api/v1/recordings/NAME/name` | renames: `{"to": "NAME.mcap"}` | control, disengaged |
 //! | `DELETE /api/v1/recordings/NAME` | deletes | control, disengaged |
@@ -37,7 +38,7 @@ type Shared = State<Arc<Console>>;
 type Refusal = Box<Response>;
 
 /// The routes, without the guard of all routes.
-pub(crate) fn routes() -> [Route; 8] {
+pub(crate) fn routes() -> [Route; 9] {
     [
         ("/library", get(|| async { files::response("library.html") })),
         ("/api/v1/recordings", get(list)),
@@ -46,6 +47,7 @@ pub(crate) fn routes() -> [Route; 8] {
         ("/api/v1/recordings/{name}/name", post(rename)),
         ("/api/v1/recordings/{name}/sortie.json", get(sortie)),
         ("/api/v1/recordings/{name}/part/{from_ms}", get(part)),
+        ("/api/v1/recordings/{name}/thumbnail.jpg", get(thumbnail)),
         ("/api/v1/recordings/{name}/{file}", get(file)),
     ]
 }
@@ -124,9 +126,8 @@ async fn part(
                 return Err(refusal(StatusCode::BAD_REQUEST, "send ?form=jpeg, or no query".to_owned()));
             }
         };
-        if form == Form::Jpeg && is_moving(&console) {
-            let text = "pictures are not encoded anew while the camera is engaged: disengage it first";
-            return Err(refusal(StatusCode::CONFLICT, text.to_owned()));
+        if form == Form::Jpeg {
+            may_encode(&console)?;
         }
         let found = within(&console, move |library| {
             library
@@ -146,6 +147,26 @@ async fn part(
             headers.insert("x-next-ms", u64::try_from(ms).unwrap_or(u64::MAX).into());
         }
         Ok(response)
+    })
+    .await
+}
+
+async fn thumbnail(State(console): Shared, Path(name): Path<String>, headers: HeaderMap) -> Response {
+    answer(async {
+        may_enter(&console.access, &headers)?;
+        let name = parse(&name)?;
+        may_encode(&console)?;
+        let found = within(&console, move |library| {
+            library.thumbnail(&name).map_err(|error| io::Error::other(format!("{error:#}")))
+        });
+        match found.await? {
+            Some(picture) => {
+                let headers =
+                    [(header::CONTENT_TYPE, "image/jpeg"), (header::CACHE_CONTROL, "private, max-age=3600")];
+                Ok((headers, picture).into_response())
+            }
+            None => Err(refusal(StatusCode::NOT_FOUND, "there is no picture of this recording".to_owned())),
+        }
     })
     .await
 }
@@ -196,6 +217,15 @@ fn may_change(console: &Console, headers: &HeaderMap) -> Result<(), Refusal> {
     }
     if is_moving(console) {
         return Err(refusal(StatusCode::CONFLICT, "disengage the camera first".to_owned()));
+    }
+    Ok(())
+}
+
+/// Pictures are encoded only while the camera does not follow.
+fn may_encode(console: &Console) -> Result<(), Refusal> {
+    if is_moving(console) {
+        let text = "pictures are not encoded anew while the camera is engaged: disengage it first";
+        return Err(refusal(StatusCode::CONFLICT, text.to_owned()));
     }
     Ok(())
 }

@@ -37,6 +37,8 @@ pub enum Alarm {
     NetYaw,
     /// The tether is wound up: the camera turns back only.
     NetYawLimit,
+    /// The alarm of a drill.
+    Drill,
 }
 
 impl Named for Alarm {
@@ -60,6 +62,7 @@ impl Named for Alarm {
             Self::RecordingFailed => "recording failed",
             Self::ConsoleLost => "controlling page gone; the camera stays engaged",
             Self::NetYaw => "tether winds up: turn the camera back",
+            Self::Drill => "drill: the camera has to be stopped at once",
             Self::NetYawLimit => "tether wound up: the camera turns back only",
         }
     }

@@ -160,7 +160,8 @@ mod tests {
         assert!((found.distance_m - 15.0).abs() < 0.05, "{found:?}");
         assert!(found.direction.degrees().abs() < 0.1 && found.std_dev_m < 2.0, "{found:?}");
         let right = find(boat(900.0, 359.5), &vehicle(15.0, -45.0)).unwrap();
-        // 260 px of 960 px at a depression of 45 degrees: the direction over the water is wider than in the picture.
+        // 260 px of 960 px at a depression of 45 degrees: the direction over the water is wider than in the
+        // picture.
         let wanted = ((260.5 / 960.0) / 45_f64.to_radians().cos()).atan().to_degrees();
         assert!((right.direction.degrees() - wanted).abs() < 0.2, "{right:?}, {wanted}");
     }

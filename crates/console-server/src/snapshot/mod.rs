@@ -23,6 +23,7 @@ mod text_rate;
 mod timing_text;
 mod vehicle;
 
+use barrelman_experiments::drill::DrillState;
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -77,6 +78,8 @@ pub struct Snapshot {
     pub beats: u64,
     /// The simulated world, where the vehicle is a simulator.
     pub world: Option<WorldState>,
+    /// The drill that goes on in a demo.
+    pub drill: Option<DrillState>,
     /// The boat and the time of a demo.
     pub drive: Option<DriveState>,
 }

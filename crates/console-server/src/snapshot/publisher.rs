@@ -1,5 +1,6 @@
 //! Builds the snapshot of each step, and writes the event log.
 
+use barrelman_experiments::drill::DrillState;
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -203,6 +204,11 @@ impl Publisher {
         self.publish(now);
     }
 
+    /// The drill of a demo. Published with the next state of the drive.
+    pub fn set_drill(&mut self, drill: Option<DrillState>) {
+        self.state.drill = drill;
+    }
+
     /// The state of the recording.
     pub fn set_recording(&mut self, recording: RecordingState, now: Timestamp) {
         if let RecordingState::Failed(reason) = &recording {
@@ -274,6 +280,7 @@ impl Publisher {
             (Alarm::BatteryLow, vehicle.is_battery_low),
             (Alarm::RecordingFailed, matches!(state.recording, RecordingState::Failed(_))),
             (Alarm::ConsoleLost, self.is_console_lost && is_engaged),
+            (Alarm::Drill, state.drill.as_ref().is_some_and(|drill| drill.alarm)),
             (Alarm::NetYaw, net_yaw == NetYawLevel::Warned),
             (Alarm::NetYawLimit, net_yaw == NetYawLevel::Refused),
         ]

@@ -81,7 +81,8 @@ impl VehicleSnapshot {
         match telemetry.report {
             Report::Link(state) => {
                 self.link = LinkStatus::Link(state);
-                // A session begins with zeros, and is up when the vehicle has answered: before that, the zeros may not have arrived.
+                // A session begins with zeros, and is up when the vehicle has answered: before that, the
+                // zeros may not have arrived.
                 let may_be_turning = self.may_be_turning && state != LinkState::Up;
                 *self = match state {
                     LinkState::Up => Self { may_be_turning, ..*self },

@@ -371,7 +371,8 @@ fn a_stop_in_the_piece_that_exceeds_the_limit_is_taken() {
     let session = InMemory::new(LIVE);
     block_on(async {
         let mut page = Page::open(&session, WATCH_TOKEN, "a1").await;
-        // A ping has six bytes: the last of them and the stop come in one piece. Then one more piece, for the end.
+        // A ping has six bytes: the last of them and the stop come in one piece. Then one more piece, for the
+        // end.
         let mut flood = [0x89, 0x80, 0, 0, 0, 0].repeat(400);
         let stop = br#"{"type":"request","id":1,"request":{"kind":"stop"}}"#;
         flood.extend([0x81, 0x80 | stop.len() as u8, 0, 0, 0, 0]);
@@ -509,5 +510,31 @@ fn a_page_that_lost_units_goes_on_with_the_next_key_frame() {
         // More at once than a page may be behind.
         (3..100).for_each(|index| add(index, index == 90));
         assert_eq!(indices(&mut page, 3).await, [90, 91, 92]);
+    });
+}
+
+#[test]
+fn a_page_that_does_not_keep_up_gets_nothing_until_it_has() {
+    let mut session = InMemory::new(LIVE);
+    block_on(async {
+        let mut page = Page::open(&session, WATCH_TOKEN, "").await;
+        page.send(json!({"type": "ping", "sent_ms": 0, "handled": 0})).await;
+        page.send(json!({"type": "video", "path": "h264"})).await;
+        page.wait_until_read().await;
+        (0..20).for_each(|index| session.console.videos.first.relay.add(&unit(index, index == 0)));
+        assert_eq!(indices(&mut page, 2).await, [0, 1]);
+        session.step(&idle(at(40)));
+        for sent_ms in 1..3 {
+            page.send(json!({"type": "ping", "sent_ms": sent_ms})).await;
+            loop {
+                match page.next().await {
+                    Received::Text(message) if message["type"] == "pong" => break,
+                    Received::Text(message) => assert_eq!(message["type"], "event", "{message}"),
+                    other => panic!("{other:?} for a page that handles nothing"),
+                }
+            }
+        }
+        page.send(json!({"type": "ping", "sent_ms": 3, "handled": 1000})).await;
+        assert_eq!(indices(&mut page, 3).await, [2, 3, 4]);
     });
 }

@@ -124,8 +124,8 @@ impl RecedingHorizonLaw {
         let mut wanted = transfer.solve().rates;
         let mut fastest = wanted[0].abs().max(wanted[1].abs());
         if fastest == 0.0 {
-            // The target reaches the aim ellipse without any motion, but stays outside of the stop ellipse: move
-            // slowly.
+            // The target reaches the aim ellipse without any motion, but stays outside of the stop ellipse:
+            // move slowly.
             let aim = RECENTRING_SHARE * self.stop_ellipse(slowness);
             let factor = horizon_s / (steepness * steepness * self.tuning.recentring_time_s);
             let recentring = Transfer { aim, ..transfer }.solve();

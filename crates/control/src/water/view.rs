@@ -115,7 +115,8 @@ impl WaterView {
         let ((st, ct), (sr, cr)) = (self.tilt, self.roll);
         let reach = self.height_m / ray.down;
         let (right, forwards) = (reach * ray.right, reach * ray.forwards);
-        // Derivatives of the point (right, forwards) by the ray's right and down-in-picture components a and b.
+        // Derivatives of the point (right, forwards) by the ray's right and down-in-picture components a and
+        // b.
         let by_a = [reach, 0.0];
         let by_b = [-right * ct / ray.down, reach * st - forwards * ct / ray.down];
         let by_tangents = |x: f64, y: f64| {

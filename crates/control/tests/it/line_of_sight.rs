@@ -256,7 +256,8 @@ fn a_known_heading_needs_no_first_move() {
 
 #[test]
 fn a_boat_that_lies_too_close_to_a_person_leaves_by_the_shortest_way() {
-    // Where the person lies off the bow, degrees to the right; the least and the greatest throttle, and the rudder's side.
+    // Where the person lies off the bow, degrees to the right; the least and the greatest throttle, and the
+    // rudder's side.
     for (off_bow_deg, throttle, side) in
         [(0.0, -0.6..-0.1, 0.0), (-90.0, 0.05..0.6, 1.0), (120.0, 0.05..0.6, -1.0)]
     {
@@ -312,7 +313,8 @@ fn a_person_who_drifts_towards_the_boat_is_given_way() {
 
 #[test]
 fn a_boat_that_gives_way_to_a_person_stays_out_of_the_circles() {
-    // The person drifts towards the boat; beyond the boat is a circle. The boat points at the person, or away.
+    // The person drifts towards the boat; beyond the boat is a circle. The boat points at the person, or
+    // away.
     let least_m = |heading_deg: f64| {
         let mut scene = Scene { gives_heading: true, ..Scene::new(heading_deg) };
         let circle = KeepOut { centre: WaterPoint { x: 0.0, y: -7.0 }, radius_m: 3.0 };

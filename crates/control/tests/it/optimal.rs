@@ -249,7 +249,8 @@ fn what_the_tracker_expects_is_no_look() {
 
 #[test]
 fn whether_it_moves_is_judged_by_what_is_in_force() {
-    // Disengaged: the law's commands are never in force. The target leaves, returns, and rests well inside the region.
+    // Disengaged: the law's commands are never in force. The target leaves, returns, and rests well inside
+    // the region.
     for mode in MODES {
         let profile = VehicleProfile::fotokite_pro();
         let mut law = law(mode, &profile);
@@ -292,8 +293,8 @@ fn an_end_stop_ends_the_motion() {
 
 #[test]
 fn a_pause_between_pictures_is_counted() {
-    // The camera turns while no picture arrives for 0.5 s. The result must be the same as with intermediate updates of
-    // the camera model.
+    // The camera turns while no picture arrives for 0.5 s. The result must be the same as with intermediate
+    // updates of the camera model.
     let profile = VehicleProfile::fotokite_pro();
     let commands = [1, 15].map(|parts| {
         let mut law = law(OptimalMode::MinimumEnergy, &profile);

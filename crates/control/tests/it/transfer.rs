@@ -190,9 +190,9 @@ proptest! {
     }
 }
 
-/// The example of `docs/optimal-law.md`: the laboratory's camera, and a target that would be seen at (220, -120) px.
+/// The laboratory's camera, and a target that would be seen at (220, -120) px.
 #[test]
-fn the_example_of_the_documentation_has_its_numbers() {
+fn an_example_of_the_laboratory_has_its_numbers() {
     let (focal_px, tilt, a_px, b_px) = (330.0, -24.0_f64.to_radians(), 192.0, 120.0);
     let (x, y) = (220.0, -120.0);
     let (sin, cos) = (libm::sin(tilt), libm::cos(tilt));

@@ -151,7 +151,8 @@ impl CampaignWriter {
     }
 
     fn add_line(&mut self, line: &str) -> Result<()> {
-        // One write for each line: a program that ends in between leaves an incomplete line, which is recognised.
+        // One write for each line: a program that ends in between leaves an incomplete line, which is
+        // recognised.
         self.file.write_all(line.as_bytes()).with_context(|| {
             format!("{} cannot be written: the trials before this one are in it", self.file.path().display())
         })

@@ -9,6 +9,7 @@ use barrelman_sim::boat::HelmCommand;
 use barrelman_sim::{Truth, World};
 use barrelman_simd::{Simd, SimdLevel};
 use barrelman_trial::campaign::{FrameSource, RenderedCamera, Simulation, StepObserver};
+use barrelman_trial::logs::TrialLog;
 use barrelman_trial::target_in_picture::TargetInPicture;
 use barrelman_video::encoder::EncoderSettings;
 use barrelman_vocab::{EncodedUnit, LawId, OperatorRequest, Timestamp, VehicleRates, VesselProfile};
@@ -61,6 +62,17 @@ impl<'a> Drive<'a> {
         let simulation = simulation.with_tilt_reports(true).with_height_reports();
         let simulation = if setup.hands_on { simulation.without_selection() } else { simulation };
         Ok(Self { simulation, camera, units })
+    }
+
+    /// The same drive, of which a log is kept.
+    #[must_use]
+    pub fn with_log(self) -> Self {
+        Self { simulation: self.simulation.with_log(), ..self }
+    }
+
+    /// The log so far; empty unless one is kept ([`Self::with_log`]).
+    pub const fn log(&self) -> &TrialLog {
+        self.simulation.log()
     }
 
     /// The world after the last tick.

@@ -99,7 +99,8 @@ fn the_schemas_shadow_is_the_schema_and_another_law_differs_from_it() {
     let apart = |(p, schema): &(f64, f64)| (p - schema).abs();
     let of_schema = values(LawChoice::MOTOR_SCHEMA);
     assert!(of_schema.iter().any(|(p, _)| *p > 1.0), "the schema moves the camera");
-    // The camera's past direction is interpolated between stored times, and the two models store different times.
+    // The camera's past direction is interpolated between stored times, and the two models store different
+    // times.
     let max = of_schema.iter().map(apart).fold(0.0, f64::max);
     assert!(max < 1.0e-3, "{max}");
     assert!(values(LawChoice::OPTIMAL).iter().map(apart).fold(0.0, f64::max) > 0.2);

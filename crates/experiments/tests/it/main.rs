@@ -7,6 +7,7 @@
     reason = "a test fails by panicking, and reads and changes the files that it wrote"
 )]
 
+mod drills;
 mod drives;
 mod scenarios;
 mod worlds_without_end;

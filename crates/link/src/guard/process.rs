@@ -58,8 +58,8 @@ fn guard() -> Result<bool, String> {
     if io::stdin().is_terminal() {
         return Err(USAGE.to_owned());
     }
-    // Out of the program's session and terminal: what ends the program there does not end the guard. A process that leads
-    // its group already needs no other.
+    // Out of the program's session and terminal: what ends the program there does not end the guard. A
+    // process that leads its group already needs no other.
     let _ = rustix::process::setsid();
     let signalled = watch_signals().map_err(|error| format!("signals cannot be watched: {error}"))?;
     let pipe = io::stdin().as_fd().try_clone_to_owned().map_err(|error| error.to_string())?;

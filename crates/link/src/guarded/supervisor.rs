@@ -203,7 +203,8 @@ where
 
     fn report_state(&mut self, state: LinkState, at: Timestamp) {
         if state == LinkState::Opening {
-            // The pilot forgets what a vehicle said on a port before. A reader reports changes only, and has to report it again.
+            // The pilot forgets what a vehicle said on a port before. A reader reports changes only, and has
+            // to report it again.
             let mut reader = self.settings.protocol.reports();
             if let Some(vehicle) = self.reader.vehicle() {
                 reader.name(vehicle);

@@ -248,7 +248,8 @@ fn the_encoding_of_the_frame_is_kept() {
             SampleRange::Limited => [16.0 + 219.0 * luma, 128.0 + 224.0 * pb, 128.0 + 224.0 * pr],
         };
         let wanted = wanted.map(|sample: f64| sample.round() as i32);
-        // Somewhere a chroma sample and its four luma samples are all of the accent: in the arrow or the badge.
+        // Somewhere a chroma sample and its four luma samples are all of the accent: in the arrow or the
+        // badge.
         let near = |sample: u8, wanted: i32| (i32::from(sample) - wanted).abs() <= 1;
         let found = (0..360).any(|row| {
             (0..640).any(|column| {
@@ -313,7 +314,8 @@ fn each_way_that_the_camera_turns_has_its_arrow() {
         for (pan, tilt) in [(0.1, 0.0), (-0.1, 0.0), (0.0, 0.1), (0.0, -0.1), (0.1, -0.1)] {
             let command = CameraCommand { pan: rate(pan), tilt: rate(tilt) };
             let moving = drawn(&frame, &Scene { command, ..scene_of(size, &track, scene.mode, None) });
-            // Differing samples near the right, left, upper and lower edge, without the strip along the lowest rows.
+            // Differing samples near the right, left, upper and lower edge, without the strip along the
+            // lowest rows.
             let (width, height) = (size.width as usize, size.height as usize);
             let near = |rows: Range<usize>, columns: Range<usize>| {
                 let [a, b] = [&still, &moving].map(|picture| picture.y());

@@ -55,7 +55,8 @@ fn steps_allocate_nothing_after_the_first_rounds(tracker: Box<dyn Tracker>, law:
     let mut sequence = 0_u64;
     let mut round = || {
         let (mut allocations, mut moved, mut followed) = (0, 0, 0);
-        // Every third frame: the boat passes all four sectors twice in 240 frames, fast enough to be lost occasionally.
+        // Every third frame: the boat passes all four sectors twice in 240 frames, fast enough to be lost
+        // occasionally.
         for index in (0..clip.frames()).step_by(3) {
             let captured = Timestamp::from_nanos(1_000_000_000 + sequence * 33_000_000);
             let now = captured.plus(core::time::Duration::from_millis(50));

@@ -89,7 +89,8 @@ multiversion! { simd;
             dzs[i] = dz;
             px[i] = ray.t * dx;
             py[i] = ray.t * dy;
-            // Across the line of sight a pixel is t * length * step wide, along the water 1/sin(grazing) of that.
+            // Across the line of sight a pixel is t * length * step wide, along the water 1/sin(grazing) of
+            // that.
             let grazing = (ray.sink * shorten).sqrt();
             footprint[i] = ray.t * length * rays.step / (grazing * grazing.sqrt());
             let share = ray.t / (ray.t + 1_800.0);

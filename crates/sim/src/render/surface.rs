@@ -188,7 +188,8 @@ const DITHER: [f32; 2 * CHUNK] = {
     let mut factors = [0.0; 2 * CHUNK];
     let mut i = 0;
     while i < 2 * CHUNK {
-        // 2^x on 0..1 by a parabola through both ends; the numbers i * 37 + ... mod 64 come in no visible order.
+        // 2^x on 0..1 by a parabola through both ends; the numbers i * 37 + ... mod 64 come in no visible
+        // order.
         let j = i % CHUNK;
         let k = (j * j * 11 + j * 37 + (j >> 2) * 29) % CHUNK;
         let x = (k as f32 + 0.5) / CHUNK as f32;
@@ -251,7 +252,8 @@ multiversion! { simd;
                 for i in 0..CHUNK {
                     let eta = found.single(i) * elevation.step;
                     let sink = if -chunk.dz[i] > HORIZON { -chunk.dz[i] } else { HORIZON };
-                    // At grazing angles the full shift would fold the picture; it is limited to what a crest hides.
+                    // At grazing angles the full shift would fold the picture; it is limited to what a crest
+                    // hides.
                     let length = chunk.t[i] - eta / (sink + 0.10);
                     chunk.elevation[i] = eta;
                     chunk.px[i] = length * chunk.dx[i];

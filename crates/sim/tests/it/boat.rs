@@ -34,8 +34,8 @@ fn straight_ahead_it_reaches_the_speeds_of_the_table() {
         [(0.15, 0.35), (0.25, 0.76), (0.40, 1.41), (0.60, 2.29), (0.80, 4.12), (1.0, 9.05)]
     {
         let (speed, turn) = steady(throttle, None);
-        // Small waves move the boat to and fro. The table has 9.54 m/s at full throttle without air drag, which is
-        // 1.5 N there.
+        // Small waves move the boat to and fro. The table has 9.54 m/s at full throttle without air drag,
+        // which is 1.5 N there.
         assert!(
             (speed - expected).abs() < 0.03 + 0.04 * expected,
             "{throttle}: {speed}, expected {expected}"

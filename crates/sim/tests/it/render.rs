@@ -303,7 +303,8 @@ fn the_waterline_s_middle_is_where_an_independent_projection_has_it() {
         let truth: RenderedTruth = renderer.render(&view, &mut picture, &Serial).clone();
         let camera = view.first_row;
         let target = view.target.position();
-        // Turn the world by pan about z, then tilt about the picture's right, then roll about the line of sight.
+        // Turn the world by pan about z, then tilt about the picture's right, then roll about the line of
+        // sight.
         let (dx, dy, dz) =
             (target.x - camera.position.x, target.y - camera.position.y, target.z - camera.position.z);
         let (sp, cp) = libm::sincos(camera.pan.radians());

@@ -24,3 +24,11 @@ pub struct CheckArgs {
     #[arg(long)]
     pub json: bool,
 }
+
+/// `doctor`.
+#[derive(Debug, Args)]
+pub struct DoctorArgs {
+    /// Print JSON.
+    #[arg(long)]
+    pub json: bool,
+}

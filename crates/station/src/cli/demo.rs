@@ -2,8 +2,9 @@
 
 use std::path::PathBuf;
 
+use barrelman_experiments::law_choice::named_values;
 use barrelman_experiments::tracker_choice::TrackerName;
-use barrelman_vocab::PictureSize;
+use barrelman_vocab::{DrillName, Named as _, PictureSize};
 use clap::Args;
 
 use super::console_options::ConsoleOptions;
@@ -11,8 +12,9 @@ use super::law_options::LawOptions;
 use super::values::{parse_seconds, parse_world_size};
 
 /// Options that have no effect with `--clip`. (A requirement of `--clip` alone is not checked beside an option that excludes it.)
-const WITHOUT_CLIP: [&str; 11] = [
+const WITHOUT_CLIP: [&str; 12] = [
     "scenario",
+    "drill",
     "listen",
     "console_token_file",
     "on_console_lost",
@@ -31,6 +33,7 @@ const WITHOUT_CLIP: [&str; 11] = [
     after_help = "Examples:
   barrelman demo
   barrelman demo --hands-on
+  barrelman demo --drill find-the-boat
   barrelman demo arena1 --store drive.jsonl
   barrelman demo --replay drive.jsonl
   barrelman demo --clip --output demo-output
@@ -53,6 +56,16 @@ pub struct DemoArgs {
     /// Begin unselected and disengaged, and wait: the operator draws the box around the boat, and engages.
     #[arg(long, conflicts_with = "replay")]
     pub hands_on: bool,
+    /// Begin with a drill: a short task with a result. Without a name: keep-in-view. More of them on the page.
+    #[arg(
+        long,
+        value_name = "NAME",
+        num_args = 0..=1,
+        default_missing_value = DrillName::KeepInView.key(),
+        value_parser = named_values::<DrillName>(),
+        conflicts_with_all = ["scenario", "hands_on", "replay"],
+    )]
+    pub drill: Option<DrillName>,
     /// Size of the picture; the field of view stays the same. Default: the scenario's, at most 960 wide.
     #[arg(long, value_name = "WxH", value_parser = parse_world_size)]
     pub size: Option<PictureSize>,
@@ -98,6 +111,7 @@ impl Default for DemoArgs {
             scenario: None,
             console: ConsoleOptions::default(),
             hands_on: false,
+            drill: None,
             size: None,
             seed: 1,
             seconds: None,

@@ -37,7 +37,7 @@ mod values;
 use clap::{Parser, Subcommand};
 
 pub use calibrate::{CalibrateArgs, CalibrateAxesArgs, CalibrateCommand};
-pub use check::CheckArgs;
+pub use check::{CheckArgs, DoctorArgs};
 pub use config::{ConfigArgs, ConfigCommand};
 pub use connection_options::ConnectionOptions;
 pub use console_options::ConsoleOptions;
@@ -124,6 +124,8 @@ pub enum Command {
     Calibrate(CalibrateArgs),
     /// Check the configuration, the video and the link, and suggest remedies.
     Check(CheckArgs),
+    /// Look at this machine: ports, cameras, decoders, clock, disk, sleep; each lack with its remedy.
+    Doctor(DoctorArgs),
     /// Print the links of the running service, with a QR code.
     Links(LinksArgs),
     /// Print an example, the JSON schema, or the effective configuration.

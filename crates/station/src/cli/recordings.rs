@@ -67,6 +67,18 @@ pub struct ExportArgs {
     /// Write annotated.mp4, too: the video with box, region, mode and time of day drawn into it.
     #[arg(long)]
     pub annotated: bool,
+    /// Write report.html, too: the page of `barrelman report`.
+    #[arg(long)]
+    pub report: bool,
+    /// Write the tracks of boat and marks on Earth, too, as tracks.geojson.
+    #[arg(long)]
+    pub geojson: bool,
+    /// The same as tracks.kml.
+    #[arg(long)]
+    pub kml: bool,
+    /// The same as tracks.gpx.
+    #[arg(long)]
+    pub gpx: bool,
     /// Overwrite existing output files.
     #[arg(long)]
     pub force: bool,

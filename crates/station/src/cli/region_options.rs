@@ -10,7 +10,7 @@ use clap::Args;
 use super::values::{parse_region, parse_size};
 
 /// The options that determine the region, and with it P.
-#[derive(Debug, Args)]
+#[derive(Debug, Args, Default)]
 pub struct RegionArgs {
     /// Size of the frame that the region is a share of; default: the log's.
     #[arg(long, value_name = "WxH", value_parser = parse_size)]

@@ -3,7 +3,6 @@
 //! The check opens the port and takes its lock, as `run` does, but moves nothing: a ground station on a line is sent nothing, other
 //! vehicles are asked what they have.
 
-use std::io::{Write as _, stdout};
 use std::path::Path;
 use std::process::ExitCode;
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
@@ -14,7 +13,7 @@ use barrelman_vocab::{EncodedUnit, VideoFrame};
 
 use super::check_gimbal::check_gimbal;
 use super::check_over_http::check_over_http;
-use super::check_result::{CheckResult, Verdict};
+use super::check_result::{CheckResult, Verdict, print};
 use crate::cli::{CheckArgs, ConnectionOptions};
 use crate::config::lens::misfit;
 use crate::config::{ConfigFile, Configuration};
@@ -34,9 +33,9 @@ use barrelman_video::{VideoFrames, VideoSink, VideoState, VideoUrl};
 /// and up to 5 s to the next key frame.
 const FIRST_PICTURE_TIMEOUT: Duration = Duration::from_secs(15);
 /// Where this project's udev rule is when it was installed by hand.
-const UDEV_RULE: &str = "/etc/udev/rules.d/70-barrelman.rules";
+pub(super) const UDEV_RULE: &str = "/etc/udev/rules.d/70-barrelman.rules";
 /// Where the package installs the rule.
-const PACKAGED_UDEV_RULE: &str = "/usr/lib/udev/rules.d/70-barrelman.rules";
+pub(super) const PACKAGED_UDEV_RULE: &str = "/usr/lib/udev/rules.d/70-barrelman.rules";
 
 /// Runs the command.
 ///
@@ -64,21 +63,7 @@ pub fn run(args: &CheckArgs, clock: Clock) -> Result<ExitCode> {
             results.push(CheckResult::new("link", Verdict::Warning, details));
         }
     }
-    let mut out = stdout().lock();
-    if args.json {
-        writeln!(out, "{}", serde_json::to_string_pretty(&results)?)?;
-    } else {
-        for result in &results {
-            let mark = match result.verdict {
-                Verdict::Ok => "ok     ",
-                Verdict::Warning => "warning",
-                Verdict::Failed => "FAILED ",
-            };
-            writeln!(out, "{mark}  {}: {}", result.subject, result.details)?;
-        }
-    }
-    let has_failed = results.iter().any(|result| result.verdict == Verdict::Failed);
-    Ok(if has_failed { ExitCode::FAILURE } else { ExitCode::SUCCESS })
+    print(&results, args.json)
 }
 
 fn check_configuration(args: &CheckArgs, results: &mut Vec<CheckResult>) -> Option<Configuration> {
@@ -100,7 +85,7 @@ fn check_configuration(args: &CheckArgs, results: &mut Vec<CheckResult>) -> Opti
 }
 
 /// What can be decoded, and by which part.
-fn check_decoders() -> CheckResult {
+pub(super) fn check_decoders() -> CheckResult {
     let Some(program) = MediaProgram::installed() else {
         let commands = MediaProgram::BUILD_COMMANDS;
         let details = format!("H.264, JPEG, PNG: built in. barrelman-media decodes the rest: {commands}");

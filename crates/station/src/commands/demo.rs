@@ -10,12 +10,12 @@ use std::time::Duration;
 
 use anyhow::Result;
 use barrelman_console_server::ConsoleSettings;
-use barrelman_vocab::NewDrive;
+use barrelman_vocab::{NewDrill, NewDrive};
 
 use super::practice;
 use crate::cli::DemoArgs;
 use crate::demo::drive_files::{DriveFiles, OpenFiles};
-use crate::demo::drive_plan::DrivePlan;
+use crate::demo::drive_plan::{DrivePlan, Purpose};
 use crate::demo::live_drive::DriveEnd;
 use crate::demo::replay;
 use crate::demo::session::{DriveSession, SessionEnd};
@@ -44,8 +44,12 @@ pub fn run(args: &DemoArgs, clock: Clock) -> Result<ExitCode> {
 fn drive(args: &DemoArgs, files: DriveFiles, first_files: OpenFiles, clock: Clock) -> Result<ExitCode> {
     let usual = if args.hands_on { "first-drive" } else { "open" };
     let scenario = args.scenario.clone().unwrap_or_else(|| usual.to_owned());
+    let first = match args.drill {
+        Some(drill) => Purpose::Drill(NewDrill { drill, seed: args.seed }),
+        None => Purpose::Drive(NewDrive { scenario, seed: args.seed }),
+    };
     let plan = DrivePlan {
-        first: NewDrive { scenario, seed: args.seed },
+        first,
         size: args.size,
         tracker: args.tracker,
         law: args.law.resolve(LawChoice::OPTIMAL)?,

@@ -15,7 +15,9 @@ use barrelman_vocab::{EncodedUnit, PictureSize, Timestamp, VideoNumber, Videos};
 
 use super::annotated_film;
 use super::channel_tables::ChannelTables;
-use crate::cli::ExportArgs;
+use super::map_tracks::{MapFormat, Tracks};
+use super::report;
+use crate::cli::{ExportArgs, RegionArgs, ReportArgs};
 use barrelman_experiments::campaign::recorded_trial;
 use barrelman_host::input;
 use barrelman_host::output::OutputFile;
@@ -26,6 +28,8 @@ use barrelman_video::writer::Mp4Writer;
 
 /// The name of the trial's table, without its extension.
 const TRIAL: &str = "trial";
+/// The page of the report.
+const REPORT: &str = "report.html";
 /// The film with the annotations.
 const ANNOTATED: &str = "annotated.mp4";
 
@@ -61,6 +65,10 @@ pub fn run(args: &ExportArgs) -> Result<ExitCode> {
     {
         writeln!(stdout(), "{reason}")?;
     }
+    if args.report {
+        write_report(args);
+    }
+    write_tracks(args).with_context(context)?;
     if let Some(file) = annotated {
         let pictures = annotated_film::write(&args.recording, file).with_context(context)?;
         writeln!(stdout(), "{ANNOTATED}: {pictures} pictures")?;
@@ -70,6 +78,40 @@ pub fn run(args: &ExportArgs) -> Result<ExitCode> {
         return Ok(ExitCode::FAILURE);
     }
     Ok(ExitCode::SUCCESS)
+}
+
+/// Writes the page of `barrelman report`. A recording without a localisation has none.
+fn write_report(args: &ExportArgs) {
+    let page = ReportArgs {
+        logs: vec![args.recording.clone()],
+        output: args.output.join(REPORT),
+        svg: None,
+        arena: None,
+        region: RegionArgs::default(),
+        force: args.force,
+    };
+    if let Err(error) = report::run(&page) {
+        tracing::warn!("no {REPORT}: {error:#}");
+        let _ = std::fs::remove_file(&page.output);
+    }
+}
+
+/// Writes the tracks for maps that are asked for.
+fn write_tracks(args: &ExportArgs) -> Result<()> {
+    let asked = [(args.geojson, MapFormat::Geojson), (args.kml, MapFormat::Kml), (args.gpx, MapFormat::Gpx)];
+    let formats: Vec<_> = asked.iter().filter(|(is_asked, _)| *is_asked).map(|(_, format)| *format).collect();
+    if formats.is_empty() {
+        return Ok(());
+    }
+    let tracks = Tracks::read(&args.recording)?;
+    for format in formats {
+        let path = args.output.join(format.file());
+        let mut file = BufWriter::new(OutputFile::open(&path, args.force)?);
+        tracks.write(format, &mut file)?;
+        file.flush()?;
+        writeln!(stdout(), "{}: boat and marks on Earth", format.file())?;
+    }
+    Ok(())
 }
 
 /// Writes a CSV file for every channel. Returns whether the recording is truncated.
@@ -171,7 +213,8 @@ impl TrialFile {
         if let Some(seen) = outcome.track.localisation() {
             self.size = Some(seen.picture);
         }
-        // The rows are those of the localisations, also of a simulated trial in pixels, whose truth is not exported.
+        // The rows are those of the localisations, also of a simulated trial in pixels, whose truth is not
+        // exported.
         let is_accepted = self.rows.accepts(outcome, false);
         let Some(size) = self.size.filter(|_| is_accepted) else { return Ok(()) };
         let start = *self.start.get_or_insert(outcome.at);

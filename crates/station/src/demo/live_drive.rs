@@ -8,17 +8,18 @@ use anyhow::Result;
 use barrelman_console_server::SessionTime;
 use barrelman_console_server::operator::{Answer, AnswerSlot, Gateway, SessionRequest, Submitted};
 use barrelman_console_server::snapshot::DriveState;
+use barrelman_experiments::drill::DrillJudge;
 use barrelman_experiments::drive::{Drive, DriveSetup, DriveWriter};
 use barrelman_experiments::scenario;
 use barrelman_host::clock::Clock;
 use barrelman_pilot::VesselMode;
 use barrelman_vocab::{
-    CameraRequest, NewDrive, Note, NoteRequest, OperatorRequest, StopCause, Timestamp, VideoRequest,
-    WorldRequest,
+    CameraRequest, Note, NoteRequest, OperatorRequest, StopCause, Timestamp, VideoRequest, WorldRequest,
 };
 
+use super::drill::Drill;
 use super::drive_files::{DriveFiles, OpenFiles};
-use super::drive_plan::DrivePlan;
+use super::drive_plan::{DrivePlan, Purpose};
 use super::first_selection::FirstSelection;
 use super::observers::DriveObservers;
 use super::pacing::Pacing;
@@ -52,6 +53,8 @@ pub(super) enum Next {
 pub(super) struct NextDrive {
     /// Its setup.
     pub(super) setup: DriveSetup,
+    /// Who judges it, if it is a drill.
+    pub(super) judge: Option<DrillJudge>,
     /// Its files.
     pub(super) files: OpenFiles,
     /// Where the answer goes when it has begun.
@@ -77,6 +80,8 @@ pub(super) struct LiveDrive<'a> {
     pub(super) is_paused: bool,
     /// Whether the time waits for the first selection.
     pub(super) first_selection: FirstSelection,
+    /// The drill, if the drive is one.
+    pub(super) drill: Option<Drill>,
     /// Whether the user knows that the world is slower than real time.
     pub(super) is_slow_told: bool,
 }
@@ -88,10 +93,14 @@ impl LiveDrive<'_> {
     /// If an input cannot be stored.
     pub(super) fn run(&mut self, events: &Receiver<Event>, until: Option<Timestamp>) -> Result<Next> {
         // A new drive is a stop: the operator engages.
-        if !self.setup.hands_on && self.number == 1 {
+        if !self.setup.hands_on && (self.number == 1 || self.drill.is_some()) {
             self.request(CameraRequest::Engage.into())?;
         }
-        let mut pacing = Pacing::new(0, self.clock.now());
+        while let Some(drill) = self.drill.as_mut().filter(|drill| !drill.has_begun()) {
+            self.drive.tick(&mut self.observers);
+            drill.after_tick(&self.drive, self.setup)?;
+        }
+        let mut pacing = Pacing::new(self.drive.world().tick(), self.clock.now());
         loop {
             if let Some(next) = self.take_requests()? {
                 return Ok(Next::Drive(next));
@@ -123,6 +132,10 @@ impl LiveDrive<'_> {
             self.drive.tick(&mut self.observers);
             self.first_selection = self.first_selection.after_steps(&mut self.observers.first_selection);
             self.time.set(self.drive.world().now());
+            if let Some(drill) = &mut self.drill {
+                // Its world stands still at the end: the result is looked at.
+                self.is_paused |= drill.after_tick(&self.drive, self.setup)?;
+            }
             if tick.is_multiple_of(STATE_TICKS) {
                 self.publish_state(pacing.pace());
                 if !self.is_slow_told
@@ -169,13 +182,16 @@ impl LiveDrive<'_> {
             self.take_stop()?;
             let Some(Submitted { request, answer }) = self.gateway.next_request() else { return Ok(None) };
             match request {
-                SessionRequest::World(WorldRequest::NewDrive(wanted)) => match self.prepare(&wanted) {
-                    Ok((setup, files)) => {
-                        self.request(OperatorRequest::Stop(StopCause::Operator))?;
-                        return Ok(Some(Box::new(NextDrive { setup, files, answer })));
+                SessionRequest::World(WorldRequest::NewDrive(wanted)) => {
+                    if let Some(next) = self.next(&Purpose::Drive(wanted), answer)? {
+                        return Ok(Some(next));
                     }
-                    Err(error) => answer.give(Answer::Refused(format!("{error:#}"))),
-                },
+                }
+                SessionRequest::World(WorldRequest::Drill(wanted)) => {
+                    if let Some(next) = self.next(&Purpose::Drill(wanted), answer)? {
+                        return Ok(Some(next));
+                    }
+                }
                 SessionRequest::Video(VideoRequest::TrackVideo { .. }) => {
                     answer.give(Answer::Refused("a demo has one video".to_owned()));
                 }
@@ -211,12 +227,28 @@ impl LiveDrive<'_> {
         Answer::ACCEPTED
     }
 
+    /// Stops this drive for another one; `None`: the other one is refused, and this one goes on.
+    fn next(&mut self, wanted: &Purpose, answer: AnswerSlot) -> Result<Option<Box<NextDrive>>> {
+        match self.prepare(wanted) {
+            Ok((setup, files)) => {
+                self.request(OperatorRequest::Stop(StopCause::Operator))?;
+                Ok(Some(Box::new(NextDrive { setup, judge: wanted.judge(), files, answer })))
+            }
+            Err(error) => {
+                answer.give(Answer::Refused(format!("{error:#}")));
+                Ok(None)
+            }
+        }
+    }
+
     /// Everything that another drive needs.
     ///
     /// # Errors
     /// The drive cannot begin: this one goes on.
-    fn prepare(&self, wanted: &NewDrive) -> Result<(DriveSetup, OpenFiles)> {
-        scenario::require_choice(&wanted.scenario, &self.plan.choices()?)?;
+    fn prepare(&self, wanted: &Purpose) -> Result<(DriveSetup, OpenFiles)> {
+        if let Purpose::Drive(drive) = wanted {
+            scenario::require_choice(&drive.scenario, &self.plan.choices()?)?;
+        }
         Ok((self.plan.setup(wanted)?, self.files.open(self.number + 1)?))
     }
 
@@ -244,6 +276,9 @@ impl LiveDrive<'_> {
         if let Some(store) = &mut self.store {
             store.add(self.drive.world().tick(), request)?;
         }
+        if let Some(drill) = &mut self.drill {
+            drill.on_request(&request);
+        }
         self.drive.request(request, &mut self.observers);
         self.first_selection = self.first_selection.after_request(&request, &self.observers.first_selection);
         self.first_selection = self.first_selection.after_steps(&mut self.observers.first_selection);
@@ -265,7 +300,10 @@ impl LiveDrive<'_> {
         let camera = self.drive.world().camera_pose();
         if let Some(console) = &mut self.observers.console {
             console.publisher.set_camera(camera.tilt, camera.position.z);
-            console.publisher.set_boat(self.observers.first_selection.boat());
+            // In a drill, the person finds the boat.
+            let boat = self.observers.first_selection.boat().filter(|_| self.drill.is_none());
+            console.publisher.set_boat(boat);
+            console.publisher.set_drill(self.drill.as_ref().map(Drill::state));
             console.publisher.set_drive(state, now);
         }
     }

@@ -13,6 +13,7 @@ pub mod pacing;
 
 mod first_selection;
 
+mod drill;
 pub mod drive_files;
 pub mod drive_plan;
 

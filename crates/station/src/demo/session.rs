@@ -13,10 +13,12 @@ use barrelman_console_server::snapshot::{
 use barrelman_console_server::{
     ConsoleParts, ConsoleServer, ConsoleSettings, SessionFacts, SessionTime, VideoOutlet,
 };
+use barrelman_experiments::drill::DrillJudge;
 use barrelman_experiments::drive::{Drive, DriveSetup, DriveWriter};
 use barrelman_experiments::render_threads::RenderThreads;
 use barrelman_host::clock::Clock;
 
+use super::drill::Drill;
 use super::drive_files::{DriveFiles, OpenFiles};
 use super::drive_plan::DrivePlan;
 use super::first_selection::FirstSelection;
@@ -65,7 +67,7 @@ impl DriveSession {
     /// If the world, a thread or the console cannot be started, or a file cannot be written.
     pub fn run(self) -> Result<SessionEnd> {
         let Self { plan, files, first_files, console, max_duration, clock } = self;
-        let setup = plan.setup(&plan.first)?;
+        let (setup, judge) = (plan.setup(&plan.first)?, plan.first.judge());
         let threads = RenderThreads::new()?;
         let (events, queue) = sync_channel(EVENTS);
         let gateway = Arc::new(Gateway::new(wake_by(events.clone())));
@@ -103,7 +105,7 @@ impl DriveSession {
         print_keys(&setup)?;
 
         let until = max_duration.map(|duration| clock.now().plus(duration));
-        let end = drives.run(setup, first_files, &queue, until)?;
+        let end = drives.run((setup, judge), first_files, &queue, until)?;
         drop(server);
         drop(terminal);
         Ok(end)
@@ -126,7 +128,7 @@ impl Drives<'_> {
     /// Runs one drive after the other until the session is ended.
     fn run(
         &mut self,
-        mut setup: DriveSetup,
+        (mut setup, mut judge): (DriveSetup, Option<DrillJudge>),
         first_files: OpenFiles,
         queue: &Receiver<Event>,
         until: Option<Timestamp>,
@@ -134,6 +136,7 @@ impl Drives<'_> {
         let (mut number, mut open, mut answer) = (1, first_files, None::<AnswerSlot>);
         let end = loop {
             let drive = Drive::new(&setup, self.threads)?;
+            let drive = if judge.is_some() { drive.with_log() } else { drive };
             let now = drive.world().now();
             self.time.set(now);
             self.publisher.set_recording(recording_state(&open), now);
@@ -161,7 +164,8 @@ impl Drives<'_> {
                 clock: self.clock,
                 time: self.time.clone(),
                 is_paused: false,
-                first_selection: FirstSelection::of(&setup),
+                first_selection: first_selection(&setup, judge.is_some()),
+                drill: judge.take().map(Drill::new),
                 is_slow_told: false,
             };
             let next = live.run(queue, until)?;
@@ -169,8 +173,8 @@ impl Drives<'_> {
             match next {
                 Next::End(end) => break end,
                 Next::Drive(next) => {
-                    let NextDrive { setup: next_setup, files: next_files, answer: next_answer } = *next;
-                    (setup, open, answer) = (next_setup, next_files, Some(next_answer));
+                    let NextDrive { setup: next_setup, judge: next_judge, files, answer: slot } = *next;
+                    (setup, judge, open, answer) = (next_setup, next_judge, files, Some(slot));
                     number += 1;
                     tracing::info!("new drive: {}", setup.url);
                 }
@@ -194,6 +198,11 @@ impl Drives<'_> {
             }
         }
     }
+}
+
+/// The selection with which a drive begins. The time of a drill goes on.
+fn first_selection(setup: &DriveSetup, is_drill: bool) -> FirstSelection {
+    if is_drill { FirstSelection::Over } else { FirstSelection::of(setup) }
 }
 
 /// The state of the recording of a drive with these files.

@@ -11,10 +11,15 @@ const PID_NAMESPACE_OF_MACHINE: &str = "pid:[4026531836]";
 pub(super) fn warn() {
     // A run goes on without the warning where there are no more threads.
     let _ = std::thread::Builder::new().name("surroundings".to_owned()).spawn(|| {
-        for warning in warnings(&Surroundings::read()) {
+        for warning in own_warnings() {
             tracing::warn!("{warning}");
         }
     });
+}
+
+/// What would kill a guard together with this process, in words.
+pub fn own_warnings() -> Vec<String> {
+    warnings(&Surroundings::read())
 }
 
 /// What the system says of the processes around.

@@ -17,7 +17,7 @@ pub mod run_loop;
 mod new_drive;
 
 pub mod calibration;
-mod killed_together;
+pub mod killed_together;
 mod open_link;
 mod open_vessel;
 mod parts;

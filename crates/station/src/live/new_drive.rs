@@ -18,6 +18,10 @@ impl RunLoop<'_> {
                 Ok(()) => return Answer::ACCEPTED,
                 Err(reason) => reason,
             },
+            WorldRequest::Drill(_) => {
+                "a run has no drills: begin them with `barrelman demo --drill`, or on the demo's page"
+                    .to_owned()
+            }
             WorldRequest::Pause | WorldRequest::Resume => {
                 "the time of a run cannot be paused: only the world of `barrelman demo` can".to_owned()
             }

@@ -124,7 +124,8 @@ fn open_camera_link(
     link.on_pose_report(move |pose| {
         for report in [Report::CameraTilt(pose.tilt), Report::CameraHeight(pose.height_m)] {
             let report = Telemetry { at: clock.now(), report };
-            // The world does not wait for a loop that is held up: without room in the queue, the report is dropped.
+            // The world does not wait for a loop that is held up: without room in the queue, the report is
+            // dropped.
             let _ = events.try_send(Event::Link(LinkReport::Telemetry(report)));
         }
     });

@@ -60,7 +60,8 @@ fn play_one<S: VideoSink>(
     };
     let ticking = Ticking { world, camera: &scenario.camera, seed, devices, clock, start };
     let (units, arriving) = sync_channel(MAX_IN_TRANSIT);
-    // The feed lives outside the scope: a panic in a thread of the scope drops its sink, which reports the panic.
+    // The feed lives outside the scope: a panic in a thread of the scope drops its sink, which reports the
+    // panic.
     thread::scope(|scope| {
         let named = |name: &str| thread::Builder::new().name(name.to_owned());
         let moments = &moments;

@@ -54,7 +54,8 @@ fn a_service_with_a_configuration_that_it_cannot_run_with_is_not_started_again()
         let file = empty_folder("unusable_configurations").join(name);
         std::fs::write(&file, text).unwrap();
         let file = file.to_str().unwrap();
-        // On a terminal: what is missing on the command line is wrong use, a mistake in the file is a failure.
+        // On a terminal: what is missing on the command line is wrong use, a mistake in the file is a
+        // failure.
         refused(&["run", file], if code == 78 { 1 } else { code }, &[words[0], words[1], file]);
         let mut program = Command::new(env!("CARGO_BIN_EXE_barrelman"));
         let done = program.args(["run", file]).env("NOTIFY_SOCKET", "/nowhere").output().unwrap();

@@ -64,7 +64,8 @@ fn a_report_shows_recordings_campaigns_and_exported_logs_and_overwrites_nothing(
         .map(|entry| entry.unwrap().file_name().into_string().unwrap())
         .collect();
     figures.sort();
-    // Two recordings with four figures each, an exported log without truth, and one figure for each group of trials.
+    // Two recordings with four figures each, an exported log without truth, and one figure for each group of
+    // trials.
     assert_eq!(figures.len(), 4 + 4 + 3 + 2, "{figures:?}");
     for figure in figures {
         let svg = std::fs::read_to_string(folder.join("figures").join(&figure)).unwrap();

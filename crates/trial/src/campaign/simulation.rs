@@ -48,6 +48,8 @@ pub struct Simulation<'a> {
     reports_height: bool,
     report_errors: ReportErrors,
     rescue: Option<Rescue>,
+    /// Commands of the helm that are still to come, each with its tick.
+    helm: VecDeque<(u64, Option<HelmCommand>)>,
     log: TrialLog,
     /// Whether rows are added to the log.
     keeps_log: bool,
@@ -139,6 +141,7 @@ impl<'a> Simulation<'a> {
             reports_height: false,
             report_errors: ReportErrors::NONE,
             rescue: None,
+            helm: VecDeque::new(),
             log,
             keeps_log: true,
         }
@@ -176,10 +179,23 @@ impl<'a> Simulation<'a> {
         Self { operator: SimulatedOperator::person(seed), ..self }
     }
 
+    /// The same trial with a log.
+    #[must_use]
+    pub fn with_log(self) -> Self {
+        Self { keeps_log: true, ..self }
+    }
+
     /// The same trial without a log: its memory does not grow with its length. [`Self::into_log`] is then empty.
     #[must_use]
     pub fn without_log(self) -> Self {
         Self { keeps_log: false, ..self }
+    }
+
+    /// The same trial, in which the boat is steered as it was in another one: by each command of the helm from
+    /// its tick on, and by the helmsman where there is none. The pilot must have no vessel.
+    #[must_use]
+    pub fn with_helm(self, helm: Vec<(u64, Option<HelmCommand>)>) -> Self {
+        Self { helm: helm.into(), ..self }
     }
 
     /// The same trial in which a person selects the target: the world does not select it.
@@ -201,7 +217,12 @@ impl<'a> Simulation<'a> {
         self.into_log()
     }
 
-    /// The log of the trial so far.
+    /// The log of the trial so far, without the figures of the guidance.
+    pub const fn log(&self) -> &TrialLog {
+        &self.log
+    }
+
+    /// The log of the trial.
     pub fn into_log(mut self) -> TrialLog {
         self.log.guidance = self.rescue.as_ref().map(Rescue::metrics);
         self.log
@@ -284,6 +305,9 @@ impl<'a> Simulation<'a> {
             {
                 self.push_row(row);
             }
+        }
+        while let Some((_, helm)) = self.helm.pop_front_if(|(tick, _)| *tick <= self.world.tick()) {
+            self.world.override_helm(helm);
         }
         self.world.advance();
         if let (Some(rescue), Some(outcome)) = (&mut self.rescue, &self.outcome) {

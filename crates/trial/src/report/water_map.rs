@@ -65,7 +65,7 @@ fn draw_mark(canvas: &mut Canvas, view: &PlanView, mark: &MarkOnWater) {
         MarkKind::Place | MarkKind::WayPoint | MarkKind::Home => "bound",
     };
     let at = view.at(pair(*last));
-    let tip = format!("{} {}, known to {:.1} m", word(mark.kind), mark.id, mark.std_dev_m);
+    let tip = format!("{} {}, known to {:.1} m", mark.kind.key(), mark.id, mark.std_dev_m);
     if mark.radius_m > 0.0 {
         let open = if mark.was_destination { "ring" } else { "ring open" };
         canvas.circle(open, at, mark.radius_m * view.per_m(), Some(&tip));
@@ -76,23 +76,13 @@ fn draw_mark(canvas: &mut Canvas, view: &PlanView, mark: &MarkOnWater) {
     );
     canvas.circle(if mark.was_destination { "end" } else { "start" }, at, 2.6, Some(&tip));
     let name = if mark.was_destination {
-        format!("{} {}: destination", word(mark.kind), mark.id)
+        format!("{} {}: destination", mark.kind.key(), mark.id)
     } else {
-        format!("{} {}", word(mark.kind), mark.id)
+        format!("{} {}", mark.kind.key(), mark.id)
     };
     let is_near_right = at.0 > WIDTH - 90.0;
     let (anchor, off) = if is_near_right { (Anchor::End, -6.0) } else { (Anchor::Start, 6.0) };
     canvas.text_on_lines("small", anchor, (at.0 + off, at.1 + 3.0), &name);
-}
-
-const fn word(kind: MarkKind) -> &'static str {
-    match kind {
-        MarkKind::Place => "place",
-        MarkKind::Person => "person",
-        MarkKind::WayPoint => "way-point",
-        MarkKind::Forbidden => "forbidden",
-        MarkKind::Home => "home",
-    }
 }
 
 const fn pair(point: WaterPoint) -> (f64, f64) {

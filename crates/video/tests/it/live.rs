@@ -116,7 +116,8 @@ fn a_source_stops_at_once_when_told_to() {
     let (handle, from, _) = start(&format!("{}?fps=0.25", fixture("png")));
     let frame = |delivered| matches!(delivered, Delivered::Frame(..)).then_some(());
     assert!(wait_for(&from, SOON, frame).is_some());
-    // `stop` waits at most 2 s, less than the 4 s to the next picture: a source that waits for it does not end well.
+    // `stop` waits at most 2 s, less than the 4 s to the next picture: a source that waits for it does not
+    // end well.
     assert_eq!(handle.stop(), Ok(()));
 }
 

@@ -2,7 +2,7 @@
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use strum::VariantNames;
+use strum::{IntoStaticStr, VariantNames};
 
 use crate::image::PixelPoint;
 use crate::time::Timestamp;
@@ -71,8 +71,22 @@ pub struct MovedMark {
 }
 
 /// What is marked.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize, JsonSchema)]
+#[derive(
+    Debug,
+    Clone,
+    Copy,
+    PartialEq,
+    Eq,
+    PartialOrd,
+    Ord,
+    Hash,
+    Serialize,
+    Deserialize,
+    JsonSchema,
+    IntoStaticStr,
+)]
 #[serde(rename_all = "kebab-case")]
+#[strum(serialize_all = "kebab-case")]
 pub enum MarkKind {
     /// A place: the vessel goes there and stays.
     Place,
@@ -85,6 +99,13 @@ pub enum MarkKind {
     Forbidden,
     /// The place that the vessel comes back to.
     Home,
+}
+
+impl MarkKind {
+    /// The name in the API, in files and on figures.
+    pub fn key(self) -> &'static str {
+        self.into()
+    }
 }
 
 /// Who stops the vessel alone.

@@ -4,6 +4,8 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use strum::VariantNames;
 
+use crate::drill::DrillName;
+
 /// A request about a simulated world, of which the pilot knows nothing: refused where
 /// there is none.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema, VariantNames)]
@@ -16,6 +18,8 @@ pub enum WorldRequest {
     Resume,
     /// End this world and begin another. This is a stop: the new drive begins disengaged and without marks.
     NewDrive(NewDrive),
+    /// End this world and begin a drill in another one; in the demo only. This is a stop.
+    Drill(NewDrill),
 }
 
 /// The world of a new drive.
@@ -24,6 +28,16 @@ pub enum WorldRequest {
 pub struct NewDrive {
     /// The scenario: one of `hello.scenarios`.
     pub scenario: String,
+    /// Seed of all random numbers.
+    pub seed: u64,
+}
+
+/// The drill that begins.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct NewDrill {
+    /// The drill.
+    pub drill: DrillName,
     /// Seed of all random numbers.
     pub seed: u64,
 }

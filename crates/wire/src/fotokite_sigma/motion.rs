@@ -127,7 +127,8 @@ impl Motion {
                 (now.since(at) >= spacing).then_some(())?;
                 self.turn(around, now)
             }
-            // A zero that is under way must not end a motion that begins after it, and one zero comes before any motion.
+            // A zero that is under way must not end a motion that begins after it, and one zero comes before
+            // any motion.
             State::Stopping { zeros: 1.., .. } | State::Resting if !self.wanted.is_rest() => {
                 around.is_stop_free.then_some(())?;
                 self.turn(around, now)

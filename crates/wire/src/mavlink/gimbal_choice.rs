@@ -93,7 +93,8 @@ impl GimbalChoice {
         let best = self.usable().find(|device| device.can_pan_and_tilt());
         let best =
             best.or_else(|| self.usable().find(|device| device.information.is_none() && has_waited(device)));
-        // One that pans and tilts, and describes itself once only, waits no longer than one that says nothing.
+        // One that pans and tilts, and describes itself once only, waits no longer than one that says
+        // nothing.
         best.filter(has_waited).map(|device| device.gimbal)
     }
 

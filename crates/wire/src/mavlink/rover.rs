@@ -240,8 +240,8 @@ impl Session for RoverSession {
     fn poll(&mut self, now: Timestamp, out: &mut Vec<Vec<u8>>) -> NextAction {
         // A boat that is not heard may hear: at the end, neutral goes out in any case.
         if !self.is_closing && self.is_silent(now) {
-            // The next session sends nothing before it hears the boat. These packets do not count as sent: whether one arrived is
-            // not known.
+            // The next session sends nothing before it hears the boat. These packets do not count as sent:
+            // whether one arrived is not known.
             if self.last.is_some_and(|(_, sent)| !sent.is_neutral()) {
                 out.extend(self.last_will(now).into_iter().map(|step| step.packet));
             }

@@ -41,8 +41,8 @@ impl Law for Lqg {
         let (view, now) = state.project(0.0, [0.0; 2]);
         let (_, soon) = state.project(RATE_INTERVAL_S, [0.0; 2]);
         let jacobian = view.jacobian(now);
-        // Where the camera looks straight down, pan hardly moves the target: the gain is limited to ten times the
-        // usual.
+        // Where the camera looks straight down, pan hardly moves the target: the gain is limited to ten times
+        // the usual.
         let px_per_rad = [jacobian.pan[0], jacobian.tilt[1]];
         let min_px_per_rad = 0.1 * px_per_rad[1].abs();
         let px_per_rad = px_per_rad.map(|gain| -gain.abs().max(min_px_per_rad));

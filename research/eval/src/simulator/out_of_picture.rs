@@ -32,8 +32,8 @@ fn print_row(name: &str, logs: &[TrialLog]) {
     let trials = logs.len();
     let metrics: Vec<_> = logs.iter().map(measure_trial).collect();
     let share = |count: usize| format!("{count} ({:.0} %)", 100.0 * count as f64 / trials as f64);
-    // Recorded positions are clamped to the border, so that only the truth of a simulated trial tells whether the
-    // target left the picture.
+    // Recorded positions are clamped to the border, so that only the truth of a simulated trial tells whether
+    // the target left the picture.
     let truths: Option<Vec<_>> = logs.iter().map(|log| log.truth.as_ref()).collect();
     let left = truths.map_or_else(
         || "?".to_owned(),

@@ -203,8 +203,8 @@ fn the_boat_goes_where_its_bow_points() {
             }
             let course = libm::atan2(-dv, du).to_degrees();
             let off = wrap_angle(course - pair[1].heading.degrees()).abs();
-            // Waves make the bow yaw by 3 degrees, the squash makes up to 5 of it; the zoom adds 0.3 px, which
-            // is 11 degrees of the slowest.
+            // Waves make the bow yaw by 3 degrees, the squash makes up to 5 of it; the zoom adds 0.3 px,
+            // which is 11 degrees of the slowest.
             assert!(off < 16.0, "{name} at {} s: off by {off:.1} degrees", pair[1].time_s);
             compared += 1;
         }
@@ -231,7 +231,8 @@ fn the_truth_is_what_changes_when_the_boat_is_left_out() {
         scene.render_without_target(frame, &mut without);
         let pixels = changed(&with, &without);
         let (seen, told) = (around(&pixels), truth.bounds);
-        // The lens blurs edges by up to 1.5 px and motion by a few more; on a thin side that is more than 5 %.
+        // The lens blurs edges by up to 1.5 px and motion by a few more; on a thin side that is more than 5
+        // %.
         let off = [
             seen.u - told.u,
             seen.v - told.v,

@@ -41,7 +41,8 @@ impl RunLoop<'_> {
     /// With Engage, the operator takes the control back that another client has. An engagement that the start of the run asks for
     /// does not: who has the control is not known then, and the link takes the control by itself where it is free.
     fn take_control_back(&self, request: OperatorRequest, outcome: &Outcome) {
-        // A boat that another program or a person steers refuses the request, and is asked for: the next one may succeed.
+        // A boat that another program or a person steers refuses the request, and is asked for: the next one
+        // may succeed.
         let asks_for_vessel = matches!(
             (request, &outcome.notice),
             (

@@ -107,7 +107,8 @@ impl GimbalSession {
             return;
         }
         self.is_operator_asked |= self.state == State::Yielded;
-        // A vehicle that obeys everybody has gone on with the rates that were sent until its restart was known.
+        // A vehicle that obeys everybody has gone on with the rates that were sent until its restart was
+        // known.
         self.needs_answer |= self.may_be_turning();
         (self.zeros_at, self.left_zeros_sent) = (now, 0);
         (self.gimbal, self.has_information, self.holder) = (None, false, None);

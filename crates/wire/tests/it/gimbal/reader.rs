@@ -381,7 +381,8 @@ fn the_pan_is_told_in_the_frame_in_which_the_gimbal_holds_it() {
         Flags::GIMBAL_DEVICE_FLAGS_YAW_IN_EARTH_FRAME,
         Flags::GIMBAL_DEVICE_FLAGS_YAW_LOCK,
     );
-    // Yaw by 30 degrees; the vehicle's nose is 20 degrees from north by its attitude, and turns by 10 degrees a second.
+    // Yaw by 30 degrees; the vehicle's nose is 20 degrees from north by its attitude, and turns by 10 degrees
+    // a second.
     let told = |flags: Flags, delta_yaw_deg: f32, attitude_ms: Option<u32>| {
         let (sin, cos) = 15_f32.to_radians().sin_cos();
         let mut vehicle = Vehicle::known(1);

@@ -160,7 +160,8 @@ impl World {
 
     fn judge(&mut self, at_ms: u64) {
         let is_line_disturbed = self.machine.line.is_disturbed(at_ms);
-        // A guard that hung is replaced by one that opens the port at once, and speaks at once where the boat need not be heard.
+        // A guard that hung is replaced by one that opens the port at once, and speaks at once where the boat
+        // need not be heard.
         let is_replaced = self.machine.replaces_hung_guard() && self.vessel.is_spoken_to_unheard();
         let is_guard_gone = !(self.machine.has_link() || is_replaced) || self.machine.is_excluded();
         if is_line_disturbed || is_guard_gone || self.machine.is_suspended() {

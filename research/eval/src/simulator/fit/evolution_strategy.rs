@@ -75,7 +75,8 @@ impl EvolutionStrategy {
         let step_rate = (effective_parents + 2.0) / (n + effective_parents + 3.0);
         let damping = 1.0 + 2.0 * ((effective_parents - 1.0) / (n + 1.0)).sqrt().max(1.0) - 2.0 + step_rate;
         let path_rate = 4.0 / (n + 4.0);
-        // A diagonal has fewer values than a full covariance matrix: its learning rates are larger by this factor.
+        // A diagonal has fewer values than a full covariance matrix: its learning rates are larger by this
+        // factor.
         let separable = (n + 1.5) / 3.0;
         let rank_one_rate = (separable * 2.0 / ((n + 1.3).powi(2) + effective_parents)).min(0.5);
         let rank_mu_rate = (separable * 2.0 * (effective_parents - 2.0 + 1.0 / effective_parents)
