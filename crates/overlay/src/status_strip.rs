@@ -36,6 +36,13 @@ struct Field {
     rank: u8,
 }
 
+impl Field {
+    /// A field in the usual colour, without a value yet.
+    const fn plain(name: &'static str, widest: &'static str, rank: u8) -> Self {
+        Self { name, value: 0..0, widest, style: FieldStyle::Plain(Rgba::LIGHT), rank }
+    }
+}
+
 /// The rank of frame number and time, at the right end.
 const TIME_RANK: u8 = 4;
 /// The highest rank.
@@ -88,13 +95,6 @@ impl StatusStrip {
     }
 
     fn list_fields(&mut self, scene: &Scene<'_>, view: Option<&TargetView>, detail: Detail) {
-        let plain = |name, widest, rank| Field {
-            name,
-            value: 0..0,
-            widest,
-            style: FieldStyle::Plain(Rgba::LIGHT),
-            rank,
-        };
         if let Some(mode) = scene.mode {
             let colour = match mode {
                 Mode::Idle => Rgba::QUIET,
@@ -102,9 +102,12 @@ impl StatusStrip {
                 Mode::Holding(_) => Rgba::CAUTION,
                 Mode::Stopped(_) => Rgba::ALARM,
             };
-            self.field(Field { style: FieldStyle::Badge(colour), ..plain("", "servoing", 0) }, |buffer| {
-                let _ = write!(buffer, "{mode}");
-            });
+            self.field(
+                Field { style: FieldStyle::Badge(colour), ..Field::plain("", "servoing", 0) },
+                |buffer| {
+                    let _ = write!(buffer, "{mode}");
+                },
+            );
         }
         let (colour, state, confidence) = match scene.track {
             Track::Unseeded => (Rgba::QUIET, "nothing selected", None),
@@ -112,27 +115,39 @@ impl StatusStrip {
             Track::Coasting(seen) => (Rgba::CAUTION, "coasting", Some(seen.confidence)),
             Track::Lost { confidence, .. } => (Rgba::ALARM, "lost", Some(*confidence)),
         };
-        self.field(Field { style: FieldStyle::Dotted(colour), ..plain("", "coasting", 1) }, |buffer| {
-            buffer.push_str(state)
-        });
+        self.field(
+            Field { style: FieldStyle::Dotted(colour), ..Field::plain("", "coasting", 1) },
+            |buffer| buffer.push_str(state),
+        );
         if let Some(confidence) = confidence {
-            self.field(plain("confidence", "0.00", 5), |buffer| {
+            self.field(Field::plain("confidence", "0.00", 5), |buffer| {
                 let _ = write!(buffer, "{confidence:.2}");
             });
         }
         if let Some(percept) = view.map(|view| view.percept) {
             let colour = if MotorSchema::is_released(&percept) { Rgba::ACCENT } else { Rgba::LIGHT };
-            self.field(Field { style: FieldStyle::Plain(colour), ..plain("P", "0.00", 2) }, |buffer| {
-                let _ = write!(buffer, "{:.2}", percept.p);
-            });
-            self.field(plain("r", "000 px", 6), |buffer| {
+            self.field(
+                Field { style: FieldStyle::Plain(colour), ..Field::plain("P", "0.00", 2) },
+                |buffer| {
+                    let _ = write!(buffer, "{:.2}", percept.p);
+                },
+            );
+            self.field(Field::plain("r", "000 px", 6), |buffer| {
                 let _ = write!(buffer, "{:.0} px", percept.r_px);
             });
-            self.field(plain("angle", "\u{2212}000.0°", 6), |buffer| {
+            self.field(Field::plain("angle", "\u{2212}000.0°", 6), |buffer| {
                 text::push_signed(buffer, percept.direction.degrees(), 1);
                 buffer.push('°');
             });
         }
+        self.list_rates(scene);
+        if let Some(link) = scene.link.filter(|_| detail == Detail::Full) {
+            self.field(Field::plain("link", "", 7), |buffer| buffer.push_str(link));
+        }
+    }
+
+    /// Adds the rates of the camera's axes: those that were sent, or else those that were commanded.
+    fn list_rates(&mut self, scene: &Scene<'_>) {
         let axes = match (scene.rates, scene.mode) {
             (Some(rates), _) => Some(rates.in_the_senses_of(scene.command)),
             (None, Some(_)) => Some(scene.command),
@@ -142,15 +157,12 @@ impl StatusStrip {
         for (name, rate) in axes.into_iter().flatten() {
             let moving = if rate.is_zero() { Rgba::LIGHT } else { Rgba::ACCENT };
             self.field(
-                Field { style: FieldStyle::Plain(moving), ..plain(name, "\u{2212}0.000 rad/s", 3) },
+                Field { style: FieldStyle::Plain(moving), ..Field::plain(name, "\u{2212}0.000 rad/s", 3) },
                 |buffer| {
                     text::push_signed(buffer, rate.radians_per_second(), 3);
                     buffer.push_str(" rad/s");
                 },
             );
-        }
-        if let Some(link) = scene.link.filter(|_| detail == Detail::Full) {
-            self.field(plain("link", "", 7), |buffer| buffer.push_str(link));
         }
     }
 

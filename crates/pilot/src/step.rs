@@ -5,8 +5,7 @@ use core::time::Duration;
 use barrelman_control::{CameraLaw, LawInput, LawSettings, MotorSchema, Percept, Region, Sector};
 use barrelman_vision::Tracker;
 use barrelman_vocab::{
-    Angle, CameraCommand, CameraRequest, HoldCause, LawId, OperatorRequest, PictureSize, PixelBox, Timestamp,
-    Track, VehicleProfile,
+    Angle, CameraCommand, HoldCause, LawId, PictureSize, PixelBox, Timestamp, Track, VehicleProfile,
 };
 
 use crate::calibration::Calibration;
@@ -15,7 +14,7 @@ use crate::input::Input;
 use crate::net_yaw::{NetYaw, NetYawLevel};
 use crate::on_earth::EarthReports;
 use crate::opposed_motion::OpposedMotion;
-use crate::outcome::{Advice, Mode, Notice, Outcome, RENEWAL_GRACE, Refusal};
+use crate::outcome::{Advice, Mode, Notice, Outcome, RENEWAL_GRACE};
 use crate::proposing::Proposals;
 use crate::safety::{ObservationResult, Safety};
 use crate::search::{LastBearing, Search};
@@ -28,6 +27,7 @@ mod net_turn;
 mod observing;
 mod proposing;
 mod reports;
+mod requests;
 mod searching;
 mod vessel_part;
 
@@ -149,8 +149,8 @@ impl Pilot {
         self.settings.law.id()
     }
 
-    /// Whether a further [`OperatorRequest::Stop`] would change nothing: the camera is stopped, the boat is stopped or not
-    /// commanded, and no helm is held that a stop would bar.
+    /// Whether a further [`Stop`](barrelman_vocab::OperatorRequest::Stop) would change nothing: the camera is stopped, the
+    /// boat is stopped or not commanded, and no helm is held that a stop would bar.
     pub fn is_at_rest_by_stop(&self) -> bool {
         self.safety.is_stopped() && self.vessel.as_ref().is_none_or(|vessel| vessel.is_at_rest_by_stop())
     }
@@ -204,116 +204,6 @@ impl Pilot {
         let is_fresh = self.is_video_fresh(age);
         let ended = self.advance_search(result, now).or_else(|| self.advance_calibration(is_fresh, now));
         self.finish_step(result, age, observation.notice.or(ended), now)
-    }
-
-    /// Processes a request. Returns what the operator has to know.
-    fn on_request(&mut self, request: &OperatorRequest, now: Timestamp) -> Option<Notice> {
-        match request {
-            OperatorRequest::Stop(cause) => {
-                self.safety.stop(*cause);
-                if let Some(vessel) = &mut self.vessel {
-                    vessel.stop(*cause);
-                }
-                None
-            }
-            OperatorRequest::Camera(request) => self.on_camera_request(request, now),
-            OperatorRequest::Vessel(request) => self.on_vessel_request(request, now),
-        }
-    }
-
-    /// Processes a request about the camera. Returns what the operator has to know.
-    fn on_camera_request(&mut self, request: &CameraRequest, now: Timestamp) -> Option<Notice> {
-        if *request == CameraRequest::Reject && !self.tracker.reject() {
-            return Some(Notice::RequestRefused(Refusal::NothingToReject));
-        }
-        let refusal = self.refusal(request, now);
-        if let Some(refusal) = refusal.or_else(|| self.safety.on_request(request, now).err()) {
-            return Some(Notice::RequestRefused(refusal));
-        }
-        match request {
-            CameraRequest::SelectNext(selection) => {
-                self.forget_unconfirmed();
-                self.pending_selection = Some(*selection);
-                self.begin_target();
-                None
-            }
-            CameraRequest::Select(selection) => {
-                self.forget_unconfirmed();
-                self.begin_target();
-                self.pending_selection = None;
-                self.drawn_selection = Some(PendingSelection::new(*selection));
-                None
-            }
-            CameraRequest::Reject => {
-                self.begin_target();
-                self.pending_selection = None;
-                self.set_unlocalised(Track::Lost {
-                    since: self.last_capture.unwrap_or(now),
-                    confidence: 0.0,
-                });
-                Some(Notice::TargetRejected)
-            }
-            CameraRequest::Deselect => {
-                self.tracker.forget();
-                self.begin_target();
-                self.pending_selection = None;
-                self.set_unlocalised(Track::Unseeded);
-                Some(Notice::Deselected)
-            }
-            CameraRequest::Law { law } => {
-                self.change_law(*law);
-                Some(Notice::LawChanged(*law))
-            }
-            CameraRequest::Search => {
-                self.begin_search(now);
-                None
-            }
-            CameraRequest::NetYaw { degrees } => {
-                let pan = self.pan_at(now);
-                self.net_yaw.set(Angle::from_degrees(*degrees), pan);
-                Some(Notice::NetYaw(self.net_yaw.state(pan)))
-            }
-            CameraRequest::Calibrate => {
-                self.calibration = Some(Calibration::new(now));
-                None
-            }
-            CameraRequest::Propose(tap) => self.on_tap(*tap, now),
-            CameraRequest::Engage => self.take_proposal_to_follow(now),
-            // The safety rule has done what there is to do.
-            CameraRequest::Nudge(_) | CameraRequest::Disengage => None,
-        }
-    }
-
-    /// Another target is followed from now on.
-    fn begin_target(&mut self) {
-        if let Some(vessel) = &mut self.vessel {
-            vessel.begin_target();
-        }
-        self.law.reset_target();
-        self.proposals.take();
-        self.drawn_selection = None;
-        self.last_bearing = None;
-    }
-
-    /// The selection that waits for its confirmation is replaced. If the tracker follows it already, the tracker forgets it: a
-    /// selection that is not confirmed is not followed, also where the new one is refused. The track of before it is gone.
-    fn forget_unconfirmed(&mut self) {
-        let is_followed = self.drawn_selection.is_some_and(|pending| pending.is_followed());
-        if is_followed {
-            self.tracker.forget();
-            self.set_unlocalised(Track::Unseeded);
-        }
-    }
-
-    /// The target's position is not known.
-    fn set_unlocalised(&mut self, track: Track) {
-        (self.track, self.percept, self.advice) = (track, None, None);
-    }
-
-    /// Changes the law. The settings at the start are those of their own law; every other law has its defaults.
-    fn change_law(&mut self, law: LawId) {
-        self.settings.law = if law == self.first_law.id() { self.first_law } else { LawSettings::new(law) };
-        self.law.change_law(self.settings.law, &self.settings.profile);
     }
 
     /// Computes percept and advice from the newest track, and classifies the observation for the safety rule.

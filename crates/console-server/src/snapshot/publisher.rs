@@ -4,14 +4,12 @@ use barrelman_experiments::drill::DrillState;
 use std::sync::Arc;
 use std::time::Duration;
 
-use barrelman_pilot::{Input, Notice, Outcome, Refusal, VesselMode};
+use barrelman_pilot::{Input, Outcome};
 use barrelman_video::sender_clock::VideoTiming;
-use barrelman_vocab::acceptance::Acceptance;
 use barrelman_vocab::drive_mode::DriveMode;
-use barrelman_vocab::telemetry::{ControlState, FlightState, LinkState, Report};
-use barrelman_vocab::vehicle_text::VehicleText;
+use barrelman_vocab::telemetry::{ControlState, FlightState, LinkState};
 use barrelman_vocab::{
-    Angle, HoldCause, LawId, Named as _, PixelBox, Telemetry, Timestamp, Track, VehicleProfile, VehicleRates,
+    Angle, HoldCause, LawId, Named as _, PixelBox, Timestamp, Track, VehicleProfile, VehicleRates,
 };
 use tokio::sync::watch;
 
@@ -21,13 +19,13 @@ use super::event_log::{EventLog, Level};
 use super::frame_rate::FrameRate;
 use super::step_time::StepTime;
 use super::text_rate::TextRate;
-use super::vehicle::{LinkStatus, VehicleSnapshot};
+use super::vehicle::LinkStatus;
 use super::{DriveState, RecordingState, SharedSnapshot, Snapshot, VideoSourceState, WorldState};
 use barrelman_pilot::Mode;
 use barrelman_pilot::net_yaw::NetYawLevel;
-use barrelman_pilot::vessel::gate::Said;
 use barrelman_trial::camera_work::CameraWorkMeter;
 
+mod logging;
 mod video;
 
 /// Nearer to an end stop than this, the alarm is raised, rad (3 degrees).
@@ -290,100 +288,6 @@ impl Publisher {
         .filter_map(|(alarm, is_raised)| is_raised.then_some(alarm))
         .collect()
     }
-
-    fn log_outcome(&self, outcome: &Outcome) {
-        let before = self.state.outcome.as_ref();
-        let add = |level, key, text: String| self.events.add(outcome.at, level, key, text);
-        if before.map(|before| before.mode) != Some(outcome.mode) {
-            let level = match outcome.mode {
-                Mode::Holding(_) | Mode::Stopped(_) => Level::Warning,
-                _ => Level::Info,
-            };
-            add(level, "mode", outcome.mode.to_string());
-        }
-        let mode = outcome.vessel.mode;
-        if before.map_or(VesselMode::Absent, |before| before.vessel.mode) != mode {
-            let level = match mode {
-                VesselMode::Holding(_) | VesselMode::KeepingWay(_) | VesselMode::Stopped(_) => Level::Warning,
-                _ => Level::Info,
-            };
-            add(level, "boat", mode.to_string());
-        }
-        let track = track_name(outcome.track);
-        if track != before.map_or("unseeded", |before| track_name(before.track)) {
-            add(Level::Info, "track", format!("track: {track}"));
-        }
-        match &outcome.notice {
-            None => {}
-            Some(notice @ Notice::RequestRefused(Refusal::PictureOnly(_))) => {
-                add(Level::Warning, "picture-only", notice.to_string());
-            }
-            Some(notice @ Notice::Going(Some(_))) => add(Level::Warning, "notice", notice.to_string()),
-            Some(
-                notice @ (Notice::RequestRefused(_)
-                | Notice::SelectionRefused(_)
-                | Notice::SelectionUnconfirmed(_)),
-            ) => {
-                add(Level::Warning, "refused", notice.to_string());
-            }
-            Some(notice) => add(Level::Info, "notice", notice.to_string()),
-        }
-    }
-
-    fn log_acceptance(&self, before: Option<Acceptance>, now: Timestamp) {
-        if let Some(said) = self.state.vehicle.acceptance.filter(|said| before != Some(*said)) {
-            let level = if said == Acceptance::Accepted { Level::Info } else { Level::Warning };
-            self.events.add(now, level, "acceptance", said.text());
-        }
-    }
-
-    fn log_gimbal(&self, telemetry: &Telemetry) {
-        if let Report::GimbalDevice(device) = telemetry.report {
-            let text = format!("the camera is on gimbal device {device}");
-            self.events.add(telemetry.at, Level::Info, "gimbal", text);
-        }
-    }
-
-    /// What the boat says: whether it takes commands, at each change, and its texts.
-    fn log_vessel(&mut self, before: &VehicleSnapshot, telemetry: &Telemetry) {
-        let at = telemetry.at;
-        match telemetry.report {
-            Report::Acceptance(acceptance) => {
-                let said = Said { acceptance, mode: self.state.vessel.drive_mode };
-                let is_new = (before.acceptance, self.logged_mode) != (Some(acceptance), said.mode);
-                self.logged_mode = said.mode;
-                let was_ours = before.acceptance.is_some_and(|before| !before.is_elsewhere());
-                match (acceptance, was_ours) {
-                    _ if !is_new => {}
-                    (Acceptance::Accepted, _) => {
-                        self.events.add(at, Level::Info, "boat", "the boat takes commands");
-                    }
-                    (said_now, true) if said_now.is_elsewhere() => {
-                        let text =
-                            format!("the boat has left the mode in which it is steered from here; {said}");
-                        self.events.add(at, Level::Warning, "boat", text);
-                    }
-                    _ => self.events.add(at, Level::Warning, "boat", said.to_string()),
-                }
-            }
-            Report::Text(text) if self.texts.takes(text.as_str(), at) => {
-                self.state.vessel_text = Some((text, at));
-                let is_warning = text.severity() <= VehicleText::WARNING;
-                let level = if is_warning { Level::Warning } else { Level::Info };
-                self.events.add(at, level, "boat-says", format!("the boat says: {text}"));
-            }
-            _ => {}
-        }
-    }
-
-    fn log_link_change(&self, before: LinkStatus, now: Timestamp) {
-        if let LinkStatus::Link(state) = self.state.vehicle.link
-            && before != self.state.vehicle.link
-        {
-            let level = if state == LinkState::Up { Level::Info } else { Level::Warning };
-            self.events.add(now, level, "link", link_state_text(state));
-        }
-    }
 }
 
 /// The state of a link as text.
@@ -395,15 +299,6 @@ pub const fn link_state_text(state: LinkState) -> &'static str {
         LinkState::Silent => "the vehicle is silent",
         LinkState::Closing => "link closing",
         LinkState::Closed => "link closed",
-    }
-}
-
-const fn track_name(track: Track) -> &'static str {
-    match track {
-        Track::Unseeded => "unseeded",
-        Track::Tracking(_) => "tracking",
-        Track::Coasting(_) => "coasting",
-        Track::Lost { .. } => "lost",
     }
 }
 

@@ -18,31 +18,25 @@
 //! What the law cannot do: keep away from a person who comes nearer faster than the boat goes astern, or hold its place in a
 //! current faster than the boat.
 
-use barrelman_vocab::{Angle, Timestamp, VesselCommand, VesselLimits, WaterPoint};
+use barrelman_vocab::{Angle, Timestamp, VesselCommand, VesselLimits};
 
 use super::answer::ApproachCheck;
-use super::clearance::{ClearCourse, Side, clear_course, free_distance, turn_clears};
+use super::clearance::{ClearCourse, Side, clear_course};
 use super::input::{Destination, GuidanceInput, GuidanceState, GuidanceStep, Progress};
 use super::route::{LegGuidance, Route};
 use super::track::{BoatState, BoatTrack};
 use super::tuning::{LineOfSightTuning, VesselModel};
 use crate::wrapped::wrapped;
 
+mod resting;
+mod speed;
+
 /// Longest time that one step integrates, seconds.
 const MAX_STEP_S: f64 = 0.2;
-/// Time in which the throttle rises from that for getting way on to the limit, seconds.
-const WAY_RISE_S: f64 = 3.0;
-
 /// Least throttle that the rudder is divided by.
 const MIN_STEERING_THRUST: f64 = 0.2;
-/// Throttle for each m/s of missing speed.
-const THROTTLE_PER_SPEED: f64 = 0.25;
 /// Excess of the speed over the allowed speed, m/s, from which on the boat goes astern, and that of full astern.
 const ASTERN_EXCESS: (f64, f64) = (0.15, 0.6);
-/// A boat before a person moves away from a place too close by this share of the distance each second, and at most so fast,
-/// m/s.
-const BACKING_PER_S: f64 = 0.5;
-const BACKING_M_PER_S: f64 = 0.4;
 /// The boat comes nearer to a person again from this distance beyond its place on, metres.
 const STAND_OFF_DRIFT_M: f64 = 1.5;
 /// Distance to a circle's edge within which the boat stops, metres.
@@ -341,103 +335,6 @@ impl LineOfSight {
         }
     }
 
-    /// The command of a boat at its destination.
-    fn rest(
-        &self,
-        input: &GuidanceInput<'_>,
-        destination: Destination,
-        boat: &BoatState,
-        stop: Option<Stop>,
-    ) -> (VesselCommand, GuidanceState) {
-        let Destination::Person { at, velocity_m_per_s, .. } = destination else {
-            return (VesselCommand::NEUTRAL, GuidanceState::Holding);
-        };
-        let left_m = stop.map_or(0.0, |stop| stop.left_m);
-        let away = self.retreat(boat, (at, velocity_m_per_s), left_m, &input.limits);
-        let may_go = self.can_coast_to_rest(boat, away.throttle, input);
-        (if may_go { away } else { VesselCommand::NEUTRAL }, GuidanceState::StandingOff)
-    }
-
-    /// Whether a boat under this thrust, ahead or astern, still comes to rest before every circle when the thrust ends.
-    fn can_coast_to_rest(&self, boat: &BoatState, throttle: f64, input: &GuidanceInput<'_>) -> bool {
-        let Some(heading) = boat.heading else { return false };
-        let (sin, cos) = libm::sincos(heading.radians());
-        let sign = if throttle < 0.0 { -1.0 } else { 1.0 };
-        let direction = (sign * sin, sign * cos);
-        let Some(free_m) = free_distance(boat.point, direction, input.keep_outs, EDGE_M) else { return true };
-        let speed = boat.velocity.0 * direction.0 + boat.velocity.1 * direction.1;
-        speed.max(0.0) < self.stopping_speed(free_m, self.model.coasting_m_per_s2)
-    }
-
-    /// The command of a boat at rest before a person: away from the person where it is too close. A boat that points at the person
-    /// goes astern, another one ahead and turns away. One whose bow is not known stays neutral: any thrust might move it to the person.
-    fn retreat(
-        &self,
-        boat: &BoatState,
-        (person, (vx, vy)): (WaterPoint, (f64, f64)),
-        left_m: f64,
-        limits: &VesselLimits,
-    ) -> VesselCommand {
-        let bearing = boat.point.bearing_to(person).radians();
-        let (sin, cos) = libm::sincos(bearing);
-        let closing = (boat.velocity.0 - vx) * sin + (boat.velocity.1 - vy) * cos;
-        let desired = (BACKING_PER_S * left_m).clamp(-BACKING_M_PER_S, 0.0);
-        let excess = closing - desired;
-        if excess <= 0.0 || (left_m > 0.0 && closing < ASTERN_EXCESS.0) {
-            return VesselCommand::NEUTRAL;
-        }
-        let Some(heading) = boat.heading else { return VesselCommand::NEUTRAL };
-        let off_bow = wrapped(bearing - heading.radians());
-        // Thrust grows with the square of the throttle.
-        let share = libm::sqrt((excess / ASTERN_EXCESS.1).min(1.0));
-        if libm::cos(off_bow) > POINTS_AT.0 {
-            VesselCommand { throttle: -limits.astern * share, rudder: 0.0 }
-        } else {
-            // Until the person is astern.
-            let rudder = -libm::copysign(limits.rudder * libm::sin(off_bow).abs(), off_bow);
-            VesselCommand { throttle: 0.5 * limits.ahead * share, rudder }
-        }
-    }
-
-    /// Deceleration with which the boat can stop, m/s².
-    fn braking(&self, limits: &VesselLimits) -> f64 {
-        self.model.coasting_m_per_s2 + self.model.astern_m_per_s2 * limits.astern * limits.astern
-    }
-
-    /// The largest speed at which the boat can stop in time, m/s, and whether it goes astern to keep it.
-    fn allowed_speed(&self, input: &GuidanceInput<'_>, boat: &BoatState, stop: Option<Stop>) -> AllowedSpeed {
-        let limits = &input.limits;
-        let speed_limit = limits.speed_m_per_s.unwrap_or(f64::INFINITY).max(0.0);
-        let mut allowed = AllowedSpeed { m_per_s: speed_limit, is_strict: false };
-        if let Some(stop) = stop {
-            let (from, is_strict) = (stop.left_m, stop.is_strict);
-            allowed.limit(self.stopping_speed(from, self.braking_before(is_strict, limits)), is_strict);
-        }
-        // The velocity of a slow boat has no direction: the bow's counts.
-        let direction = match boat.heading {
-            Some(heading) if boat.speed_m_per_s() < SLOW_M_PER_S => libm::sincos(heading.radians()),
-            _ => boat.velocity,
-        };
-        let free = free_distance(boat.point, direction, input.keep_outs, EDGE_M);
-        if let Some(free_m) = free.filter(|_| !self.turns_clear(boat, input)) {
-            allowed.limit(self.stopping_speed(free_m, self.braking_before(true, limits)), true);
-        }
-        allowed
-    }
-
-    /// Whether the turn to the side on which the boat goes around keeps clear of all circles: then the boat needs its thrust.
-    fn turns_clear(&self, boat: &BoatState, input: &GuidanceInput<'_>) -> bool {
-        let Some(side) = self.side else { return false };
-        let run_on_s = self.tuning.reaction_s;
-        let point = WaterPoint {
-            x: boat.point.x + run_on_s * boat.velocity.0,
-            y: boat.point.y + run_on_s * boat.velocity.1,
-        };
-        let course = self.course(boat).unwrap_or_else(|| boat.course());
-        let (sin, cos) = libm::sincos(course.radians());
-        turn_clears(point, (sin, cos), side, self.model.turn_radius_m, input.keep_outs, EDGE_M)
-    }
-
     /// Whether the boat goes astern from a circle that it has no room to turn before.
     fn backs_off(&mut self, boat: &BoatState, input: &GuidanceInput<'_>) -> bool {
         let Some(heading) = boat.heading.filter(|_| input.limits.astern > 0.0) else {
@@ -457,62 +354,11 @@ impl LineOfSight {
         self.backs_off
     }
 
-    fn braking_before(&self, is_strict: bool, limits: &VesselLimits) -> f64 {
-        if is_strict { self.braking(limits) } else { self.tuning.approach_m_per_s2 }
-    }
-
-    /// The speed from which the boat stops within a distance: `v t + v² / (2 a) = d`.
-    fn stopping_speed(&self, distance_m: f64, braking: f64) -> f64 {
-        let run_on = braking * self.tuning.reaction_s;
-        libm::sqrt(run_on * run_on + 2.0 * braking * distance_m.max(0.0)) - run_on
-    }
-
-    /// The command of a boat whose heading is unknown.
-    fn get_way(&mut self, input: &GuidanceInput<'_>, speed: AllowedSpeed) -> VesselCommand {
-        let since = *self.way_since.get_or_insert(input.now);
-        let rise = (input.now.since(since).as_secs_f64() / WAY_RISE_S).min(1.0);
-        let start = self.tuning.way_throttle.min(input.limits.ahead);
-        let throttle =
-            (start + rise * (input.limits.ahead - start)).min(speed.m_per_s / self.model.speed_per_throttle);
-        VesselCommand { throttle, rudder: 0.0 }
-    }
-
-    fn throttle(&self, boat: &BoatState, speed: &AllowedSpeed, limits: &VesselLimits) -> f64 {
-        let missing = speed.m_per_s - boat.speed_m_per_s();
-        if speed.is_strict && -missing > ASTERN_EXCESS.0 {
-            let share = libm::sqrt((-missing / ASTERN_EXCESS.1).min(1.0));
-            // A boat that moves astern is stopped by thrust ahead.
-            let is_ahead = boat.heading.is_none_or(|heading| {
-                let (sin, cos) = libm::sincos(heading.radians());
-                boat.velocity.0 * sin + boat.velocity.1 * cos >= 0.0
-            });
-            return if is_ahead { -limits.astern * share } else { 0.5 * limits.ahead * share };
-        }
-        let throttle = speed.m_per_s / self.model.speed_per_throttle + THROTTLE_PER_SPEED * missing;
-        throttle.clamp(0.0, limits.ahead)
-    }
-
     fn rudder(&self, boat: &BoatState, error: f64, throttle: f64, limits: &VesselLimits) -> f64 {
         let thrust = boat.thrust.max(throttle).max(MIN_STEERING_THRUST);
         let authority = self.model.turn_authority(thrust, boat.speed_m_per_s());
         let turn = self.tuning.course_gain_per_s * (error - self.tuning.turn_damping * boat.turn_to_come);
         let rudder = (turn / authority).clamp(-limits.rudder, limits.rudder);
         if (rudder - self.rudder).abs() < self.tuning.rudder_step { self.rudder } else { rudder }
-    }
-}
-
-/// The largest allowed speed.
-#[derive(Debug, Clone, Copy)]
-struct AllowedSpeed {
-    m_per_s: f64,
-    is_strict: bool,
-}
-
-impl AllowedSpeed {
-    fn limit(&mut self, m_per_s: f64, is_strict: bool) {
-        if m_per_s < self.m_per_s {
-            self.m_per_s = m_per_s;
-            self.is_strict = is_strict;
-        }
     }
 }

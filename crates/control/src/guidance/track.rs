@@ -21,16 +21,16 @@ use super::tuning::{LineOfSightTuning, VesselModel};
 use crate::ring::Ring;
 use crate::wrapped::wrapped;
 
-/// Stored states of the model; at [`MIN_INTERVAL_S`] they cover 2 s.
-const HISTORY_LEN: usize = 128;
-/// Shortest interval between two stored states, seconds.
-const MIN_INTERVAL_S: f64 = 0.016;
+mod bow;
+mod motion;
+
+use motion::{HISTORY_LEN, MIN_INTERVAL_S, Motion, motion_at, turned_at};
+
 /// Standard deviation of each component of the velocity before the second fix, m/s.
 const INITIAL_SPEED_M_PER_S: f64 = 0.7;
 /// The filter starts anew after a gap of this length, seconds.
 const MAX_GAP_S: f64 = 3.0;
-/// Growth of the heading's variance, rad² per second, and variance beyond which the heading is unknown, rad².
-const HEADING_NOISE: f64 = 0.01;
+/// Variance beyond which the heading is unknown, rad².
 const MAX_HEADING_VARIANCE: f64 = 0.6;
 /// Variance of the heading up to which it tells the velocity through the water, rad².
 const KNOWN_HEADING_VARIANCE: f64 = 0.125;
@@ -47,8 +47,6 @@ const RETURN_AT_REST_S: f64 = 0.36;
 const ACCELERATION_AT_REST: f64 = 0.04;
 /// Share of the modelled gain of speed that is taken over at once; the rest comes with the return to the model.
 const GAINED_SHARE: f64 = 0.4;
-/// Standard deviation of the course as a heading, radians: the crab angle.
-const CRAB_RAD: f64 = 0.35;
 
 /// That before any fix.
 const NO_DISPLACEMENT: Displacement = Displacement { at_s: f64::NEG_INFINITY, metres: (0.0, 0.0) };
@@ -81,22 +79,6 @@ impl BoatState {
     pub fn course(&self) -> Angle {
         Angle::from_radians(libm::atan2(self.velocity.0, self.velocity.1))
     }
-}
-
-/// State of the vessel's model.
-#[derive(Debug, Clone, Copy)]
-struct Motion {
-    at_s: f64,
-    /// Integral of the turn rate of the course, radians.
-    turned: f64,
-    /// Turn rate of the bow, and of the course, rad/s.
-    yaw: f64,
-    turn: f64,
-    thrust: f64,
-    /// Speed through the water, m/s.
-    surge: f64,
-    /// Place in still water, along the axes of the first course, metres.
-    way: (f64, f64),
 }
 
 /// The camera's apparent displacement at the time of a fix, along x and y.
@@ -329,47 +311,6 @@ impl BoatTrack {
         self.estimate.map(|estimate| Timestamp::from_secs_f64(estimate.at_s))
     }
 
-    fn observe_heading(&mut self, fix: &BoatFix, at_s: f64) {
-        let Some(estimate) = self.estimate else { return };
-        let motion = self.motion_at(at_s);
-        if let Some(last) = &mut self.heading {
-            let turn = motion.turned - turned_at(&self.motion, last.at_s);
-            *last = Heading {
-                at_s,
-                angle: last.angle + turn,
-                variance: last.variance + HEADING_NOISE * (at_s - last.at_s).max(0.0),
-            };
-        }
-        let (vx, vy) = estimate.velocity();
-        let squared_speed = vx * vx + vy * vy;
-        let of_tracker = fix
-            .heading
-            .map(|(angle, std_dev)| (angle.radians(), std_dev.radians() * std_dev.radians()))
-            .filter(|(angle, variance)| angle.is_finite() && *variance > 0.0);
-        let is_moving =
-            motion.surge > self.way_speed && squared_speed > self.course_speed * self.course_speed;
-        let of_course = is_moving.then(|| {
-            (libm::atan2(vx, vy), CRAB_RAD * CRAB_RAD + estimate.velocity_variance() / squared_speed)
-        });
-        let of_way_ahead = of_course.filter(|_| motion.thrust > 0.0).map(|(course, _)| course);
-        let of_past = self.heading.filter(|last| last.variance < MAX_HEADING_VARIANCE).map(|last| last.angle);
-        let of_tracker = match of_way_ahead.or(of_past) {
-            Some(bow) => of_tracker.map(|(angle, variance)| (end_near(angle, bow), variance)),
-            // Nothing tells the ends of a boat apart that may go astern.
-            None => of_tracker.filter(|_| motion.surge >= 0.0),
-        };
-        for (angle, variance) in of_tracker.into_iter().chain(of_course) {
-            let gained = self.heading.map_or(1.0, |last| last.variance / (last.variance + variance));
-            let before = self.heading.map_or(angle, |last| last.angle);
-            let kept_variance = self.heading.map_or(variance, |last| (1.0 - gained) * last.variance);
-            self.heading = Some(Heading {
-                at_s,
-                angle: wrapped(before + gained * wrapped(angle - before)),
-                variance: kept_variance,
-            });
-        }
-    }
-
     /// Velocity through the water by the model: none at rest; unknown under way while the heading is not known well.
     fn through_water(&self, at_s: f64) -> Option<ThroughWater> {
         let motion = self.motion_at(at_s);
@@ -411,46 +352,5 @@ impl VesselModel {
     /// Turn rate at full rudder, rad/s.
     pub(super) fn turn_authority(&self, thrust: f64, speed_m_per_s: f64) -> f64 {
         self.turn_per_throttle * thrust.max(0.0) + self.turn_per_speed * speed_m_per_s
-    }
-}
-
-fn turned_at(motion: &Ring<Motion, HISTORY_LEN>, at_s: f64) -> f64 {
-    motion_at(motion, at_s).turned
-}
-
-/// The interpolated state of the model at a time; the newest or the oldest stored state beyond the history.
-fn motion_at(motion: &Ring<Motion, HISTORY_LEN>, at_s: f64) -> Motion {
-    let mut later = motion.newest();
-    if at_s >= later.at_s {
-        return *later;
-    }
-    for earlier in motion.earlier() {
-        if earlier.at_s <= at_s {
-            if earlier.at_s == f64::NEG_INFINITY {
-                break;
-            }
-            let share = (at_s - earlier.at_s) / (later.at_s - earlier.at_s);
-            let mix = |a: f64, b: f64| a + share * (b - a);
-            return Motion {
-                at_s,
-                turned: mix(earlier.turned, later.turned),
-                yaw: mix(earlier.yaw, later.yaw),
-                turn: mix(earlier.turn, later.turn),
-                thrust: mix(earlier.thrust, later.thrust),
-                surge: mix(earlier.surge, later.surge),
-                way: (mix(earlier.way.0, later.way.0), mix(earlier.way.1, later.way.1)),
-            };
-        }
-        later = earlier;
-    }
-    *later
-}
-
-/// The end of an axis that points nearer to a direction: the angle itself, or the opposite one, radians.
-fn end_near(angle: f64, direction: f64) -> f64 {
-    if wrapped(angle - direction).abs() > core::f64::consts::FRAC_PI_2 {
-        angle + core::f64::consts::PI
-    } else {
-        angle
     }
 }

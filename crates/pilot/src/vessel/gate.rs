@@ -34,14 +34,15 @@ use core::time::Duration;
 use barrelman_vocab::acceptance::Acceptance;
 use barrelman_vocab::drive_mode::DriveMode;
 use barrelman_vocab::telemetry::{LinkState, Report};
-use barrelman_vocab::{
-    FailSafe, HoldCause, KeepWay, StopCause, Timestamp, VesselCommand, VesselProfile, VesselStopper,
-};
+use barrelman_vocab::{FailSafe, HoldCause, KeepWay, Timestamp, VesselCommand, VesselProfile};
 
-use crate::refusal::Refusal;
 use crate::vehicle::{CommandPath, VehicleState};
 
+mod mode;
+mod requests;
+
 pub use super::said::Said;
+pub use mode::{VesselHold, VesselMode, VesselStop};
 
 /// How long a command of the guidance lasts after the last fresh localisation of the boat.
 pub const GUIDED_LASTS: Duration = Duration::from_millis(250);
@@ -53,64 +54,6 @@ pub const HOLD_LASTS: Duration = Duration::from_secs(5);
 const NEEDS_VIDEO: Duration = Duration::from_millis(250);
 /// Longest time for which the throttle grows in one step.
 const LONGEST_RISE: Duration = Duration::from_millis(200);
-
-/// What the boat does, as far as this program commands it.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum VesselMode {
-    /// There is no vessel.
-    Absent,
-    /// The boat is not commanded: another program or a person may steer it.
-    Released,
-    /// Neutral: commanded, and steered neither by guidance nor by hand.
-    Neutral,
-    /// The operator steers by hand.
-    ByHand,
-    /// The boat goes to its destination by itself.
-    Guided,
-    /// The boat shall go by itself, but is neutral for this reason.
-    Holding(VesselHold),
-    /// The same, but the boat keeps way for a while.
-    KeepingWay(VesselHold),
-    /// Stopped, until the next request.
-    Stopped(VesselStop),
-}
-
-/// Why a boat that shall go by itself is neutral.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum VesselHold {
-    /// There is no destination.
-    NoDestination,
-    /// A mark that the boat must regard has no place on the water.
-    UnplacedMark,
-    /// The boat has no place on the water: its line of sight is too near to the horizon, or beyond the lens. Or the boat is guided in
-    /// the picture, and its destination has no pixel: it is behind the camera.
-    NoPlace,
-    /// For want of a boat in the picture, of video, or of a link.
-    Cause(HoldCause),
-}
-
-/// Why the boat is stopped.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum VesselStop {
-    /// The operator stopped the boat.
-    Operator,
-    /// The console that was in control is gone.
-    ConsoleLost,
-    /// Everything was stopped.
-    Everything(StopCause),
-    /// What the vessel reported.
-    Vessel(StopCause),
-    /// The boat takes no commands any more.
-    NotAccepted(Said),
-    /// Another boat was selected, or none.
-    OtherBoat,
-    /// The guidance waited for too long, for this reason.
-    HeldTooLong(VesselHold),
-    /// Height or tilt of the camera are not reported any more, and circles are marked: in the picture they would not be kept.
-    WaterLost,
-    /// What is followed did not move as the commanded boat would have.
-    NoAnswer,
-}
 
 /// What one step saw of the boat.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -276,77 +219,6 @@ impl VesselGate {
     const fn bar_helm(&mut self) {
         if matches!(self.helm, Helm::Held) {
             self.helm = Helm::Barred;
-        }
-    }
-
-    /// The operator stops the boat, also one that this program did not command so far: from now on it does.
-    pub fn stop_vessel(&mut self, by: VesselStopper) {
-        match by {
-            VesselStopper::ConsoleLost => self.stop(VesselStop::ConsoleLost),
-            VesselStopper::Operator if self.holder == Holder::Released => {
-                self.bar_helm();
-                self.holder = Holder::Stopped { cause: VesselStop::Operator };
-            }
-            VesselStopper::Operator => self.stop(VesselStop::Operator),
-        }
-    }
-
-    /// Commands the boat no more.
-    pub const fn release(&mut self) {
-        self.holder = Holder::Released;
-    }
-
-    /// The operator engages the guidance of a boat that is seen. The guidance needs fresh video: without it,
-    /// a boat that was last seen long ago would set off when the video comes back.
-    ///
-    /// # Errors
-    /// The reason, if the boat cannot be commanded now.
-    pub fn guide(&mut self, now: Timestamp) -> Result<(), Refusal> {
-        self.refuse_without_way()?;
-        if !self.has_video(now) {
-            return Err(Refusal::NoFreshVideo);
-        }
-        if !self.is_guiding() {
-            // Neutral until the next localisation, which has to come in time.
-            self.holder =
-                Holder::Guided { advised: VesselCommand::NEUTRAL, fresh_at: Some(now), holding: None };
-        }
-        Ok(())
-    }
-
-    /// The operator steers by hand; neutral lets go.
-    ///
-    /// # Errors
-    /// The reason, if the boat cannot be commanded now.
-    pub fn steer(&mut self, wanted: VesselCommand, now: Timestamp) -> Result<(), Refusal> {
-        let wanted = wanted.clamped();
-        if wanted.is_neutral() {
-            self.helm = Helm::Free;
-            if matches!(self.holder, Holder::ByHand { .. }) {
-                self.holder = Holder::Neutral;
-            }
-            return Ok(());
-        }
-        if let Err(refusal) = self.refuse_without_way() {
-            self.helm = Helm::Barred;
-            return Err(refusal);
-        }
-        if self.helm == Helm::Barred {
-            return Err(Refusal::HelmHeld);
-        }
-        self.helm = Helm::Held;
-        if !self.has_video(now) {
-            return Err(Refusal::NoFreshVideo);
-        }
-        self.holder = Holder::ByHand { wanted, renewed_at: now };
-        Ok(())
-    }
-
-    fn refuse_without_way(&self) -> Result<(), Refusal> {
-        match (self.vessel.obstacle(), self.said) {
-            (None, _) => Ok(()),
-            (Some(HoldCause::NoControl), Some(said)) => Err(Refusal::NotAccepted(said)),
-            (Some(cause), _) => Err(Refusal::NoVesselMotion(cause)),
         }
     }
 

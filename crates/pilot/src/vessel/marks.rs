@@ -18,153 +18,18 @@ use barrelman_vocab::{
 
 use super::frame_view::FrameView;
 
+mod drift;
+mod mark;
+
+pub use drift::Drift;
+pub use mark::{FORBIDDEN_M, Mark};
+
+use drift::std_dev_of;
+
 /// Most marks at a time.
 pub const MAX_MARKS: usize = 16;
-/// Growth of the standard deviation of a person's place, m/s, beside that of the drift: swimming, and what is
-/// left of the sway.
-const PERSON_DRIFT_M_PER_S: f64 = 0.1;
-/// Standard deviation of each component of a person's drift before it is known, m/s.
-const DRIFT_STD_DEV_M_PER_S: f64 = 0.3;
-/// Growth of the variance of a known drift, (m/s)² per second: wind and current change.
-const DRIFT_NOISE: f64 = 0.0004;
-/// Standard deviation of each coordinate of a mark, beside what the camera's geometry tells, metres: the
-/// kite's sway, the hand.
-const MARK_STD_DEV_M: f64 = 0.8;
 /// Least time between two places of a mark that tell a drift.
 const DRIFT_AFTER: Duration = Duration::from_secs(2);
-/// Largest drift that is believed, m/s: a fast tidal current.
-const MAX_DRIFT_M_PER_S: f64 = 1.5;
-/// The standard deviation grows no further than this, metres.
-const MAX_STD_DEV_M: f64 = 5.0;
-/// Radius of a forbidden area, metres.
-pub const FORBIDDEN_M: f64 = 5.0;
-
-/// A mark.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Mark {
-    /// Number of the mark, from 1; no number is used twice.
-    pub id: u32,
-    /// What is there.
-    pub kind: MarkKind,
-    /// Line of sight: a unit vector (right, ahead, up) in the frame of reference that does not turn with the
-    /// camera.
-    pub direction: [f64; 3],
-    /// Where it is on the water; `None`: height or tilt were not known since it was set.
-    pub water: Option<WaterFix>,
-    /// Whether a tilt of the camera had been reported when the mark was set or moved. Without one, the
-    /// direction is that of the tilt in the profile.
-    has_tilt: bool,
-    /// Time of capture of its video frame.
-    pub marked: Timestamp,
-    /// How the marked person drifts; `None`: no person, or no place on the water.
-    pub drift: Option<Drift>,
-}
-
-/// An estimate of a drift over the water frame: a Kalman filter with the states place and velocity, the same
-/// for x and y. What it measures are the places of the mark. It starts at rest.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Drift {
-    /// Along x and y, m/s.
-    pub velocity_m_per_s: (f64, f64),
-    place: (f64, f64),
-    /// Variances of place (m²) and velocity ((m/s)²), and their covariance.
-    variances: [f64; 2],
-    covariance: f64,
-}
-
-impl Drift {
-    /// At rest where a mark is.
-    fn at_rest(fix: &WaterFix) -> Self {
-        let (WaterPoint { x, y }, std_dev_m) = (fix.point, std_dev_of(fix));
-        let speed_variance = DRIFT_STD_DEV_M_PER_S * DRIFT_STD_DEV_M_PER_S;
-        Self {
-            velocity_m_per_s: (0.0, 0.0),
-            place: (x, y),
-            variances: [std_dev_m * std_dev_m, speed_variance],
-            covariance: 0.0,
-        }
-    }
-
-    /// The place was corrected: the velocity stays as it is.
-    fn correct(&mut self, fix: &WaterFix) {
-        let velocity_variance = self.variances[1];
-        let Self { place, variances: [place_variance, _], .. } = Self::at_rest(fix);
-        (self.place, self.variances, self.covariance) = (place, [place_variance, velocity_variance], 0.0);
-    }
-
-    /// Standard deviation of each component of the velocity, m/s.
-    fn std_dev_m_per_s(&self) -> f64 {
-        libm::sqrt(self.variances[1])
-    }
-
-    /// Takes in that what drifts is at a place after a time.
-    fn observe(&mut self, WaterPoint { x, y }: WaterPoint, duration_s: f64, std_dev_m: f64) {
-        let [place, velocity] = self.variances;
-        let covariance = self.covariance + duration_s * velocity;
-        let place = place + duration_s * (self.covariance + covariance);
-        let velocity = velocity + DRIFT_NOISE * duration_s;
-        let total = place + std_dev_m * std_dev_m;
-        let gains = (place / total, covariance / total);
-        let (vx, vy) = self.velocity_m_per_s;
-        let expected = (self.place.0 + duration_s * vx, self.place.1 + duration_s * vy);
-        let off = (x - expected.0, y - expected.1);
-        self.place = (expected.0 + gains.0 * off.0, expected.1 + gains.0 * off.1);
-        let mixed = (vx + gains.1 * off.0, vy + gains.1 * off.1);
-        let scale = (MAX_DRIFT_M_PER_S / libm::hypot(mixed.0, mixed.1).max(1e-9)).min(1.0);
-        self.velocity_m_per_s = (scale * mixed.0, scale * mixed.1);
-        self.variances = [(1.0 - gains.0) * place, velocity - gains.1 * covariance];
-        self.covariance = (1.0 - gains.0) * covariance;
-    }
-}
-
-impl Mark {
-    /// Standard deviation of the place at `now`, metres, which grows for a person alone; `None` without a
-    /// place on the water.
-    pub fn std_dev_m(&self, now: Timestamp) -> Option<f64> {
-        let drift =
-            self.drift.map_or(0.0, |drift| libm::hypot(PERSON_DRIFT_M_PER_S, drift.std_dev_m_per_s()));
-        let grown = drift * now.since(self.marked).as_secs_f64();
-        let fixed = self.water?.covariance.max_std_dev_m();
-        Some(libm::sqrt(fixed * fixed + grown * grown).min(MAX_STD_DEV_M))
-    }
-
-    /// Velocity over the water frame along x and y, m/s.
-    pub fn velocity_m_per_s(&self) -> (f64, f64) {
-        self.drift.map_or((0.0, 0.0), |drift| drift.velocity_m_per_s)
-    }
-
-    /// The point on the water at `now`.
-    pub fn point(&self, now: Timestamp) -> Option<WaterPoint> {
-        let WaterPoint { x, y } = self.water?.point;
-        let (vx, vy) = self.velocity_m_per_s();
-        let since_s = now.since(self.marked).as_secs_f64();
-        Some(WaterPoint { x: x + vx * since_s, y: y + vy * since_s })
-    }
-
-    /// The pixel of the mark at `now`; `None`: behind the camera.
-    pub fn pixel(&self, frame_view: &FrameView, now: Timestamp) -> Option<PixelPoint> {
-        match self.point(now).filter(|_| frame_view.sees_water) {
-            Some(point) => frame_view.view.pixel_of_water(point),
-            None => frame_view.view.pixel_of(self.direction),
-        }
-    }
-
-    /// Whether the boat's way leads to the mark: it is the destination, or a way-point.
-    fn is_on_route(&self, destination: Option<u32>) -> bool {
-        destination == Some(self.id) || self.kind == MarkKind::WayPoint
-    }
-
-    /// Radius of the circle around the mark that the boat keeps out of, metres: 0 for a mark without a
-    /// circle. The uncertainty is not in it.
-    pub const fn radius_m(&self, profile: &VesselProfile, is_destination: bool) -> f64 {
-        match self.kind {
-            MarkKind::Person if is_destination => profile.stand_off_m,
-            MarkKind::Person => profile.keep_out_m,
-            MarkKind::Forbidden => FORBIDDEN_M,
-            MarkKind::Place | MarkKind::WayPoint | MarkKind::Home => 0.0,
-        }
-    }
-}
 
 /// Why a mark cannot be set.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -197,11 +62,6 @@ fn place(pixel: PixelPoint, frame_view: &FrameView) -> Result<([f64; 3], Option<
     } else {
         Err(MarkRefusal::NotOnWater)
     }
-}
-
-/// Standard deviation of each coordinate of a mark's place, metres.
-fn std_dev_of(fix: &WaterFix) -> f64 {
-    libm::hypot(MARK_STD_DEV_M, fix.covariance.max_std_dev_m())
 }
 
 /// All marks, in the order in which they were set.

@@ -13,7 +13,7 @@ use barrelman_host::clock::Clock;
 use barrelman_host::output::OutputFile;
 use barrelman_vocab::profile::{AxisDynamics, Sign, VehicleProfile};
 
-use super::run::{CalibrationRun, calibrate};
+use super::calibration_run::{CalibrationRun, calibrate};
 use crate::cli::{CalibrateArgs, CalibrateCommand, UsageError};
 use crate::config::Configuration;
 

@@ -4,8 +4,8 @@
 //! between the two: the same video thread, pilot, link and recorder as with a vehicle. The camera of the clip does not
 //! move, so commands show in the emulator's log and the annotated video, not in the picture itself.
 
-use std::io::{BufWriter, Write as _, stdout};
-use std::path::Path;
+use std::io::{BufWriter, Write, stdout};
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -16,7 +16,7 @@ use barrelman_emulators::emulation_loop::Emulator;
 use barrelman_emulators::fotokite_pro::{FotokitePro, GroundStationSettings};
 use barrelman_emulators::log::StationLog;
 use barrelman_sim::practice::{FRAMES_PER_SECOND, PracticeClip};
-use barrelman_vocab::{Picture, PictureSize, Timestamp};
+use barrelman_vocab::{Picture, PictureSize, PixelBox, Timestamp};
 use indicatif::ProgressBar;
 
 use super::run;
@@ -80,38 +80,8 @@ pub fn run(args: &DemoArgs, clock: Clock) -> Result<ExitCode> {
         practice.frames() / FRAMES_PER_SECOND
     )?;
     out.flush()?;
-    let selection = practice.truth(0).selection;
     let code = run::run_with_outputs(
-        &RunArgs {
-            connection: ConnectionOptions {
-                video: vec![format!("file:{}", clip.display())],
-                link: Some(format!("serial:{}", port.display())),
-                ..ConnectionOptions::default()
-            },
-            guard: None,
-            // The emulated ground station ends with this process.
-            without_guard: true,
-            profile: None,
-            mavlink: None,
-            vessel: None,
-            vessel_profile: None,
-            guidance: None,
-            select: Some(selection),
-            tracker: Some(args.tracker),
-            law: args.law.resolve(LawChoice::MOTOR_SCHEMA)?.into(),
-            engage: true,
-            hands_on: false,
-            console: ConsoleOptions::default(),
-            links_file: None,
-            headless: true,
-            foxglove: None,
-            no_record: false,
-            record: Some(recording.clone()),
-            overlay: Some(film.clone()),
-            force: args.force,
-            fault: Vec::new(),
-            faults: None,
-        },
+        &run_args(args, [clip, &port, recording, film], practice.truth(0).selection)?,
         |_| Ok(outputs),
         clock,
     );
@@ -121,6 +91,12 @@ pub fn run(args: &DemoArgs, clock: Clock) -> Result<ExitCode> {
         Err(_) => tracing::error!("the emulated ground station panicked"),
     }
     let code = code?;
+    list_files(&mut out, [film, station_log, recording])?;
+    Ok(code)
+}
+
+/// Says what is in the files, and what to do with them.
+fn list_files(out: &mut impl Write, [film, station_log, recording]: [&PathBuf; 3]) -> Result<()> {
     writeln!(
         out,
         "\n{}: the annotated video\n{}: every command that the ground station received\n{}: the recording; try\n  barrelman replay {} --compare\n  barrelman metrics {}",
@@ -130,7 +106,45 @@ pub fn run(args: &DemoArgs, clock: Clock) -> Result<ExitCode> {
         recording.display(),
         recording.display(),
     )?;
-    Ok(code)
+    Ok(())
+}
+
+/// The arguments of the run between clip and ground station.
+fn run_args(
+    args: &DemoArgs,
+    [clip, port, recording, film]: [&PathBuf; 4],
+    selection: PixelBox,
+) -> Result<RunArgs> {
+    Ok(RunArgs {
+        connection: ConnectionOptions {
+            video: vec![format!("file:{}", clip.display())],
+            link: Some(format!("serial:{}", port.display())),
+            ..ConnectionOptions::default()
+        },
+        guard: None,
+        // The emulated ground station ends with this process.
+        without_guard: true,
+        profile: None,
+        mavlink: None,
+        vessel: None,
+        vessel_profile: None,
+        guidance: None,
+        select: Some(selection),
+        tracker: Some(args.tracker),
+        law: args.law.resolve(LawChoice::MOTOR_SCHEMA)?.into(),
+        engage: true,
+        hands_on: false,
+        console: ConsoleOptions::default(),
+        links_file: None,
+        headless: true,
+        foxglove: None,
+        no_record: false,
+        record: Some(recording.clone()),
+        overlay: Some(film.clone()),
+        force: args.force,
+        fault: Vec::new(),
+        faults: None,
+    })
 }
 
 /// Encodes the practice clip.

@@ -8,29 +8,28 @@ use barrelman_console_server::{AfterPicking, ConsoleSettings};
 use barrelman_pilot::{CommandPath, Pilot, PilotSettings};
 
 use super::draw_selection::{draw_selection, has_display};
-use crate::cli::{CalibrateAxesArgs, RunArgs, UsageError};
+use crate::cli::RunArgs;
 use crate::config::{Configuration, ConsoleConfig, RecordingConfig, UnusableConfiguration};
-use crate::link::url::Endpoint;
-use crate::link::{LinkUrl, command_path, find_guard, vehicle_over_http, video_of_vehicle};
-use crate::live::calibration::LiveCalibration;
-use crate::live::faults::{FAULT_THREADS, FaultInjector};
+use crate::link::{LinkUrl, command_path, vehicle_over_http};
 use crate::live::recording_folder::{self, DiskReserve};
 use crate::live::run_loop::RunEnd;
 use crate::live::session::{Outputs, Session};
 use crate::live::source::Source;
-use crate::secrets::{self, TrustFiles};
-use crate::source_url::SourceUrl;
+use crate::secrets;
 use crate::tracking_camera::{self, TrackingCameraSetup};
-use barrelman_experiments::calibration::{CalibrationRecorder, CalibrationResult};
 use barrelman_host::clock::Clock;
-use barrelman_host::fault::FaultKind;
-use barrelman_host::fault_lines::parse_fault_lines;
-use barrelman_host::input;
 use barrelman_host::output::OutputFile;
-use barrelman_video::url::VideoSource;
 use barrelman_vocab::Videos;
 use barrelman_vocab::{Angle, PixelBox};
 use barrelman_wire::mavlink::tracking_camera::{CameraDescription, VideoStream};
+
+mod faults;
+pub(super) mod guards;
+pub(super) mod sources;
+
+use faults::injected_faults;
+use guards::{needed_guard, needed_vessel_guard};
+use sources::{ensure_camera_has_world, first_source, second_source};
 
 /// Runs the command.
 ///
@@ -52,43 +51,11 @@ pub fn run_with_outputs(
     let (mut configuration, latency_is_known) = effective_configuration(args)?;
     let mut link = configuration.link.as_deref().map(LinkUrl::parse).transpose()?;
     let http = vehicle_over_http(&configuration, link.as_ref())?;
-    let mut named = None;
-    if let (None, Some(http)) = (&configuration.video, &http) {
-        let video = video_of_vehicle(http, configuration.link_video_host.as_deref())?;
-        tracing::info!("the vehicle's video: {video}");
-        configuration.video = Some(video.to_string());
-        named = Some(video);
-        // One vehicle, one certificate.
-        if configuration.video_trust == TrustFiles::default() {
-            configuration.video_trust = configuration.link_access.trust.clone();
-        }
-    }
-    let Some(video) = &configuration.video else {
-        let file = args.connection.config.as_ref();
-        let file = file.map_or_else(|| "the configuration".to_owned(), |path| path.display().to_string());
-        let remedy = "give --video rtsp://..., --video file:clip.mp4, --video sim:arena1, or video.url in";
-        return Err(UsageError(format!("no video source: {remedy} {file}")).into());
-    };
-    let source = match named {
-        Some(video) => secrets::named_source_url(video, &configuration.video_login)?,
-        None => secrets::source_url(video, &configuration.video_login)?,
-    };
-    let uses_login =
-        matches!(&source, SourceUrl::Video(url) if matches!(url.source, VideoSource::Rtsp { .. }));
-    if args.connection.video_login_file.is_some() && !uses_login {
-        return Err(
-            UsageError(format!("--video-login-file is for rtsp:// alone: {source} uses no login")).into()
-        );
-    }
-    let mut source = source;
+    let mut source = first_source(args, &mut configuration, http.as_ref())?;
     let fault_injector = injected_faults(args, link.as_mut(), &mut source)?;
     let source = Source::load(source, secrets::trust(&configuration.video_trust)?)?;
     let second_source = second_source(&configuration)?;
-    if source.world().is_none()
-        && link.as_ref().is_some_and(|link| link.endpoint == Endpoint::SimulatedCamera)
-    {
-        bail!("--link sim: moves the camera of a simulated world: give --video sim:SCENARIO with it");
-    }
+    ensure_camera_has_world(link.as_ref(), &source)?;
     if let Some(world) = source.world().filter(|_| !latency_is_known) {
         configuration.profile.video_latency = world.scenario().camera.latency();
     }
@@ -121,7 +88,12 @@ pub fn run_with_outputs(
         fault_injector,
         clock,
     };
-    Ok(match session.run()? {
+    session.run().map(reported)
+}
+
+/// Reports the end of a run. Returns the exit code of the program.
+fn reported(end: RunEnd) -> ExitCode {
+    match end {
         RunEnd::VideoEnded => {
             tracing::info!("the video has ended");
             ExitCode::SUCCESS
@@ -134,7 +106,7 @@ pub fn run_with_outputs(
             tracing::error!("{why}");
             ExitCode::FAILURE
         }
-    })
+    }
 }
 
 /// The box that the operator draws in the first frame of a file, before anything is opened that moves or records. A file
@@ -151,41 +123,6 @@ fn drawn_selection(
     }
     let settings = console.duplicate().context("the page for the selection cannot be served")?;
     draw_selection(url, 0, settings, AfterPicking::Console, false).map(Some)
-}
-
-/// The guard's program, where the vehicle needs one: it keeps its last rate when this program is gone.
-///
-/// # Errors
-/// If the guard is not there, and the operator has not said that the run does without it.
-fn needed_guard(configuration: &Configuration, link: Option<&LinkUrl>) -> Result<Option<PathBuf>> {
-    if command_path(link) != CommandPath::Link || !configuration.profile.keeps_last_rate() {
-        return Ok(None);
-    }
-    if configuration.guard.is_omitted {
-        tracing::warn!(
-            "no guard: if this program is killed, crashes or hangs, the camera goes on turning at its last rate"
-        );
-        return Ok(None);
-    }
-    Ok(Some(find_guard(configuration.guard.program.as_deref())?))
-}
-
-/// The guard's program for the boat's port: whatever the boat does at the end of the program, the guard sends neutral.
-///
-/// # Errors
-/// If the guard is not there, and the operator has not said that the run does without it.
-fn needed_vessel_guard(configuration: &Configuration) -> Result<Option<PathBuf>> {
-    match &configuration.vessel {
-        Some(vessel) if vessel.settings().path == CommandPath::Link => {}
-        _ => return Ok(None),
-    }
-    if configuration.guard.is_omitted {
-        tracing::warn!(
-            "no guard: if this program is killed, crashes or hangs, the boat goes on until its own time-out"
-        );
-        return Ok(None);
-    }
-    Ok(Some(find_guard(configuration.guard.program.as_deref())?))
 }
 
 /// The tracking camera on a MAVLink link, where one is asked for.
@@ -226,143 +163,6 @@ fn tracking_camera(
     }))
 }
 
-/// The second video of a run, if there is one.
-fn second_source(configuration: &Configuration) -> Result<Option<Source>> {
-    let Some(second) = &configuration.second_video else { return Ok(None) };
-    let url = secrets::second_source_url(&second.url, &configuration.video_login)?;
-    if let SourceUrl::Simulated(url) = &url {
-        bail!("{url} cannot be the second video: one world is simulated; give it as the first --video");
-    }
-    Source::load(url, secrets::trust(&configuration.video_trust)?).map(Some)
-}
-
-/// The kinds of faults that have an effect on a link.
-const LINK_FAULTS: [FaultKind; 4] =
-    [FaultKind::Stall, FaultKind::Drop, FaultKind::Disconnect, FaultKind::Panic];
-/// The kinds of faults that have an effect on a source of video.
-const VIDEO_FAULTS: [FaultKind; 7] = [
-    FaultKind::Stall,
-    FaultKind::Drop,
-    FaultKind::Delay,
-    FaultKind::Duplicate,
-    FaultKind::Corrupt,
-    FaultKind::Disconnect,
-    FaultKind::Panic,
-];
-
-/// The faults of the command line and of the file of faults, each at its place.
-fn injected_faults(
-    args: &RunArgs,
-    mut link: Option<&mut LinkUrl>,
-    source: &mut SourceUrl,
-) -> Result<FaultInjector> {
-    let mut injector = FaultInjector::parse(&args.fault)?;
-    if let Some(path) = &args.faults {
-        let context = || format!("the file of faults {} is not usable", path.display());
-        let text =
-            String::from_utf8(input::read(path)?).context("it is not UTF-8 text").with_context(context)?;
-        for placed in parse_fault_lines(&text).with_context(context)? {
-            let Some(placed) = injector.add(placed).with_context(context)? else { continue };
-            match (placed.place.as_str(), &mut link) {
-                ("link", Some(link)) => link.faults.extend(placed.plan),
-                ("link", None) => bail!("{}: there is no link: give --link", context()),
-                ("video", _) => source.faults_mut().extend(placed.plan),
-                (place, _) => bail!(
-                    "{}: {place:?} is no place: use link, video, program, or one of the threads {FAULT_THREADS:?}",
-                    context()
-                ),
-            }
-        }
-    }
-    if let Some(link) = link {
-        link.faults.require_effect("the link", &LINK_FAULTS)?;
-    }
-    source.faults_mut().require_effect("the video", &VIDEO_FAULTS)?;
-    Ok(injector)
-}
-
-/// A calibration that was run: the configuration that was in force, and what was measured (`None`: nothing).
-pub struct CalibrationRun {
-    /// The configuration.
-    pub configuration: Configuration,
-    /// What was measured.
-    pub result: Option<CalibrationResult>,
-}
-
-/// Runs the test motions of a calibration.
-///
-/// # Errors
-/// If the configuration, the video or the link cannot be used, or the run failed.
-pub fn calibrate(
-    args: &CalibrateAxesArgs,
-    record: Option<OutputFile>,
-    clock: Clock,
-) -> Result<CalibrationRun> {
-    let mut file = args.connection.config_file()?;
-    let override_key = |key: &mut Option<String>, value: &Option<String>| {
-        if let Some(value) = value {
-            *key = Some(value.clone());
-        }
-    };
-    override_key(&mut file.link.url, &args.connection.link);
-    override_key(&mut file.vehicle.profile, &args.profile);
-    let latency_is_known = file.vehicle.video_latency_s.is_some();
-    let mut configuration = Configuration::resolve(&file).context("the configuration is not usable")?;
-    let Some(video) = &configuration.video else {
-        return Err(UsageError(
-            "no video source: give --video, or video.url in the configuration".to_owned(),
-        )
-        .into());
-    };
-    if configuration.second_video.is_some() {
-        return Err(UsageError("a calibration turns one camera: omit the second video".to_owned()).into());
-    }
-    let Some(link) = configuration.link.as_deref().map(LinkUrl::parse).transpose()? else {
-        return Err(UsageError("no link: give --link, or link.url in the configuration".to_owned()).into());
-    };
-    let source = secrets::source_url(video, &configuration.video_login)?;
-    let source = Source::load(source, secrets::trust(&configuration.video_trust)?)?;
-    if source.world().is_none() && link.endpoint == Endpoint::SimulatedCamera {
-        bail!("--link sim: moves the camera of a simulated world: give --video sim:SCENARIO with it");
-    }
-    if let Some(world) = source.world().filter(|_| !latency_is_known) {
-        configuration.profile.video_latency = world.scenario().camera.latency();
-        let camera = &world.scenario().camera;
-        // A calibrated lens has its own focal length.
-        if configuration.profile.camera.lens.is_none() {
-            configuration.profile.camera.focal_share = camera.optics.focal_px / f64::from(camera.frame.width);
-        }
-    }
-    let http = vehicle_over_http(&configuration, Some(&link))?;
-    let guard = needed_guard(&configuration, Some(&link))?;
-    let calibration = LiveCalibration::new(configuration.profile.camera.focal_share);
-    let session = Session {
-        pilot: build_pilot(&configuration, command_path(Some(&link)))?,
-        configuration: &configuration,
-        sources: Videos::one(source),
-        link: Some(link),
-        guard,
-        vessel_guard: None,
-        http,
-        outputs: Outputs { record, ..Outputs::default() },
-        selection: None,
-        waits_for_selection: true,
-        console: None,
-        tracking_camera: None,
-        engage: false,
-        calibration: Some(calibration.clone()),
-        fault_injector: FaultInjector::default(),
-        clock,
-    };
-    match session.run()? {
-        RunEnd::Failed(why) => bail!("{why}"),
-        RunEnd::Requested(_) | RunEnd::VideoEnded => {
-            let result = calibration.with_recorder(CalibrationRecorder::result);
-            Ok(CalibrationRun { configuration, result })
-        }
-    }
-}
-
 /// Opens the console's socket. A live run always asks for a token: any program of this machine could reach the socket.
 fn open_console(args: &RunArgs, config: &ConsoleConfig) -> Result<ConsoleSettings> {
     let options = &args.console;
@@ -400,16 +200,18 @@ fn open_outputs(args: &RunArgs, recording: &RecordingConfig) -> Result<Outputs> 
     Ok(outputs)
 }
 
+/// What the command line names takes the place of what the file names.
+pub(super) fn override_key(key: &mut Option<String>, value: &Option<String>) {
+    if let Some(value) = value {
+        *key = Some(value.clone());
+    }
+}
+
 /// The configuration of a run: the file, overridden by the command line. The flag tells whether the file states the
 /// latency of the video.
 fn effective_configuration(args: &RunArgs) -> Result<(Configuration, bool)> {
     let connection = &args.connection;
     let mut file = connection.config_file()?;
-    let override_key = |key: &mut Option<String>, value: &Option<String>| {
-        if let Some(value) = value {
-            *key = Some(value.clone());
-        }
-    };
     override_key(&mut file.link.url, &connection.link);
     override_key(&mut file.vehicle.profile, &args.profile);
     override_key(&mut file.tracking_camera.url, &args.mavlink);

@@ -14,7 +14,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use rustix::time::{ClockId, clock_gettime};
 
 use super::draw_selection::{draw_selection, has_display};
-use super::track_figures::{TrackTotals, selection_warnings};
+use super::track_figures::{TrackFigures, TrackTotals, selection_warnings};
 use crate::cli::{TrackArgs, UsageError};
 use crate::interruption::flag_of_signals;
 use barrelman_experiments::tracker_choice::TrackerSettings;
@@ -54,7 +54,53 @@ pub fn run(args: &TrackArgs) -> Result<ExitCode> {
         explanation: args.explain.then(Explanation::default),
         totals: TrackTotals::default(),
     };
-    let progress = progress_bar(&frames);
+    let Followed { frames: index, damaged, decode_times, failure } =
+        follow(args, selection, &mut frames, &mut track)?;
+    track.rows.flush().context("the track cannot be written")?;
+    if index <= args.start_frame && failure.is_none() {
+        bail!("{url} has {index} frames: there is no start frame {}", args.start_frame);
+    }
+    let totals = std::mem::take(&mut track.totals);
+    if let Some(film) = track.film {
+        film.finish()?;
+    }
+    if damaged > 1 {
+        tracing::warn!("{damaged} damaged pictures in total");
+    }
+    let figures = totals.into_figures(args.tracker.as_str(), damaged, decode_times);
+    print_figures(args, &figures)?;
+    if figures.is_mostly_lost() {
+        tracing::warn!(
+            "the boat was lost for most of the video: check the selection (the box around the whole boat, on frame {})",
+            args.start_frame
+        );
+    }
+    match failure {
+        Some(error) => Err(error.context(format!("the end came after {index} frames, whose track was kept"))),
+        None => Ok(ExitCode::SUCCESS),
+    }
+}
+
+/// How far the track came.
+struct Followed {
+    /// The frames that were read.
+    frames: u64,
+    /// The pictures among them that were damaged.
+    damaged: u64,
+    /// CPU time of the decoder for each frame.
+    decode_times: Vec<Duration>,
+    /// Why the video was not read to its end.
+    failure: Option<anyhow::Error>,
+}
+
+/// Tracks from the start frame on, until the video ends or cannot be read any more.
+fn follow(
+    args: &TrackArgs,
+    selection: PixelBox,
+    frames: &mut VideoFrames,
+    track: &mut TrackWriter,
+) -> Result<Followed> {
+    let progress = progress_bar(frames);
     let mut decode_times = Vec::new();
     let (mut index, mut damaged) = (0_u64, 0_u64);
     let stop = flag_of_signals()?;
@@ -83,18 +129,11 @@ pub fn run(args: &TrackArgs) -> Result<ExitCode> {
         progress.inc(1);
     };
     progress.finish_and_clear();
-    track.rows.flush().context("the track cannot be written")?;
-    if index <= args.start_frame && failure.is_none() {
-        bail!("{url} has {index} frames: there is no start frame {}", args.start_frame);
-    }
-    let totals = std::mem::take(&mut track.totals);
-    if let Some(film) = track.film {
-        film.finish()?;
-    }
-    if damaged > 1 {
-        tracing::warn!("{damaged} damaged pictures in total");
-    }
-    let figures = totals.into_figures(args.tracker.as_str(), damaged, decode_times);
+    Ok(Followed { frames: index, damaged, decode_times, failure })
+}
+
+/// Prints the figures of the track, as JSON or as a summary.
+fn print_figures(args: &TrackArgs, figures: &TrackFigures) -> Result<()> {
     if args.json {
         writeln!(stdout(), "{}", serde_json::to_string_pretty(&figures)?)?;
     } else {
@@ -106,16 +145,7 @@ pub fn run(args: &TrackArgs) -> Result<ExitCode> {
             None => tracing::info!("{summary}"),
         }
     }
-    if figures.is_mostly_lost() {
-        tracing::warn!(
-            "the boat was lost for most of the video: check the selection (the box around the whole boat, on frame {})",
-            args.start_frame
-        );
-    }
-    match failure {
-        Some(error) => Err(error.context(format!("the end came after {index} frames, whose track was kept"))),
-        None => Ok(ExitCode::SUCCESS),
-    }
+    Ok(())
 }
 
 /// The box that the operator draws on a page, in the start frame.

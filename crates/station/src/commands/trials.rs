@@ -1,5 +1,6 @@
 //! `barrelman trials`: runs a campaign of simulated trials.
 
+use std::path::Path;
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
@@ -42,34 +43,13 @@ pub fn run(args: &TrialsArgs) -> Result<ExitCode> {
         plan = plan.with_drive(DriveRequests::from_drive(drive));
     }
     if let Some(folder) = &args.record {
-        let simulated = Configuration::simulated(plan.profile().clone(), plan.law(), plan.tracker())?;
-        let commands_vessel = drive.as_ref().is_some_and(|drive| drive.setup.commands_vessel());
-        let guidance = match args.guidance {
-            Some(GuidedBy::Lab) => GuidanceName::Lab,
-            Some(GuidedBy::Los) | None => GuidanceName::Los,
-        };
-        let vessel = (commands_vessel || args.guidance.is_some())
-            .then(|| VesselConfig { guidance, ..VesselConfig::simulated() });
-        let configuration = Configuration { vessel, ..simulated }.to_toml()?;
-        plan = plan.with_recordings(TrialRecording {
-            folder: folder.clone(),
-            force: args.force || args.resume,
-            configuration,
-        })?;
+        plan = recorded_in(folder, plan, args, drive.as_ref())?;
     }
     let seeds = match &drive {
         Some(drive) => vec![drive.setup.url.seed],
         None => seeds(args)?,
     };
-    let (mut writer, mut entries) = match &args.output {
-        None if args.resume => bail!("--resume continues a file: name the file with --output"),
-        None => (None, Vec::new()),
-        Some(path) if args.resume => {
-            let (writer, entries) = CampaignWriter::resume(path, plan.settings(), &seeds)?;
-            (Some(writer), entries)
-        }
-        Some(path) => (Some(CampaignWriter::create(path, args.force)?), Vec::new()),
-    };
+    let (mut writer, mut entries) = open_output(args, &plan, &seeds)?;
     let done_before = entries.len();
     let stop = flag_of_signals()?;
     if matches!(args.perception, PerceptionName::Pixels) {
@@ -109,6 +89,46 @@ pub fn run(args: &TrialsArgs) -> Result<ExitCode> {
     let summary = summarise(entries.into_iter().map(|entry| entry.trial).collect());
     summary_table::print(&summary, args.json)?;
     Ok(if is_interrupted { ExitCode::FAILURE } else { ExitCode::SUCCESS })
+}
+
+/// The campaign with its trials recorded in a folder, each with the configuration of such a run.
+fn recorded_in(
+    folder: &Path,
+    plan: CampaignPlan,
+    args: &TrialsArgs,
+    drive: Option<&StoredDrive>,
+) -> Result<CampaignPlan> {
+    let simulated = Configuration::simulated(plan.profile().clone(), plan.law(), plan.tracker())?;
+    let commands_vessel = drive.is_some_and(|drive| drive.setup.commands_vessel());
+    let guidance = match args.guidance {
+        Some(GuidedBy::Lab) => GuidanceName::Lab,
+        Some(GuidedBy::Los) | None => GuidanceName::Los,
+    };
+    let vessel = (commands_vessel || args.guidance.is_some())
+        .then(|| VesselConfig { guidance, ..VesselConfig::simulated() });
+    let configuration = Configuration { vessel, ..simulated }.to_toml()?;
+    plan.with_recordings(TrialRecording {
+        folder: folder.to_owned(),
+        force: args.force || args.resume,
+        configuration,
+    })
+}
+
+/// Opens the file of results, if there is one, with the trials that it holds already.
+fn open_output(
+    args: &TrialsArgs,
+    plan: &CampaignPlan,
+    seeds: &[u64],
+) -> Result<(Option<CampaignWriter>, Vec<CampaignEntry>)> {
+    Ok(match &args.output {
+        None if args.resume => bail!("--resume continues a file: name the file with --output"),
+        None => (None, Vec::new()),
+        Some(path) if args.resume => {
+            let (writer, entries) = CampaignWriter::resume(path, plan.settings(), seeds)?;
+            (Some(writer), entries)
+        }
+        Some(path) => (Some(CampaignWriter::create(path, args.force)?), Vec::new()),
+    })
 }
 
 /// The campaign that the arguments describe. What they leave open is the drive's, if a drive is given.

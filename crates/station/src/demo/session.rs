@@ -2,7 +2,7 @@
 
 use std::io::{Write as _, stdout};
 use std::sync::Arc;
-use std::sync::mpsc::sync_channel;
+use std::sync::mpsc::{Receiver, sync_channel};
 use std::time::Duration;
 
 use anyhow::Result;
@@ -13,6 +13,7 @@ use barrelman_console_server::snapshot::{
 use barrelman_console_server::{
     ConsoleParts, ConsoleServer, ConsoleSettings, SessionFacts, SessionTime, VideoOutlet,
 };
+use barrelman_experiments::drill::DrillJudge;
 use barrelman_experiments::drive::{Drive, DriveSetup, DriveWriter};
 use barrelman_experiments::render_threads::RenderThreads;
 use barrelman_host::clock::Clock;
@@ -25,11 +26,11 @@ use super::live_drive::{DriveEnd, LiveDrive, Next, NextDrive};
 use super::observers::{ConsoleObserver, DriveObservers};
 use super::recording;
 use crate::config::RecordingConfig;
-use crate::live::event::{report_panics, wake_by};
+use crate::live::event::{Event, report_panics, wake_by};
 use crate::live::faults::FaultInjector;
 use crate::live::recording_folder::library;
 use crate::live::terminal::Terminal;
-use barrelman_vocab::{VideoNumber, Videos};
+use barrelman_vocab::{Timestamp, VideoNumber, Videos};
 
 /// Capacity of the queue of events.
 const EVENTS: usize = 64;
@@ -66,16 +67,24 @@ impl DriveSession {
     /// If the world, a thread or the console cannot be started, or a file cannot be written.
     pub fn run(self) -> Result<SessionEnd> {
         let Self { plan, files, first_files, console, max_duration, clock } = self;
-        let (mut setup, mut judge) = (plan.setup(&plan.first)?, plan.first.judge());
+        let (setup, judge) = (plan.setup(&plan.first)?, plan.first.judge());
         let threads = RenderThreads::new()?;
         let (events, queue) = sync_channel(EVENTS);
         let gateway = Arc::new(Gateway::new(wake_by(events.clone())));
         let terminal =
             Terminal::watch(Arc::clone(&gateway), events.clone(), clock, FaultInjector::default())?;
         let recording = recording_state(&first_files);
-        let mut publisher = Publisher::new(&setup.profile, LinkStatus::Simulated, recording);
-        let outlet = VideoOutlet::default();
-        let time = SessionTime::new(clock);
+        let publisher = Publisher::new(&setup.profile, LinkStatus::Simulated, recording);
+        let mut drives = Drives {
+            plan: &plan,
+            files: &files,
+            gateway: &gateway,
+            threads: &threads,
+            clock,
+            time: SessionTime::new(clock),
+            outlet: VideoOutlet::default(),
+            publisher,
+        };
         let parts = ConsoleParts {
             facts: SessionFacts {
                 command: "demo",
@@ -86,39 +95,56 @@ impl DriveSession {
                 scenarios: plan.choices()?,
             },
             gateway: Arc::clone(&gateway),
-            snapshots: publisher.subscribe(),
-            events: publisher.events(),
-            videos: Videos::one(outlet.clone()),
-            time: time.clone(),
+            snapshots: drives.publisher.subscribe(),
+            events: drives.publisher.events(),
+            videos: Videos::one(drives.outlet.clone()),
+            time: drives.time.clone(),
             library: library(&RecordingConfig::default()),
         };
         let server = ConsoleServer::open(console, parts, report_panics(events))?;
         print_keys(&setup)?;
 
         let until = max_duration.map(|duration| clock.now().plus(duration));
+        let end = drives.run((setup, judge), first_files, &queue, until)?;
+        drop(server);
+        drop(terminal);
+        Ok(end)
+    }
+}
+
+/// What the drives of a session share.
+struct Drives<'a> {
+    plan: &'a DrivePlan,
+    files: &'a DriveFiles,
+    gateway: &'a Gateway,
+    threads: &'a RenderThreads,
+    clock: Clock,
+    time: SessionTime,
+    outlet: VideoOutlet,
+    publisher: Publisher,
+}
+
+impl Drives<'_> {
+    /// Runs one drive after the other until the session is ended.
+    fn run(
+        &mut self,
+        (mut setup, mut judge): (DriveSetup, Option<DrillJudge>),
+        first_files: OpenFiles,
+        queue: &Receiver<Event>,
+        until: Option<Timestamp>,
+    ) -> Result<SessionEnd> {
         let (mut number, mut open, mut answer) = (1, first_files, None::<AnswerSlot>);
         let end = loop {
-            let drive = Drive::new(&setup, &threads)?;
+            let drive = Drive::new(&setup, self.threads)?;
             let drive = if judge.is_some() { drive.with_log() } else { drive };
             let now = drive.world().now();
-            time.set(now);
-            publisher.set_recording(recording_state(&open), now);
-            publisher.begin_drive(&setup.profile, now);
-            publisher.set_video(VideoNumber::First, VideoSourceState::Up, now);
-            let world = WorldState { scenario: setup.url.scenario.clone(), seed: setup.url.seed, boat: None };
-            match answer.take() {
-                None => publisher.set_world(world, now),
-                Some(answer) => {
-                    // They were made for the world before.
-                    gateway.refuse_waiting();
-                    publisher.begin_world(world, now);
-                    answer.give(Answer::ACCEPTED);
-                }
-            }
+            self.time.set(now);
+            self.publisher.set_recording(recording_state(&open), now);
+            self.publish_begin(&setup, answer.take(), now);
             let console = ConsoleObserver {
-                publisher: &mut publisher,
-                pictures: &outlet.pictures,
-                relay: &outlet.relay,
+                publisher: &mut self.publisher,
+                pictures: &self.outlet.pictures,
+                relay: &self.outlet.relay,
                 answers: Answers::default(),
                 law: drive.law_id(),
             };
@@ -130,24 +156,19 @@ impl DriveSession {
                     ..DriveObservers::default()
                 },
                 store: open.store.map(|file| DriveWriter::begin(file, &setup)).transpose()?,
-                gateway: &gateway,
+                gateway: self.gateway,
                 setup: &setup,
-                plan: &plan,
-                files: &files,
+                plan: self.plan,
+                files: self.files,
                 number,
-                clock,
-                time: time.clone(),
+                clock: self.clock,
+                time: self.time.clone(),
                 is_paused: false,
-                // The time of a drill goes on.
-                first_selection: if judge.is_some() {
-                    FirstSelection::Over
-                } else {
-                    FirstSelection::of(&setup)
-                },
+                first_selection: first_selection(&setup, judge.is_some()),
                 drill: judge.take().map(Drill::new),
                 is_slow_told: false,
             };
-            let next = live.run(&queue, until)?;
+            let next = live.run(queue, until)?;
             live.finish()?;
             match next {
                 Next::End(end) => break end,
@@ -159,10 +180,29 @@ impl DriveSession {
                 }
             }
         };
-        drop(server);
-        drop(terminal);
         Ok(SessionEnd { end, drives: number })
     }
+
+    /// Publishes that a drive begins, and answers the request for it. Nobody requested the first drive.
+    fn publish_begin(&mut self, setup: &DriveSetup, answer: Option<AnswerSlot>, now: Timestamp) {
+        self.publisher.begin_drive(&setup.profile, now);
+        self.publisher.set_video(VideoNumber::First, VideoSourceState::Up, now);
+        let world = WorldState { scenario: setup.url.scenario.clone(), seed: setup.url.seed, boat: None };
+        match answer {
+            None => self.publisher.set_world(world, now),
+            Some(answer) => {
+                // They were made for the world before.
+                self.gateway.refuse_waiting();
+                self.publisher.begin_world(world, now);
+                answer.give(Answer::ACCEPTED);
+            }
+        }
+    }
+}
+
+/// The selection with which a drive begins. The time of a drill goes on.
+fn first_selection(setup: &DriveSetup, is_drill: bool) -> FirstSelection {
+    if is_drill { FirstSelection::Over } else { FirstSelection::of(setup) }
 }
 
 /// The state of the recording of a drive with these files.

@@ -20,6 +20,7 @@ pub mod calibration;
 pub mod killed_together;
 mod open_link;
 mod open_vessel;
+mod parts;
 pub mod recording_folder;
 mod recording_start;
 pub mod sleep_inhibitor;

@@ -13,22 +13,24 @@ use std::sync::mpsc::RecvTimeoutError;
 use std::time::Duration;
 
 use barrelman_console_server::PictureSlot;
-use barrelman_console_server::operator::{Answer, Answers, Gateway, SessionRequest, Submitted};
-use barrelman_console_server::snapshot::{Alarm, Publisher, RecordingState, link_state_text};
-use barrelman_pilot::{Input, Notice, Outcome, Pilot, Refusal, VesselMode};
-use barrelman_vocab::telemetry::{LinkState, Report};
+use barrelman_console_server::operator::{Answers, Gateway};
+use barrelman_console_server::snapshot::{Alarm, Publisher, RecordingState};
+use barrelman_pilot::{Input, Notice, Outcome, Pilot, VesselMode};
 use barrelman_vocab::{
-    Angle, CameraRequest, HoldCause, Named as _, Note, NoteRequest, OperatorRequest, PictureSize, StopCause,
-    Timestamp, VehicleProfile, VehicleRates, VesselOrder, VesselRequest, VideoNumber, Videos,
+    Angle, Named as _, Note, OperatorRequest, PictureSize, StopCause, Timestamp, VehicleProfile,
+    VehicleRates, VesselOrder, VideoNumber, Videos,
 };
 
 use super::event::{Event, EventSource};
 use super::status_line::{StatusLine, StatusOutput};
 use super::tracked_video::{LatestFrame, TrackedVideo};
 use crate::config::lens::misfit;
+use crate::link::VehicleLink;
 use crate::link::vessel_link::VesselLink;
-use crate::link::{LinkReport, VehicleLink};
 use crate::simulated_source::WorldSwitch;
+
+mod link_reports;
+mod requests;
 
 /// The alarms that are also logged: a run without a page must tell them, too.
 const UNASKED: [Alarm; 2] = [Alarm::CameraTurns, Alarm::BoatMoves];
@@ -211,62 +213,6 @@ impl RunLoop<'_> {
         self.gateway.stop_latch().acknowledge(press);
     }
 
-    /// Takes a pressed stop, and all requests that wait. A stop that is pressed meanwhile comes before the next request.
-    fn take_requests(&mut self, state: &mut LoopState) {
-        self.publisher.set_console_lost(self.gateway.is_console_lost(), self.events.now());
-        if let Some(request) = state.vessel_mode.and_then(|mode| self.gateway.stop_for_left_vessel(mode)) {
-            self.step(state, Input::Request(request));
-        }
-        loop {
-            self.take_stop(state);
-            let Some(Submitted { request, answer }) = self.gateway.next_request() else { break };
-            match request {
-                SessionRequest::Pilot(request) => {
-                    let outcome = self.step(state, Input::Request(request));
-                    self.take_control_back(request, &outcome);
-                    state.answers.on_request_step(&request, answer, &outcome);
-                }
-                SessionRequest::World(request) => answer.give(self.world_answer(state, &request)),
-                SessionRequest::Video(request) => answer.give(self.video_answer(state, request)),
-                SessionRequest::Note(NoteRequest::Note(note)) => answer.give(self.note_answer(&note)),
-            }
-        }
-    }
-
-    /// Records a marked moment.
-    fn note_answer(&mut self, note: &Note) -> Answer {
-        let now = self.events.now();
-        let Some(recorder) = &mut self.recorder else { return Answer::not_recorded() };
-        recorder.on_note(now, note);
-        self.publisher.events().add_note(now, note);
-        Answer::ACCEPTED
-    }
-
-    /// With Engage, the operator takes the control back that another client has. An engagement that the start of the run asks for
-    /// does not: who has the control is not known then, and the link takes the control by itself where it is free.
-    fn take_control_back(&self, request: OperatorRequest, outcome: &Outcome) {
-        // A boat that another program or a person steers refuses the request, and is asked for: the next one
-        // may succeed.
-        let asks_for_vessel = matches!(
-            (request, &outcome.notice),
-            (
-                OperatorRequest::Vessel(VesselRequest::Guide | VesselRequest::GoHome),
-                Some(Notice::RequestRefused(
-                    Refusal::NoVesselMotion(HoldCause::NoControl) | Refusal::NotAccepted(_)
-                ))
-            )
-        );
-        if let (true, Some(boat)) = (asks_for_vessel, self.boat) {
-            boat.take_control();
-        }
-        let is_refused = matches!(outcome.notice, Some(Notice::RequestRefused(_)));
-        if let (OperatorRequest::Camera(CameraRequest::Engage), false, Some(link)) =
-            (request, is_refused, self.link)
-        {
-            link.take_control();
-        }
-    }
-
     /// Handles an event. Returns the end of the run if the event ends it.
     fn handle(&mut self, state: &mut LoopState, event: Event) -> Option<Ending> {
         match event {
@@ -318,78 +264,6 @@ impl RunLoop<'_> {
         }
         tracing::error!("{misfit}; until then, points on the water are computed without the lens");
         None
-    }
-
-    fn on_link_report(&mut self, state: &mut LoopState, report: LinkReport) -> Option<Ending> {
-        match report {
-            LinkReport::Telemetry(telemetry) => {
-                if let Report::Link(link) = telemetry.report {
-                    tracing::info!("{}", link_state_text(link));
-                }
-                if let Report::GimbalDevice(device) = telemetry.report {
-                    tracing::info!("the camera is on gimbal device {device}");
-                }
-                self.step(state, Input::Telemetry(telemetry));
-            }
-            LinkReport::Lost { reason, may_be_turning: false } => {
-                tracing::warn!("the link was lost ({reason}); reopening it");
-            }
-            LinkReport::Lost { reason, may_be_turning: true } => self.warn_of_turning(&format!(
-                "the link was lost ({reason}): the camera may be turning; reopening it, zeros first"
-            )),
-            LinkReport::GuardLost(reason) => self.warn_of_turning(&format!(
-                "the guard is gone ({reason}): the camera may be turning; starting another guard, zeros first"
-            )),
-            LinkReport::HeldUp => tracing::error!("the pilot is held up: the link rests the camera"),
-            LinkReport::Suspended(gap) => self.on_suspension(state, gap),
-            // Told where it is reported: the loop may have ended.
-            LinkReport::Stopped(_) => {}
-            // The pilot reads it from the telemetry.
-            LinkReport::Control { .. } => {}
-            LinkReport::Panicked => return Some(failed("the link thread panicked")),
-        }
-        None
-    }
-
-    fn on_vessel_report(&mut self, state: &mut LoopState, report: LinkReport) -> Option<Ending> {
-        match report {
-            LinkReport::Telemetry(telemetry) => {
-                if let Report::Link(link) = telemetry.report
-                    && (link == LinkState::Up || !state.is_vessel_loss_told)
-                {
-                    tracing::info!("boat: {}", link_state_text(link));
-                    state.is_vessel_loss_told &= link != LinkState::Up;
-                }
-                let before = self.publisher.newest().vessel_text;
-                self.step(state, Input::VesselTelemetry(telemetry));
-                let said = self.publisher.newest().vessel_text;
-                if let Some((text, _)) = said.filter(|_| said != before) {
-                    tracing::info!("the boat says: {text}");
-                }
-            }
-            // A port that is refused again and again is told once.
-            LinkReport::Lost { reason, .. } => {
-                if !std::mem::replace(&mut state.is_vessel_loss_told, true) {
-                    tracing::error!("the link to the boat was lost ({reason}); reopening it, neutral first");
-                }
-            }
-            LinkReport::GuardLost(reason) => {
-                tracing::error!(
-                    "the guard of the boat is gone ({reason}); starting another one, neutral first"
-                );
-            }
-            LinkReport::HeldUp => tracing::error!("the pilot is held up: the link makes the boat neutral"),
-            LinkReport::Suspended(gap) => self.on_suspension(state, gap),
-            LinkReport::Stopped(_) | LinkReport::Control { .. } => {}
-            LinkReport::Panicked => return Some(failed("the thread of the boat's link panicked")),
-        }
-        None
-    }
-
-    /// Tells the operator, on every way there is, that the camera may be turning.
-    fn warn_of_turning(&mut self, text: &str) {
-        tracing::error!("{text}");
-        self.publisher.set_may_be_turning(text, self.events.now());
     }
 
     /// The machine was suspended, or the loop was away: what arrived before says nothing about now, although its age seems small.

@@ -5,8 +5,6 @@
 //! 3. The loop runs until something ends it.
 //! 4. The link is closed first: zeros and the vehicle's own stop. The other parts follow.
 
-use std::io::{Write as _, stdout};
-use std::net::SocketAddr;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -14,67 +12,36 @@ use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 
 use anyhow::{Context as _, Result};
 use barrelman_console_server::operator::Gateway;
-use barrelman_console_server::snapshot::{LinkStatus, Publisher, RecordingState, WorldState};
-use barrelman_console_server::{
-    ConsoleParts, ConsoleServer, ConsoleSettings, SessionFacts, SessionTime, VideoOutlet,
-};
+use barrelman_console_server::{ConsoleSettings, VideoOutlet};
 use barrelman_host::absence::AbsenceWatch;
 use barrelman_host::clock::Clock;
-use barrelman_host::latest::Latest;
-use barrelman_host::output::OutputFile;
 use barrelman_link::{VehicleLock, VehicleRole};
 use barrelman_link_http::HttpSettings;
 use barrelman_pilot::Pilot;
-use barrelman_video::VideoHandle;
-use barrelman_vocab::telemetry::LinkState;
 use barrelman_vocab::{CameraRequest, OperatorRequest, PixelBox, Videos};
 
 use super::calibration::LiveCalibration;
-use super::event::{Event, EventQueue, report_panics, wake_by};
+use super::event::{Event, EventQueue, wake_by};
 use super::faults::FaultInjector;
-use super::foxglove_server::FoxgloveServer;
 use super::killed_together;
 use super::open_link::{LinkedVehicle, open_link, take_lock};
 use super::open_vessel::open_vessel;
-use super::overlay_video::OverlayVideo;
-use super::recorder::{Extras, Recorder};
-use super::recording_folder::{DiskReserve, library};
-use super::recording_start::recording_start;
+pub use super::parts::Outputs;
+use super::parts::{OpenParts, OpenRun, PartOpener, PartSettings};
 use super::run_loop::{LiveStepObserver, RunEnd, RunLoop};
 use super::sleep_inhibitor::SleepInhibitor;
-use super::sortie_text::SortieText;
 use super::source::Source;
-use super::status_line::StatusLine;
-use super::status_writer::{LineStyle, StatusWriter};
 use super::supervision::ServiceManager;
-use super::terminal::{KEYS, Terminal};
-use super::tracked_video::TrackedVideo;
-use super::video_sink::{LiveVideoSink, VideoReceivers};
+use super::terminal::Terminal;
 use crate::config::Configuration;
 use crate::config::vessel::SIMULATED;
 use crate::link::vessel_link::{Boat, VesselLink};
 use crate::link::{Link, LinkUrl, VehicleLink};
 use crate::secrets;
-use crate::simulated_source::LiveWorld;
-use crate::tracking_camera::{CameraParts, TrackingCameraSetup, TrackingCameraThread};
+use crate::tracking_camera::TrackingCameraSetup;
 
 /// Capacity of the event queue. The loop processes thousands of events a second; hundreds arrive.
 const EVENT_QUEUE_CAPACITY: usize = 1024;
-
-/// The files of a run, open.
-#[derive(Debug, Default)]
-pub struct Outputs {
-    /// The recording.
-    pub record: Option<OutputFile>,
-    /// The annotated video.
-    pub overlay: Option<OutputFile>,
-    /// The free space that the recording leaves on its disk.
-    pub reserve: Option<DiskReserve>,
-    /// Who watches the recording while it is made.
-    pub foxglove: Option<SocketAddr>,
-    /// Why the recording that every run makes could not be opened.
-    pub not_recorded: Option<String>,
-}
 
 /// Everything a run needs.
 pub struct Session<'a> {
@@ -110,25 +77,6 @@ pub struct Session<'a> {
     pub fault_injector: FaultInjector,
     /// The clock.
     pub clock: Clock,
-}
-
-/// The open parts of a run that are closed explicitly.
-struct OpenParts {
-    link: Option<Link>,
-    boat: Option<Boat>,
-    recording: Option<Recording>,
-    overlay: Option<OverlayVideo>,
-    sources: Videos<VideoHandle>,
-    console: Option<ConsoleServer>,
-    tracking_camera: Option<TrackingCameraThread>,
-}
-
-/// A recording and its file.
-struct Recording {
-    path: PathBuf,
-    recorder: Recorder,
-    /// Ends after the recording.
-    _foxglove: Option<FoxgloveServer>,
 }
 
 impl Session<'_> {
@@ -198,145 +146,42 @@ impl Session<'_> {
         }
     }
 
+    /// Opens the other parts of the run, runs the loop, and closes all parts.
     fn run_with(
         self,
-        (link, boat): (Option<Link>, Option<Boat>),
+        links: (Option<Link>, Option<Boat>),
         gateway: Arc<Gateway>,
         events: SyncSender<Event>,
         queue: &Receiver<Event>,
         watches_keys: bool,
     ) -> Result<RunEnd> {
-        let Self {
-            configuration,
-            pilot,
-            sources,
-            link: link_url,
-            outputs,
-            clock,
-            fault_injector,
-            console,
-            tracking_camera,
-            calibration,
-            ..
-        } = self;
-        let profile = &configuration.profile;
-        let recording = match (&outputs.record, outputs.not_recorded) {
-            (Some(file), _) => RecordingState::On(file.path().display().to_string()),
-            (None, Some(reason)) => RecordingState::Failed(reason),
-            (None, None) => RecordingState::Off,
-        };
-        let link_status = link.as_ref().map_or(LinkStatus::DryRun, |_| LinkStatus::Link(LinkState::Opening));
-        let mut publisher = Publisher::new(profile, link_status, recording);
-        publisher.set_vessel_link(LinkStatus::Link(LinkState::Opening));
-        let address = sources.first.address();
-        let second_address = sources.second.as_ref().map(Source::address);
-        let worlds = sources.first.world().map(LiveWorld::switch).transpose()?;
-        if let Some(worlds) = &worlds {
-            let first = worlds.first();
-            let world = WorldState { scenario: first.scenario.clone(), seed: first.seed, boat: None };
-            publisher.set_world(world, clock.now());
-        }
-        let is_recorded = outputs.record.is_some();
-        let recording = match outputs.record {
-            Some(file) => {
-                let start = recording_start(configuration, &sources, link_url.as_ref(), clock)?;
-                let path = file.path().to_owned();
-                let context = format!("the recording {} cannot be written", path.display());
-                let server = outputs.foxglove.map(FoxgloveServer::start).transpose()?;
-                let (foxglove, live) =
-                    server.map_or((None, None), |(server, live)| (Some(server), Some(live)));
-                let recorder = Recorder::begin(
-                    file,
-                    &start,
-                    clock,
-                    fault_injector.clone(),
-                    events.clone(),
-                    Extras { reserve: outputs.reserve, live },
-                    profile,
-                );
-                Some(Recording { path, recorder: recorder.context(context)?, _foxglove: foxglove })
-            }
-            None => None,
-        };
-        let begin_overlay =
-            |file| OverlayVideo::begin(file, profile.region, clock, fault_injector.clone(), events.clone());
-        let overlay = outputs.overlay.map(begin_overlay).transpose()?;
-        let latest = Arc::new(Latest::default());
-        let outlets = console.as_ref().map(|_| sources.as_ref().map(|_, _| VideoOutlet::default()));
-        if sources.second.is_some() {
-            publisher.add_second_video();
-        }
-        let tracked = TrackedVideo::default();
-        let receivers = VideoReceivers {
-            tracked: tracked.clone(),
-            latest: Arc::clone(&latest),
-            recorder: recording.as_ref().map(|recording| recording.recorder.input()),
-            events: events.clone(),
-            gateway: Arc::clone(&gateway),
+        let (configuration, clock, fault_injector) = (self.configuration, self.clock, &self.fault_injector);
+        let is_headless = self.console.is_none();
+        let opener = PartOpener { configuration, clock, fault_injector, events: &events, gateway: &gateway };
+        let settings = PartSettings {
+            sources: self.sources,
+            link_url: self.link,
+            outputs: self.outputs,
+            console: self.console,
+            tracking_camera: self.tracking_camera,
             selects_target: self.selection.is_none() && !self.waits_for_selection,
         };
-        let sources = sources.try_map(|number, source| {
-            let outlet = outlets.as_ref().and_then(|outlets| outlets.get(number)).cloned();
-            let sink = LiveVideoSink::new(number, receivers.clone(), outlet);
-            source.start(configuration, is_recorded, clock, sink)
-        })?;
-        drop(receivers);
-        let is_headless = console.is_none();
-        let facts = SessionFacts {
-            command: "run",
-            source: address,
-            second_source: second_address,
-            link: link_url.as_ref().map(ToString::to_string),
-            vehicle: profile.name.clone(),
-            scenarios: worlds.as_ref().map(|worlds| worlds.choices().to_vec()).unwrap_or_default(),
-        };
-        let open_console = |(settings, videos): (ConsoleSettings, Videos<VideoOutlet>)| {
-            let parts = ConsoleParts {
-                facts: facts.clone(),
-                gateway: Arc::clone(&gateway),
-                snapshots: publisher.subscribe(),
-                events: publisher.events(),
-                videos,
-                time: SessionTime::new(clock),
-                library: library(&configuration.recording),
-            };
-            ConsoleServer::open(settings, parts, report_panics(events.clone()))
-        };
-        let console = console.zip(outlets.clone()).map(open_console).transpose()?;
-        let open_camera = |setup: TrackingCameraSetup| {
-            let parts =
-                CameraParts { gateway: Arc::clone(&gateway), snapshots: publisher.subscribe(), clock };
-            TrackingCameraThread::start(setup, parts, events.clone())
-        };
-        let tracking_camera = tracking_camera.map(open_camera).transpose()?;
-        let parts = OpenParts { link, boat, recording, overlay, sources, console, tracking_camera };
-        if watches_keys {
-            // The thread of the terminal notices a closed output.
-            let _ = writeln!(stdout(), "keys on this terminal: {KEYS}");
-        }
-        let style = LineStyle::for_stdout();
-        let status_output =
-            StatusWriter::start(stdout(), style, clock, fault_injector.clone(), events.clone())?;
+        let OpenRun { parts, publisher, latest, tracked, worlds, outlets } = opener.open(links, settings)?;
+        let (status, status_output) = opener.open_status(watches_keys)?;
         let manager = ServiceManager::of_this_process(events.clone())?;
-        let mut observers: Vec<Box<dyn LiveStepObserver + '_>> = Vec::new();
-        observers.extend(parts.overlay.as_ref().map(|overlay| observer(overlay.input())));
-        if let Some(outlets) = outlets {
-            observers.push(Box::new(outlets.map(|_, outlet| outlet.pictures)));
-        }
-        if let Some(calibration) = &calibration {
-            observers.push(observer(calibration.observer(Arc::clone(&gateway), events)));
-        }
-        let requests = first_requests(self.selection, self.engage);
+        let calibration = self.calibration.as_ref();
+        let calibration = calibration.map(|run| run.observer(Arc::clone(&gateway), events.clone()));
+        let observers = observers(&parts, outlets, calibration);
         let queue = EventQueue { queue, clock, absence: AbsenceWatch::start(clock.now()) };
-        let events = fault_injector.events(clock, queue);
-        let mut events = match &manager {
-            Some(manager) => manager.events(events),
-            None => events,
+        let queue = fault_injector.events(clock, queue);
+        let mut queue = match &manager {
+            Some(manager) => manager.events(queue),
+            None => queue,
         };
         let run_loop = RunLoop {
-            pilot,
-            profile: profile.clone(),
-            events: &mut *events,
+            pilot: self.pilot,
+            profile: configuration.profile.clone(),
+            events: &mut *queue,
             gateway,
             publisher,
             latest,
@@ -346,19 +191,38 @@ impl Session<'_> {
             boat: parts.boat.as_ref().map(|boat| boat as &dyn VesselLink),
             worlds,
             recorder: parts.recording.as_ref().map(|recording| observer(recording.recorder.input())),
-            status: StatusLine::new(style.interval()).naming_keys(watches_keys),
+            status,
             status_output: Box::new(status_output),
             ends_on_refused_selection: is_headless,
             observers,
         };
-        // A panic in the pilot must not unwind past the link's shutdown.
-        let end = catch_unwind(AssertUnwindSafe(|| run_loop.run(&requests)))
-            .unwrap_or_else(|_| RunEnd::Failed("the pilot's thread panicked".to_owned()));
+        let end = run_to_end(run_loop, &first_requests(self.selection, self.engage));
         if let Some(manager) = &manager {
             manager.say_ending();
         }
         Ok(parts.close(end))
     }
+}
+
+/// Runs the loop. A panic in the pilot must not unwind past the link's shutdown.
+fn run_to_end(run_loop: RunLoop<'_>, requests: &[OperatorRequest]) -> RunEnd {
+    catch_unwind(AssertUnwindSafe(|| run_loop.run(requests)))
+        .unwrap_or_else(|_| RunEnd::Failed("the pilot's thread panicked".to_owned()))
+}
+
+/// The observers of the loop's steps, beside the recorder.
+fn observers<'a>(
+    parts: &OpenParts,
+    outlets: Option<Videos<VideoOutlet>>,
+    calibration: Option<impl LiveStepObserver + 'a>,
+) -> Vec<Box<dyn LiveStepObserver + 'a>> {
+    let mut observers: Vec<Box<dyn LiveStepObserver + 'a>> = Vec::new();
+    observers.extend(parts.overlay.as_ref().map(|overlay| observer(overlay.input())));
+    if let Some(outlets) = outlets {
+        observers.push(Box::new(outlets.map(|_, outlet| outlet.pictures)));
+    }
+    observers.extend(calibration.map(observer));
+    observers
 }
 
 fn observer<'a>(observer: impl LiveStepObserver + 'a) -> Box<dyn LiveStepObserver + 'a> {
@@ -369,71 +233,4 @@ fn observer<'a>(observer: impl LiveStepObserver + 'a) -> Box<dyn LiveStepObserve
 fn first_requests(selection: Option<PixelBox>, engage: bool) -> Vec<OperatorRequest> {
     let select = selection.map(|bounds| CameraRequest::SelectNext(bounds).into());
     select.into_iter().chain(engage.then_some(CameraRequest::Engage.into())).collect()
-}
-
-impl OpenParts {
-    /// Closes the link, and then the other parts. A link that could not send its last zeros makes the run a failed one.
-    fn close(self, end: RunEnd) -> RunEnd {
-        // Both at once: neither waits for the other's end.
-        let boat = self.boat.map(|boat| std::thread::spawn(move || boat.close()));
-        let is_stop_sent = self.link.is_none_or(Link::close);
-        let is_vessel_neutral = boat.is_none_or(|closing| closing.join().unwrap_or(false));
-        for source in std::iter::once(self.sources.first).chain(self.sources.second) {
-            if let Err(error) = source.stop() {
-                tracing::warn!("{error}");
-            }
-        }
-        drop(self.console);
-        drop(self.tracking_camera);
-        if let Some(Recording { path, recorder, _foxglove }) = self.recording
-            && let Some(sortie) = recorder.finish()
-        {
-            SortieText { sortie: &sortie, path: &path, is_cut: false }.print();
-        }
-        if let Some(Err(error)) = self.overlay.map(OverlayVideo::finish) {
-            tracing::error!("{error:#}");
-        }
-        with_motion_left(end, is_vessel_neutral, is_stop_sent)
-    }
-}
-
-/// The end of a run, with what could not be stopped.
-fn with_motion_left(end: RunEnd, is_vessel_neutral: bool, is_camera_stopped: bool) -> RunEnd {
-    let boat = "the last neutral commands could not be sent to the boat, as its link was down: the boat may still be under way. Stop it by its own remote control";
-    let camera = "the last zeros and the vehicle's stop could not be sent, as the link was down: the camera may still be turning. Stop it from the ground station itself";
-    let left = [(is_vessel_neutral, boat), (is_camera_stopped, camera)];
-    let mut failures: Vec<&str> =
-        left.iter().filter(|(is_stopped, _)| !is_stopped).map(|(_, text)| *text).collect();
-    if failures.is_empty() {
-        return end;
-    }
-    if let RunEnd::Failed(reason) = &end {
-        failures.push(reason);
-    }
-    RunEnd::Failed(failures.join("; and "))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn failure(end: RunEnd) -> String {
-        match end {
-            RunEnd::Failed(reason) => reason,
-            other => panic!("{other:?}"),
-        }
-    }
-
-    #[test]
-    fn everything_that_may_still_move_is_said_and_why_the_run_failed() {
-        assert_eq!(with_motion_left(RunEnd::VideoEnded, true, true), RunEnd::VideoEnded);
-        let both = failure(with_motion_left(RunEnd::Failed("a thread panicked".to_owned()), false, false));
-        for part in
-            ["the boat may still be under way", "the camera may still be turning", "a thread panicked"]
-        {
-            assert!(both.contains(part), "{both}");
-        }
-        let camera = failure(with_motion_left(RunEnd::VideoEnded, true, false));
-        assert!(camera.contains("camera") && !camera.contains("boat"), "{camera}");
-    }
 }

@@ -58,6 +58,18 @@ pub fn has_header(text: &str) -> bool {
     has_all(&REQUIRED) && (has_all(&PAN_AND_TILT) || has_all(&PITCH_AND_YAW))
 }
 
+/// The size of the frame in a row; `None` where a side is blank.
+fn frame_size((width, height): (&str, &str), line: usize) -> Result<Option<PictureSize>, LogError> {
+    let Some(width) = parse_optional_number(width, line, "picture_width")? else { return Ok(None) };
+    let Some(height) = parse_optional_number(height, line, "picture_height")? else { return Ok(None) };
+    let side = |value: f64, column: &'static str| {
+        let is_size = value.fract() == 0.0 && (1.0..=65_536.0).contains(&value);
+        let error = LogError::NotASize { line, column, found: value };
+        if is_size { Ok(value as u32) } else { Err(error) }
+    };
+    Ok(Some(PictureSize::new(side(width, "picture_width")?, side(height, "picture_height")?)))
+}
+
 /// Reads a log.
 ///
 /// # Errors
@@ -88,17 +100,8 @@ pub fn read(text: &str) -> Result<ParsedLog, LogError> {
         let position =
             parse_optional_number(fields[x], line, "x")?.zip(parse_optional_number(fields[y], line, "y")?);
         let command = rates.command(&fields, line)?;
-        if let Some((width, height)) = size_columns
-            && size.is_none()
-            && let Some(width) = parse_optional_number(fields[width], line, "picture_width")?
-            && let Some(height) = parse_optional_number(fields[height], line, "picture_height")?
-        {
-            let side = |value: f64, column: &'static str| {
-                let is_size = value.fract() == 0.0 && (1.0..=65_536.0).contains(&value);
-                let error = LogError::NotASize { line, column, found: value };
-                if is_size { Ok(value as u32) } else { Err(error) }
-            };
-            size = Some(PictureSize::new(side(width, "picture_width")?, side(height, "picture_height")?));
+        if let Some((width, height)) = size_columns.filter(|_| size.is_none()) {
+            size = frame_size((fields[width], fields[height]), line)?;
         }
         rows.push(LogRow { time_s, position: position.map(|(x, y)| ImagePoint { x, y }), command });
     }

@@ -28,13 +28,7 @@ pub fn figure(name: &str, trial: &str, trace: &TrialTrace) -> Figure {
     let p_scale = Scale { values: (0.0, 1.06 * max_p), paper: (BOTTOM, TOP) };
     let boundary = p_scale.at(1.0);
     let mut canvas = Canvas::default();
-    for (value, label) in p_scale.ticks(4).labelled() {
-        canvas.line("grid", (axis.left(), p_scale.at(value)), (axis.right(), p_scale.at(value)));
-        if (p_scale.at(value) - boundary).abs() > 12.0 {
-            canvas.text("tick", Anchor::End, (axis.left() - 7.0, p_scale.at(value) + 4.0), &label);
-        }
-    }
-    canvas.text("t-region name", Anchor::End, (axis.left() - 7.0, boundary + 4.0), "1");
+    draw_scale(&mut canvas, &axis, &p_scale);
     axis.draw(&mut canvas, TOP, BOTTOM);
     axis.draw_gaps(&mut canvas, log, TOP, BOTTOM);
     canvas.text("name", Anchor::Start, (axis.left() - 20.0, TOP - 9.0), "P");
@@ -83,6 +77,18 @@ pub fn figure(name: &str, trial: &str, trace: &TrialTrace) -> Figure {
         found.iter().map(|excursion| describe(log, excursion) + ". ").collect::<String>()
     );
     Figure::new(name.to_owned(), (format!("{trial}: P over time"), description), (WIDTH, HEIGHT), canvas)
+}
+
+/// Draws the scale of P, with the boundary's 1 in place of a tick.
+fn draw_scale(canvas: &mut Canvas, axis: &TimeAxis, p_scale: &Scale) {
+    let boundary = p_scale.at(1.0);
+    for (value, label) in p_scale.ticks(4).labelled() {
+        canvas.line("grid", (axis.left(), p_scale.at(value)), (axis.right(), p_scale.at(value)));
+        if (p_scale.at(value) - boundary).abs() > 12.0 {
+            canvas.text("tick", Anchor::End, (axis.left() - 7.0, p_scale.at(value) + 4.0), &label);
+        }
+    }
+    canvas.text("t-region name", Anchor::End, (axis.left() - 7.0, boundary + 4.0), "1");
 }
 
 /// The row with the largest P of an excursion.

@@ -63,12 +63,23 @@ pub fn figure(name: &str, trial: &str, trace: &TrialTrace) -> Figure {
         log.rows.iter().map(|row| row.position.map(|position| at(position.x, position.y))).collect();
     let p_at = |row: usize| log.rows[row].position.map(|position| region.p(position));
     draw_path(&mut canvas, &points, &found, &p_at, &|excursion| describe(log, excursion));
-    for (word, x, y) in [
-        ("right", 0.94 * half_w, 0.0),
-        ("left", -0.94 * half_w, 0.0),
-        ("top", 0.0, 0.9 * pic_h),
-        ("bottom", 0.0, -0.9 * pic_h),
-    ] {
+    name_sectors(&mut canvas, (0.94 * half_w, 0.9 * pic_h), &at);
+    let description = format!(
+        "Where the target was in a frame of {frame}, with the elliptical region of {:.0} by {:.0} px half axes, the \
+         sectors at 45 degrees, and {} excursions.",
+        region.a_px,
+        region.b_px,
+        found.len()
+    );
+    let titles = (format!("{trial}: path in the picture"), description);
+    Figure::new(name.to_owned(), titles, (WIDTH, bottom + BELOW), canvas)
+}
+
+/// Names the sectors, at these distances from the centre along x and y.
+fn name_sectors(canvas: &mut Canvas, (far_x, far_y): Point, at: &dyn Fn(f64, f64) -> Point) {
+    for (word, x, y) in
+        [("right", far_x, 0.0), ("left", -far_x, 0.0), ("top", 0.0, far_y), ("bottom", 0.0, -far_y)]
+    {
         let anchor = if x > 0.0 {
             Anchor::End
         } else if x < 0.0 {
@@ -79,15 +90,6 @@ pub fn figure(name: &str, trial: &str, trace: &TrialTrace) -> Figure {
         let (x, y) = at(x, y);
         canvas.text_on_lines("unit small", anchor, (x, y + 3.0), word);
     }
-    let description = format!(
-        "Where the target was in a frame of {frame}, with the elliptical region of {:.0} by {:.0} px half axes, the \
-         sectors at 45 degrees, and {} excursions.",
-        region.a_px,
-        region.b_px,
-        found.len()
-    );
-    let titles = (format!("{trial}: path in the picture"), description);
-    Figure::new(name.to_owned(), titles, (WIDTH, bottom + BELOW), canvas)
 }
 
 /// Draws a path with its excursions marked and numbered, its start and its end.

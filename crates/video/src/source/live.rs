@@ -15,7 +15,7 @@ use std::time::{Duration, Instant};
 use barrelman_host::clock::Clock;
 use barrelman_media_protocol::source::{RtspTransport, SourceSettings};
 use barrelman_vocab::unit::EncodedUnit;
-use barrelman_vocab::video::{Capture, CaptureQuality};
+use barrelman_vocab::video::{Capture, CaptureQuality, VideoFrame};
 
 use super::demux::FileReader;
 use super::feed::{Feed, StopSignal};
@@ -168,12 +168,17 @@ fn run_pipe<S: VideoSink>(url: &VideoUrl, path: &Path, mut feed: Feed<S>, stop: 
         let decoded = feed.decode(Some(EncodedUnit { capture, ..unit }));
         decoded.units.iter().for_each(|unit| feed.sink.on_unit(unit));
         for frame in decoded.frames {
-            if !std::mem::replace(&mut is_up, true) {
-                feed.sink.on_state(VideoState::Up);
-            }
-            feed.sink.on_frame(frame);
+            show(&mut feed, frame, &mut is_up);
         }
     }
+}
+
+/// Passes a frame to the sink. The first one says that the video is up.
+fn show<S: VideoSink>(feed: &mut Feed<S>, frame: VideoFrame, is_up: &mut bool) {
+    if !std::mem::replace(is_up, true) {
+        feed.sink.on_state(VideoState::Up);
+    }
+    feed.sink.on_frame(frame);
 }
 
 impl VideoHandle {
@@ -284,10 +289,7 @@ fn run_file<S: VideoSink>(url: &VideoUrl, mut feed: Feed<S>, stop: &StopSignal) 
             if stop.wait_until(feed.clock.instant(frame.capture.at)) {
                 return;
             }
-            if !std::mem::replace(&mut is_up, true) {
-                feed.sink.on_state(VideoState::Up);
-            }
-            feed.sink.on_frame(frame);
+            show(&mut feed, frame, &mut is_up);
         }
         if at_end {
             return match read_error {

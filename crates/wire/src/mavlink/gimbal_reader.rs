@@ -3,13 +3,11 @@
 //! The gimbal is the one that [`GimbalChoice`] takes of those that managers describe (GIMBAL_MANAGER_INFORMATION) or report
 //! (GIMBAL_MANAGER_STATUS), of the configured system where there is one. Only what its system sends counts. Numbers with a private meaning (NaN, 0/0) become options and variants here.
 
-use barrelman_vocab::Angle;
 use barrelman_vocab::mavlink::{Address, MavlinkPeers, SystemId};
-use barrelman_vocab::telemetry::{ControlState, EulerAxis, Quaternion, Report};
+use barrelman_vocab::telemetry::{ControlState, Quaternion, Report};
 use mavlink::dialects::common::{
     COMMAND_ACK_DATA, GIMBAL_DEVICE_ATTITUDE_STATUS_DATA, GIMBAL_MANAGER_INFORMATION_DATA,
-    GIMBAL_MANAGER_STATUS_DATA, GimbalDeviceFlags, GimbalManagerCapFlags, HEARTBEAT_DATA, MavCmd, MavResult,
-    MavType,
+    GIMBAL_MANAGER_STATUS_DATA, GimbalManagerCapFlags, HEARTBEAT_DATA, MavType,
 };
 
 use super::autopilot_reports::AutopilotReports;
@@ -19,16 +17,13 @@ use super::gimbal_choice::GimbalChoice;
 pub use super::gimbal_information::Information;
 use super::signing::Signing;
 
+mod attitude;
+mod control;
+
 /// The uptime may be reported this much earlier than before without a restart, seconds: packets overtake each other.
 const UPTIME_TOLERANCE_S: f64 = 1.0;
-/// The control is reported again after this time, seconds.
-const CONTROL_REPORT_S: f64 = 0.5;
 /// From this id on a gimbal device is named by its component, below it is a part of the manager's.
 const LEAST_COMPONENT_DEVICE: u8 = 7;
-/// A camera that looks more steeply has no direction over the water: roll and yaw cannot be told apart.
-const MAX_PITCH: Angle = Angle::from_degrees(85.0);
-/// A quaternion whose squared norm is further from 1 is damaged.
-const NORM_TOLERANCE: f64 = 0.1;
 
 /// What was received.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -185,11 +180,7 @@ impl Facts {
         } else if let Some(attitude) = frame.read::<GIMBAL_DEVICE_ATTITUDE_STATUS_DATA>() {
             if self.is_of_gimbal(frame.from, attitude.gimbal_device_id) {
                 self.on_uptime(Timed::Attitude, attitude.time_boot_ms, each);
-                if let Some(q) = on_attitude(attitude.q, each) {
-                    let heading = self.heading_of(q, attitude.flags).map(Report::CameraHeading);
-                    let pan = self.pan_of(q, &attitude).map(Report::CameraPan);
-                    heading.into_iter().chain(pan).for_each(|report| each(Received::Report(report)));
-                }
+                self.on_attitude(&attitude, each);
                 self.report_control_again(each);
             }
         } else if let Some(answer) = frame.read::<COMMAND_ACK_DATA>()
@@ -210,46 +201,6 @@ impl Facts {
         if self.is_manager(frame.from) {
             each(Received::Other);
         }
-    }
-
-    /// The direction of the camera's axis from north. The yaw counts from north or from the vehicle's nose, as the flags say; where
-    /// neither flag is set, a locked yaw counts from north. `None`: the vehicle's own direction is needed and not known, or the
-    /// camera looks so steeply that its axis has no direction.
-    fn heading_of(&self, attitude: Quaternion, flags: GimbalDeviceFlags) -> Option<Angle> {
-        let pitch = attitude.angle_about(EulerAxis::Y)?;
-        if pitch.radians().abs() > MAX_PITCH.radians() {
-            return None;
-        }
-        let yaw = attitude.angle_about(EulerAxis::Z)?.radians();
-        let is_from_nose = flags.contains(GimbalDeviceFlags::GIMBAL_DEVICE_FLAGS_YAW_IN_VEHICLE_FRAME);
-        let is_from_north = flags.contains(GimbalDeviceFlags::GIMBAL_DEVICE_FLAGS_YAW_IN_EARTH_FRAME)
-            || flags.contains(GimbalDeviceFlags::GIMBAL_DEVICE_FLAGS_YAW_LOCK);
-        let nose = if is_from_north && !is_from_nose { 0.0 } else { self.autopilot.heading()?.radians() };
-        Some(whole_turn(nose + yaw))
-    }
-
-    /// The pan in the frame in which the gimbal holds a camera at rest: from north where the yaw is locked, from the nose otherwise. The
-    /// two frames differ by the direction of the nose. `None`: it is needed and not known, or the camera looks so steeply that its
-    /// axis has no direction.
-    fn pan_of(&self, attitude: Quaternion, status: &GIMBAL_DEVICE_ATTITUDE_STATUS_DATA) -> Option<Angle> {
-        let pitch = attitude.angle_about(EulerAxis::Y)?;
-        if pitch.radians().abs() > MAX_PITCH.radians() {
-            return None;
-        }
-        let yaw = attitude.angle_about(EulerAxis::Z)?.radians();
-        let has = |flag| status.flags.contains(flag);
-        let is_locked = has(GimbalDeviceFlags::GIMBAL_DEVICE_FLAGS_YAW_LOCK);
-        // Without one of the two flags, a locked yaw counts from north.
-        let is_from_north = !has(GimbalDeviceFlags::GIMBAL_DEVICE_FLAGS_YAW_IN_VEHICLE_FRAME)
-            && (has(GimbalDeviceFlags::GIMBAL_DEVICE_FLAGS_YAW_IN_EARTH_FRAME) || is_locked);
-        // 0 is what a sender leaves out that does not know the field.
-        let stated = Some(f64::from(status.delta_yaw)).filter(|delta| delta.is_finite() && *delta != 0.0);
-        let nose = || stated.or_else(|| self.autopilot.nose_at(status.time_boot_ms));
-        Some(Angle::from_radians(match (is_from_north, is_locked) {
-            (true, true) | (false, false) => yaw,
-            (true, false) => yaw - nose()?,
-            (false, true) => yaw + nose()?,
-        }))
     }
 
     fn is_manager(&self, from: Address) -> bool {
@@ -293,13 +244,6 @@ impl Facts {
         }
     }
 
-    fn is_of_claim(&self, answer: &COMMAND_ACK_DATA) -> bool {
-        let own = self.peers.own;
-        let to = Address::new(answer.target_system, answer.target_component);
-        answer.command == MavCmd::MAV_CMD_DO_GIMBAL_MANAGER_CONFIGURE
-            && (to == own || to == Address::EVERYONE)
-    }
-
     /// Returns whether the message is the newest of its kind.
     fn on_uptime(&mut self, kind: Timed, time_boot_ms: u32, each: &mut impl FnMut(Received)) -> bool {
         let uptime_s = uptime_s(time_boot_ms);
@@ -320,61 +264,6 @@ impl Facts {
             self.uptime_s = Some(self.uptime_s.map_or(uptime_s, |known_s| known_s.max(uptime_s)));
         }
         true
-    }
-
-    fn on_status(&mut self, status: &GIMBAL_MANAGER_STATUS_DATA, each: &mut impl FnMut(Received)) {
-        let primary = Address::new(status.primary_control_sysid, status.primary_control_compid);
-        let holder = match primary {
-            primary if primary == self.peers.own => {
-                self.is_named = true;
-                Holder::Us
-            }
-            Address { system: SystemId(0), .. } if self.is_claimed && !self.is_named => Holder::Us,
-            Address { system: SystemId(0), .. } => Holder::Nobody,
-            primary => Holder::Other(primary),
-        };
-        if holder == Holder::Us {
-            self.control = Some(ControlState::Ours);
-        } else {
-            self.lose_control();
-        }
-        each(Received::Holder(holder));
-        self.report_control(each);
-    }
-
-    fn lose_control(&mut self) {
-        (self.is_claimed, self.is_named) = (false, false);
-        self.control = Some(ControlState::NotOurs);
-    }
-
-    fn on_claim_answered(&mut self, result: MavResult, each: &mut impl FnMut(Received)) {
-        match result {
-            MavResult::MAV_RESULT_IN_PROGRESS | MavResult::MAV_RESULT_TEMPORARILY_REJECTED => return,
-            MavResult::MAV_RESULT_ACCEPTED => {
-                self.is_claimed = true;
-                self.control = Some(ControlState::Ours);
-                each(Received::ClaimAnswered(Claim::Accepted));
-            }
-            _ => {
-                self.lose_control();
-                each(Received::ClaimAnswered(Claim::Refused));
-            }
-        }
-        self.report_control(each);
-    }
-
-    fn report_control(&mut self, each: &mut impl FnMut(Received)) {
-        if let (Some(control), Some(uptime_s)) = (self.control, self.uptime_s) {
-            self.control_reported_s = uptime_s;
-            each(Received::Report(Report::Control { control, uptime_s }));
-        }
-    }
-
-    /// Reports the control again now and then: a manager may send its status at changes only.
-    fn report_control_again(&mut self, each: &mut impl FnMut(Received)) {
-        if self.uptime_s.is_some_and(|uptime_s| uptime_s >= self.control_reported_s + CONTROL_REPORT_S) {
-            self.report_control(each);
-        }
     }
 }
 
@@ -398,27 +287,4 @@ fn described(gimbal: Gimbal, information: &GIMBAL_MANAGER_INFORMATION_DATA) -> I
         pitch_stops: stops(information.pitch_min, information.pitch_max),
         yaw_stops: stops(information.yaw_min, information.yaw_max).filter(|_| !is_endless),
     }
-}
-
-/// Reports an attitude. Returns it, if it is one.
-fn on_attitude(q: [f32; 4], each: &mut impl FnMut(Received)) -> Option<Quaternion> {
-    let [w, x, y, z] = q.map(f64::from);
-    let norm = w * w + x * x + y * y + z * z;
-    if norm.is_nan() || (norm - 1.0).abs() > NORM_TOLERANCE {
-        return None;
-    }
-    let attitude = Quaternion { w, x, y, z };
-    each(Received::Attitude(attitude));
-    each(Received::Report(Report::GimbalAttitude(attitude)));
-    if let Some(tilt) = attitude.angle_about(EulerAxis::Y) {
-        each(Received::Report(Report::CameraTilt(tilt)));
-    }
-    Some(attitude)
-}
-
-/// A direction from 0 to 2 pi.
-fn whole_turn(radians: f64) -> Angle {
-    use core::f64::consts::TAU;
-    let turn = libm::fmod(radians, TAU);
-    Angle::from_radians(if turn < 0.0 { turn + TAU } else { turn })
 }

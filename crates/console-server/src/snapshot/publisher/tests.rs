@@ -2,10 +2,13 @@
 
 use std::time::Duration;
 
-use barrelman_pilot::VesselOutcome;
 use barrelman_pilot::outcome::Unconfirmed;
 use barrelman_pilot::vessel::guiding::NoWater;
-use barrelman_vocab::{Angle, AngularRate, HoldCause, StopCause, VideoNumber};
+use barrelman_pilot::{Notice, Refusal, VesselOutcome};
+use barrelman_vocab::acceptance::Acceptance;
+use barrelman_vocab::telemetry::Report;
+use barrelman_vocab::vehicle_text::VehicleText;
+use barrelman_vocab::{Angle, AngularRate, HoldCause, StopCause, Telemetry, VideoNumber};
 
 use super::*;
 use crate::test_scenes::{PICTURE, at, command, frame, idle, localisation};

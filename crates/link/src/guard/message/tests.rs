@@ -1,5 +1,11 @@
 //! Messages that are read as they were written, and what is no message.
 
+use barrelman_vocab::mavlink::{MavlinkPeers, SystemId};
+use barrelman_vocab::{AngularRate, VesselOrder};
+use barrelman_wire::mavlink::rover::RoverLink;
+use barrelman_wire::{Signing, SigningKey};
+
+use super::packets::STATES;
 use super::*;
 
 type Camera = ToGuard<VehicleRates>;

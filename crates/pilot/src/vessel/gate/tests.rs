@@ -1,7 +1,8 @@
 //! One test for each edge of the modes, and for what each command needs.
 
 use super::*;
-use barrelman_vocab::HoldCause;
+use crate::refusal::Refusal;
+use barrelman_vocab::{HoldCause, StopCause, VesselStopper};
 
 const AHEAD: VesselCommand = VesselCommand { throttle: 0.5, rudder: 0.25 };
 const SEEN: GateInput = GateInput::Fresh(Ok(AHEAD));

@@ -24,6 +24,7 @@ mod picture_file;
 
 mod mp4_boxes;
 mod mp4_index;
+mod mp4_samples;
 
 pub mod kind;
 mod stamp;

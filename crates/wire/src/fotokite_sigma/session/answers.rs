@@ -38,17 +38,7 @@ impl FotokiteSigmaSession {
         let body = answer.filter(|(status, _)| (200..300).contains(status)).map(|(_, body)| body);
         match call {
             Call::CameraInfo => self.on_info(status, body, now),
-            Call::RequestControl => {
-                let is_newly_ours = self.control.on_answer(status, now);
-                if !self.control.is_ours() {
-                    self.motion.yield_control();
-                } else if is_newly_ours {
-                    self.motion.stop(now);
-                }
-                if self.state == State::Joining && self.control.is_known() {
-                    self.state = State::Up;
-                }
-            }
+            Call::RequestControl => self.on_control_answer(status, now),
             Call::Turn { speeds, .. } => {
                 if !speeds.is_rest() {
                     self.motion.on_turn_answer(status.is_some(), now);
@@ -62,11 +52,7 @@ impl FotokiteSigmaSession {
             }
             Call::Subscribe if status == Some(101) => {}
             Call::Subscribe => self.schedule.on_socket_end(now),
-            Call::VideoStreams => {
-                let streams: Vec<json::VideoStream> = body.and_then(json::read).unwrap_or_default();
-                let main = json::main_stream(&streams);
-                self.schedule.set_stream(main.and_then(|stream| StreamId::new(&stream.stream_id)));
-            }
+            Call::VideoStreams => self.on_video_streams(body),
             Call::VideoStreamState { .. } => {
                 let state: Option<json::VideoStreamState> = body.and_then(json::read);
                 tell(state.as_ref().and_then(field_of_view_of), now, report);
@@ -91,6 +77,24 @@ impl FotokiteSigmaSession {
             }
             Call::ReleaseControl | Call::ShowStatus { .. } => {}
         }
+    }
+
+    fn on_control_answer(&mut self, status: Option<u16>, now: Timestamp) {
+        let is_newly_ours = self.control.on_answer(status, now);
+        if !self.control.is_ours() {
+            self.motion.yield_control();
+        } else if is_newly_ours {
+            self.motion.stop(now);
+        }
+        if self.state == State::Joining && self.control.is_known() {
+            self.state = State::Up;
+        }
+    }
+
+    fn on_video_streams(&mut self, body: Option<&[u8]>) {
+        let streams: Vec<json::VideoStream> = body.and_then(json::read).unwrap_or_default();
+        let main = json::main_stream(&streams);
+        self.schedule.set_stream(main.and_then(|stream| StreamId::new(&stream.stream_id)));
     }
 
     fn on_info(&mut self, status: Option<u16>, body: Option<&[u8]>, now: Timestamp) {

@@ -1,0 +1,228 @@
+//! The thread `link` of a guarded link: it serves one guard after the other until the link is closed.
+
+use std::sync::Arc;
+use std::sync::mpsc::SyncSender;
+use std::time::{Duration, Instant};
+
+use barrelman_vocab::telemetry::{LinkState, Report};
+use barrelman_vocab::{Telemetry, Timestamp};
+use barrelman_wire::{LinkHistory, OpenSession, ReportReader};
+use rustix::event::{PollFd, PollFlags};
+
+use super::client::{Client, Commands};
+use super::process::{Guard, GuardedLinkSettings};
+use crate::guard::gate::HEARTBEAT;
+use crate::guard::message::{FromGuard, ToGuard};
+use crate::guard::pipe::PipeRead;
+use crate::guard::watch::{
+    GuardWatch, HUNG_AT_START, HUNG_WHILE_OPENING, HUNG_WHILE_REOPENING, LOOK_INTERVAL,
+};
+use crate::handle::LinkHandle;
+use crate::port_io::poll_for;
+use crate::report::LinkReport;
+use crate::url::LinkUrl;
+
+/// Pause before a guard that could not be started is started again.
+const RESTART_PAUSE: Duration = Duration::from_millis(500);
+/// Longest wait for the end of the guard when the link is closed. The guard itself goes on after that.
+const CLOSING_TIMEOUT: Duration = Duration::from_secs(7);
+
+/// What became of the first opening of the port.
+pub(super) enum FirstOpening {
+    Opened,
+    /// The port's error.
+    PortRefused(String),
+    /// The guard is gone, or hangs.
+    GuardFailed(String),
+}
+
+/// Why a guard is no longer served.
+enum GuardEnd {
+    /// It has ended, and zeros and stop were sent, or not.
+    Ended { is_stop_sent: bool },
+    /// The first guard could not open the port: nothing was sent, and there is nothing to stop.
+    NeverOpened,
+    /// It is gone, or hung.
+    Gone(String),
+    /// The link is closing, and the guard takes too long. It goes on by itself.
+    TooLong,
+}
+
+/// The thread `link` of a guarded link.
+pub(super) struct Supervisor<P: OpenSession, R> {
+    pub(super) settings: GuardedLinkSettings<P>,
+    pub(super) client: Arc<Client<P::Command>>,
+    pub(super) report: R,
+    pub(super) reader: ReportReader,
+    /// What the guard before has left.
+    pub(super) history: LinkHistory,
+    /// Takes whether the first guard has opened the port.
+    pub(super) opened: Option<SyncSender<FirstOpening>>,
+}
+
+impl<P: OpenSession, R: Fn(LinkReport) -> bool> Supervisor<P, R>
+where
+    P::Command: Commands,
+{
+    /// Serves one guard after the other until the link is closed. Returns whether zeros and stop were sent.
+    pub(super) fn run(mut self, first: Guard) -> bool {
+        let mut guard = Some(first);
+        let mut attempts_to_close = 0;
+        loop {
+            let Some(served) = guard.take().or_else(|| Guard::start(&self.settings, self.history).ok())
+            else {
+                self.stop_without_guard();
+                if self.client.state().is_closing {
+                    return false;
+                }
+                std::thread::sleep(RESTART_PAUSE);
+                continue;
+            };
+            self.client.state().pipe = Some(Arc::clone(&served.pipe));
+            if self.client.state().is_closing {
+                attempts_to_close += 1;
+                served.pipe.send(&ToGuard::<P::Command>::Close.encode());
+            }
+            let end = self.serve(&served);
+            let is_stop_sent = matches!(end, GuardEnd::Ended { is_stop_sent: true });
+            let is_anothers = self.client.state().is_anothers;
+            self.history = LinkHistory::after(is_stop_sent, is_anothers, self.reader.vehicle());
+            self.client.state().pipe = None;
+            let is_closing = self.client.state().is_closing;
+            let reason = match end {
+                // A first guard that fails before it has opened the port is told to who starts the run.
+                GuardEnd::Gone(reason) if self.opened.is_some() => {
+                    self.answer_opening(FirstOpening::GuardFailed(reason));
+                    served.reap();
+                    return false;
+                }
+                GuardEnd::TooLong => return false,
+                GuardEnd::NeverOpened => {
+                    served.reap();
+                    return false;
+                }
+                GuardEnd::Ended { is_stop_sent } if is_closing => {
+                    served.reap();
+                    return is_stop_sent;
+                }
+                GuardEnd::Ended { .. } => "it has ended".to_owned(),
+                GuardEnd::Gone(reason) => reason,
+            };
+            served.reap();
+            if attempts_to_close > 1 {
+                return false;
+            }
+            (self.report)(LinkReport::GuardLost(reason));
+            self.report_state(LinkState::Opening, self.settings.clock.now());
+        }
+    }
+
+    /// Serves a guard until its end.
+    fn serve(&mut self, guard: &Guard) -> GuardEnd {
+        let patience = if self.opened.is_some() { HUNG_WHILE_OPENING } else { HUNG_WHILE_REOPENING };
+        let mut watch = GuardWatch::start(patience, self.settings.clock.now());
+        let mut last_sent = Instant::now();
+        let mut closing_since = None;
+        loop {
+            poll_for(&mut [PollFd::new(&*guard.pipe, PollFlags::IN)], LOOK_INTERVAL);
+            loop {
+                match guard.pipe.read() {
+                    PipeRead::Nothing => break,
+                    PipeRead::End => return GuardEnd::Gone("it is gone".to_owned()),
+                    PipeRead::Message(packet) => {
+                        watch.heard();
+                        match FromGuard::decode(&packet) {
+                            Ok(FromGuard::OpensPort) => watch.heard_opening(),
+                            Ok(FromGuard::Ended { is_stop_sent }) => return GuardEnd::Ended { is_stop_sent },
+                            Ok(FromGuard::NotOpened(reason)) if self.opened.is_some() => {
+                                self.answer_opening(FirstOpening::PortRefused(reason));
+                                return GuardEnd::NeverOpened;
+                            }
+                            Ok(message) => self.on_message(message),
+                            Err(_) => return GuardEnd::Gone("it says what cannot be read".to_owned()),
+                        }
+                    }
+                }
+            }
+            let is_closing = {
+                let mut state = self.client.state();
+                if !state.is_closing {
+                    state.pass_on_control();
+                    if last_sent.elapsed() >= HEARTBEAT {
+                        last_sent = Instant::now();
+                        state.send(&ToGuard::Request(state.requested));
+                    }
+                }
+                state.is_closing
+            };
+            if is_closing {
+                let since = *closing_since.get_or_insert_with(Instant::now);
+                if since.elapsed() > CLOSING_TIMEOUT {
+                    return GuardEnd::TooLong;
+                }
+            }
+            if watch.hangs(self.settings.clock.now()) {
+                return GuardEnd::Gone(if watch.is_starting() {
+                    format!("it has said nothing for {} s", HUNG_AT_START.as_secs())
+                } else {
+                    "it hangs".to_owned()
+                });
+            }
+        }
+    }
+
+    fn on_message(&mut self, message: FromGuard) {
+        match message {
+            FromGuard::Opened => self.answer_opening(FirstOpening::Opened),
+            FromGuard::State(state, at) => self.report_state(state, at),
+            FromGuard::Received(at, bytes) => {
+                let report = &self.report;
+                self.reader.read(&bytes, |content| {
+                    report(LinkReport::Telemetry(Telemetry { at, report: content }));
+                });
+            }
+            FromGuard::Control { is_anothers } => self.client.state().is_anothers = is_anothers,
+            FromGuard::Lost { may_be_turning, reason } => {
+                (self.report)(LinkReport::Lost { reason, may_be_turning });
+            }
+            FromGuard::HeldUp => drop((self.report)(LinkReport::HeldUp)),
+            FromGuard::Suspended(gap) => drop((self.report)(LinkReport::Suspended(gap))),
+            FromGuard::Stopped(evidence) => drop((self.report)(LinkReport::Stopped(evidence))),
+            FromGuard::Panicked => drop((self.report)(LinkReport::Panicked)),
+            // A later guard goes on trying; its state says so.
+            FromGuard::NotOpened(_) | FromGuard::Alive | FromGuard::OpensPort | FromGuard::Ended { .. } => {}
+        }
+    }
+
+    fn answer_opening(&mut self, answer: FirstOpening) {
+        if let Some(opened) = self.opened.take() {
+            // Without a receiver, the opening was given up.
+            let _ = opened.send(answer);
+        }
+    }
+
+    fn report_state(&mut self, state: LinkState, at: Timestamp) {
+        if state == LinkState::Opening {
+            // The pilot forgets what a vehicle said on a port before. A reader reports changes only, and has
+            // to report it again.
+            let mut reader = self.settings.protocol.reports();
+            if let Some(vehicle) = self.reader.vehicle() {
+                reader.name(vehicle);
+            }
+            self.reader = reader;
+        }
+        let telemetry = Telemetry { at, report: Report::Link(state) };
+        // A state must not be lost: the pilot goes by it.
+        while !(self.report)(LinkReport::Telemetry(telemetry)) && !self.client.state().is_closing {
+            std::thread::sleep(Duration::from_millis(5));
+        }
+    }
+
+    /// No guard can be started: zeros and stop come from this process, once.
+    fn stop_without_guard(&self) {
+        let url = LinkUrl { faults: self.settings.url.faults.clone(), ..self.settings.url.clone() };
+        // Without a port there is nothing to do but to try again.
+        let history = LinkHistory::after(false, self.history.is_anothers, self.history.vehicle);
+        let _ = LinkHandle::stop(&url, self.settings.protocol, self.settings.clock, history);
+    }
+}
