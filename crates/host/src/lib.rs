@@ -13,6 +13,7 @@ pub mod output;
 pub mod program;
 pub mod random;
 pub mod redaction;
+pub mod state_folder;
 pub mod suspend;
 pub mod threads;
 
