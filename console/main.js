@@ -123,7 +123,7 @@ link.addEventListener("snapshot", ({ detail }) => {
   strips.add(snapshot, video.delay?.median ?? null);
   const { vessel } = snapshot;
   const isBoatMoving = seat.isControlling && ["by-hand", "guided", "holding"].includes(vessel?.mode);
-  keepAwake(snapshot.mode.engaged || isBoatMoving);
+  keepAwake(snapshot.mode.engaged || isBoatMoving, () => toast(words.reasons.screenMayGoDark));
   const { alarms } = snapshot;
   if (lastMode && alarms.some((alarm) => !lastMode.alarms.includes(alarm))) sounds.play("alarm");
   else if (lastMode && lastMode.name !== snapshot.mode.name) sounds.play(snapshot.mode.name === "stopped" ? "stop" : "good");

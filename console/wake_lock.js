@@ -2,6 +2,7 @@
 
 let lock = null;
 let isWanted = false;
+let isSaid = false;
 
 async function request() {
   if (!isWanted || lock || document.hidden || !navigator.wakeLock) return;
@@ -13,10 +14,17 @@ async function request() {
   if (!isWanted) lock?.release();
 }
 
-/** @param {boolean} wanted */
-export function keepAwake(wanted) {
+/**
+ * @param {boolean} wanted
+ * @param {() => void} onInsecure says, once, that a page without encryption cannot keep the screen awake
+ */
+export function keepAwake(wanted, onInsecure) {
   if (wanted === isWanted) return;
   isWanted = wanted;
+  if (wanted && !isSecureContext && !isSaid) {
+    isSaid = true;
+    onInsecure();
+  }
   if (wanted) request();
   else lock?.release();
 }

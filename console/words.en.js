@@ -126,6 +126,7 @@ export default {
     noBoat: "No boat is connected.", nothingMarked: "Mark a place or a person first.", noHome: "Mark home first.",
     engaged: "The camera is engaged.", disengaged: "The camera is disengaged.", boatStopped: "The boat is stopped.",
     guided: "The boat goes already.", notLost: "The boat is not lost.", notRecorded: "Nothing is recorded.", notTwisted: "The tether is not twisted by half a turn.",
+    screenMayGoDark: "The screen may go dark while engaged: this page is not encrypted. Set the device to stay awake, or use https.",
     nothingFollowed: "Nothing is followed.", unacknowledged: "STOP NOT ACKNOWLEDGED: use the ground station's own stop.",
   },
   layers: {
