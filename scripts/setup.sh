@@ -4,8 +4,8 @@
 #   scripts/setup.sh build      a C++ compiler, and nasm (halves the cost of H.264)
 #   scripts/setup.sh media      GStreamer: its libraries and plugins, to build and to run barrelman-media
 #   scripts/setup.sh test       all of this, what the tests talk to, and what makes the fixtures anew: an RTSP server
-#                               (GStreamer), FFmpeg, Chromium for the page, and Python with OpenCV, mcap,
-#                               pytest, ruff and mypy
+#                               (GStreamer), FFmpeg, Chromium for the page and certutil for what it trusts, and
+#                               Python with OpenCV, mcap, pytest, ruff and mypy
 #   scripts/setup.sh firefox    Firefox and its driver, for the tests of --all that use it
 #
 # Packages come from Debian (as root, or through sudo) and, for Python, from PyPI into .venv beside this tree.
@@ -41,7 +41,7 @@ build=(g++ nasm)
 media=(pkg-config libgstreamer1.0-dev libgstreamer-plugins-base1.0-dev gstreamer1.0-plugins-base
   gstreamer1.0-plugins-good gstreamer1.0-plugins-bad gstreamer1.0-plugins-ugly gstreamer1.0-libav)
 test=(python3-venv python3-gi gir1.2-gst-rtsp-server-1.0 gstreamer1.0-tools libgl1 libglib2.0-0 ffmpeg
-  chromium chromium-driver)
+  chromium chromium-driver libnss3-tools)
 
 case "${1:-build}" in
   build) need_packages "${build[@]}" ;;

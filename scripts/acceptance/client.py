@@ -100,17 +100,17 @@ class Program:
             self._url, lambda: f"the console of {' '.join(map(str, options))}; {self.errors.text()[-400:]}"
         )
         self.watch_url = (
-            self.lines.wait_for("watch only: http://")[1].split(": ", 1)[1].strip()
+            self.lines.wait_for("watch only: https?://")[1].split(": ", 1)[1].strip()
             if "#token=" in self.url
             else ""
         )
-        self.host = self.url.split("http://")[1].split("/")[0]
+        self.host = self.url.split("://")[1].split("/")[0]
         self.token, self.watch_token = (url.partition("#token=")[2] for url in (self.url, self.watch_url))
 
     def _url(self) -> str | None:
         if self.child.poll() is not None:
             raise HasEndedError(self.errors.text()[-400:])
-        found = self.lines.find(r"console.*http://")
+        found = self.lines.find(r"console.*https?://")
         return found[1].split(": ", 1)[1].strip() if found else None
 
     def ask(

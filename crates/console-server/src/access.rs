@@ -19,6 +19,7 @@ use base64::engine::general_purpose::URL_SAFE_NO_PAD;
 use serde::{Deserialize, Serialize};
 
 use super::limits::{REQUESTS, RateLimit};
+use super::origin::{Origin, Scheme};
 
 /// Length of a token that the program makes, and of a cookie, bytes before the encoding.
 const SECRET_BYTES: usize = 16;
@@ -123,6 +124,8 @@ pub struct Access {
     /// `None`: no token is asked for, and everybody may control.
     tokens: Option<Tokens>,
     cookie_name: String,
+    /// Whether browsers may send the cookies over an encrypted connection only.
+    is_encrypted: bool,
     cookies: Mutex<Cookies>,
     clock: Clock,
     /// Requests over HTTP with the watch token, and with the control token. A watcher who opens many connections has one
@@ -137,12 +140,13 @@ struct Cookies {
 }
 
 impl Access {
-    /// The rule of a server at `port`. Cookies do not differ by port, therefore the port is part of the cookie's name.
-    pub fn new(tokens: Option<Tokens>, port: u16, clock: Clock) -> Self {
+    /// The rule of a server. Cookies do not differ by port, therefore the port is part of the cookie's name.
+    pub(super) fn new(tokens: Option<Tokens>, origin: Origin, clock: Clock) -> Self {
         let limit = || RateLimit::new(REQUESTS, clock.now());
         Self {
             tokens,
-            cookie_name: format!("barrelman-{port}"),
+            cookie_name: format!("barrelman-{}", origin.address.port()),
+            is_encrypted: origin.scheme == Scheme::Https,
             cookies: Mutex::default(),
             clock,
             requests: Mutex::new([limit(), limit()]),
@@ -207,7 +211,8 @@ impl Access {
         let issued = cookies.issued;
         cookies.issued += 1;
         cookies.roles.insert(value.clone(), (issued, role));
-        Ok(format!("{}={value}; Path=/; HttpOnly; SameSite=Strict; Max-Age=604800", self.cookie_name))
+        let secure = if self.is_encrypted { "; Secure" } else { "" };
+        Ok(format!("{}={value}; Path=/; HttpOnly; SameSite=Strict; Max-Age=604800{secure}", self.cookie_name))
     }
 
     /// The tokens, if tokens are asked for.
@@ -230,10 +235,14 @@ fn is_equal(a: &str, b: &str) -> bool {
 mod tests {
     use super::*;
 
+    fn origin(scheme: Scheme) -> Origin {
+        Origin { scheme, address: "127.0.0.1:8480".parse().unwrap() }
+    }
+
     fn access() -> Access {
         let tokens =
             Tokens { control: "control-0123456789".to_owned(), watch: "watch-0123456789".to_owned() };
-        Access::new(Some(tokens), 8480, Clock::start())
+        Access::new(Some(tokens), origin(Scheme::Http), Clock::start())
     }
 
     #[test]
@@ -250,7 +259,8 @@ mod tests {
             assert_eq!(access.role(Some(header), None), role, "{header}");
         }
         assert_eq!(access.role(None, None), None);
-        assert_eq!(Access::new(None, 1, Clock::start()).role(None, None), Some(Role::Control));
+        let open = Access::new(None, origin(Scheme::Http), Clock::start());
+        assert_eq!(open.role(None, None), Some(Role::Control));
     }
 
     #[test]
@@ -258,6 +268,10 @@ mod tests {
         let access = access();
         let cookie = access.new_cookie(Role::Watch).unwrap();
         assert!(cookie.contains("HttpOnly") && cookie.contains("SameSite=Strict"));
+        let encrypted = Access::new(None, origin(Scheme::Https), Clock::start());
+        assert!(
+            !cookie.contains("Secure") && encrypted.new_cookie(Role::Watch).unwrap().ends_with("; Secure")
+        );
         let pair = cookie.split(';').next().unwrap();
         assert_eq!(access.role(None, Some(&format!("other=1; {pair}"))), Some(Role::Watch));
         assert_eq!(access.role(None, Some("barrelman-8480=guess")), None);

@@ -4,13 +4,14 @@
 //! here. Both show in the headers `Host`, `Origin` and `Sec-Fetch-Site`. An address in numbers cannot be a foreign name,
 //! so that a server for other machines answers to its addresses, and to the names of its configuration.
 
-use std::net::{IpAddr, SocketAddr};
+use std::net::IpAddr;
+
+use super::origin::{Origin, Scheme};
 
 /// The names that a server answers to.
 #[derive(Debug, Clone)]
 pub(super) struct Hosts {
-    port: u16,
-    is_loopback: bool,
+    origin: Origin,
     names: Vec<String>,
 }
 
@@ -25,9 +26,9 @@ pub(super) struct Provenance<'a> {
 }
 
 impl Hosts {
-    /// The names of a server that listens on `address`; `names`: further names, without port.
-    pub(super) fn new(address: SocketAddr, names: Vec<String>) -> Self {
-        Self { port: address.port(), is_loopback: address.ip().is_loopback(), names }
+    /// The names of a server; `names`: further names, without port.
+    pub(super) fn new(origin: Origin, names: Vec<String>) -> Self {
+        Self { origin, names }
     }
 
     /// Why a request is refused; `None`: it is answered.
@@ -37,7 +38,10 @@ impl Hosts {
             return Some("this server answers to its own names only; add the name to console.hosts");
         }
         if let Some(origin) = request.origin {
-            let authority = origin.strip_prefix("http://").or_else(|| origin.strip_prefix("https://"));
+            // A server without TLS may be behind a proxy with it. A page without TLS is never this server's
+            // own where it has TLS.
+            let plain = origin.strip_prefix("http://").filter(|_| self.origin.scheme == Scheme::Http);
+            let authority = plain.or_else(|| origin.strip_prefix("https://"));
             if authority != Some(host) {
                 return Some("requests of other web pages are refused");
             }
@@ -49,14 +53,14 @@ impl Hosts {
     fn is_own(&self, host: &str) -> bool {
         let (name, port) = match host.rsplit_once(':') {
             Some((name, port)) if !port.ends_with(']') => (name, port.parse().ok()),
-            _ => (host, Some(80)),
+            _ => (host, Some(self.origin.scheme.usual_port())),
         };
-        if port != Some(self.port) {
+        if port != Some(self.origin.address.port()) {
             return self.names.iter().any(|own| own.eq_ignore_ascii_case(host));
         }
         let numbers = name.trim_start_matches('[').trim_end_matches(']').parse::<IpAddr>();
         match numbers {
-            Ok(address) => address.is_loopback() || !self.is_loopback,
+            Ok(address) => address.is_loopback() || !self.origin.address.ip().is_loopback(),
             Err(_) => {
                 name.eq_ignore_ascii_case("localhost")
                     || self.names.iter().any(|own| own.eq_ignore_ascii_case(name))
@@ -70,7 +74,11 @@ mod tests {
     use super::*;
 
     fn hosts(address: &str) -> Hosts {
-        Hosts::new(address.parse().unwrap(), vec!["boat.example".to_owned()])
+        hosts_of(Scheme::Http, address)
+    }
+
+    fn hosts_of(scheme: Scheme, address: &str) -> Hosts {
+        Hosts::new(Origin { scheme, address: address.parse().unwrap() }, vec!["boat.example".to_owned()])
     }
 
     #[test]
@@ -94,6 +102,21 @@ mod tests {
             assert_eq!(hosts(address).refusal(request).is_none(), is_answered, "{address} {host}");
         }
         assert!(hosts("127.0.0.1:1").refusal(Provenance::default()).is_some(), "no host");
+    }
+
+    #[test]
+    fn a_server_with_tls_has_its_own_usual_port_and_no_page_without_tls() {
+        let hosts = hosts_of(Scheme::Https, "0.0.0.0:443");
+        for (host, origin, is_answered) in [
+            ("192.168.1.7", Some("https://192.168.1.7"), true),
+            ("192.168.1.7:443", None, true),
+            ("192.168.1.7:80", None, false),
+            ("192.168.1.7", Some("http://192.168.1.7"), false),
+            ("192.168.1.7", Some("https://192.168.1.8"), false),
+        ] {
+            let request = Provenance { host: Some(host), origin, ..Provenance::default() };
+            assert_eq!(hosts.refusal(request).is_none(), is_answered, "{host} {origin:?}");
+        }
     }
 
     #[test]

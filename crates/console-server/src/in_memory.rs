@@ -15,7 +15,9 @@ use barrelman_vocab::{self as vocab, LawId, VehicleProfile, VehicleRates, Videos
 use tower::ServiceExt as _;
 
 use super::access::{Access, Role, Tokens};
+use super::entrance::Entrance;
 use super::guard::Hosts;
+use super::origin::{Origin, Scheme};
 use super::requests::{Reply, Requester, answer, begin_request};
 use super::seats::ClientId;
 use super::shared::Console;
@@ -76,11 +78,14 @@ impl InMemory {
             library: None,
         };
         let clock = parts.time.program_clock();
-        let address: std::net::SocketAddr = setup.address.parse().unwrap();
+        let origin = Origin { scheme: Scheme::Http, address: setup.address.parse().unwrap() };
         let tokens = Tokens { control: CONTROL_TOKEN.to_owned(), watch: WATCH_TOKEN.to_owned() };
-        let access = Access::new(setup.asks_for_tokens.then_some(tokens), address.port(), clock);
-        let hosts = Hosts::new(address, vec!["boat.example".to_owned()]);
-        let console = Arc::new(Console::new(parts, setup.on_lost, access, hosts));
+        let entrance = Entrance {
+            access: Access::new(setup.asks_for_tokens.then_some(tokens), origin, clock),
+            hosts: Hosts::new(origin, vec!["boat.example".to_owned()]),
+            https: None,
+        };
+        let console = Arc::new(Console::new(parts, setup.on_lost, entrance));
         Self { console, publisher, answer: Answer::ACCEPTED, taken: Vec::new() }
     }
 

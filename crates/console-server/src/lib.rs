@@ -9,8 +9,8 @@
 //! The server reads what the loop publishes and submits requests to the gateway. Nothing here decides about the camera
 //! or can delay the loop: each queue is bounded, and a reader that is slow loses frames.
 //!
-//! What a request must pass: [`guard`] (host, origin), [`access`] (token), [`seats`] (control). A stop needs a token of
-//! either kind, and nothing else.
+//! Off loopback the connections are encrypted ([`https`]). What a request must pass: [`guard`] (host,
+//! origin), [`access`] (token), [`seats`] (control). A stop needs a token of either kind, and nothing else.
 
 pub mod server;
 mod shared;
@@ -21,12 +21,15 @@ mod socket;
 mod upgrade;
 
 pub mod access;
+mod entrance;
 mod frame_counter;
 mod guard;
+mod https;
 mod in_flight;
 mod limited_stream;
 mod limits;
 mod on_lost;
+mod origin;
 mod places;
 mod seats;
 mod session_time;
@@ -58,6 +61,7 @@ mod in_memory;
 #[cfg(test)]
 mod test_scenes;
 
+pub use https::CertificateFiles;
 pub use library::Library;
 pub use links::print_served;
 pub use on_lost::OnConsoleLost;
@@ -65,6 +69,6 @@ pub use picker::{AfterPicking, pick};
 pub use pictures::PictureSlot;
 pub use server::ConsoleServer;
 pub use session_time::SessionTime;
-pub use settings::ConsoleSettings;
+pub use settings::{ConsoleAddress, ConsoleSettings, Encryption};
 pub use shared::{ConsoleParts, SessionFacts, VideoOutlet};
 pub use video_relay::VideoRelay;

@@ -15,6 +15,8 @@ pub(super) const MAX_CONNECTIONS_OF_WATCHERS: usize = 32;
 pub(super) const MAX_STRANGERS: usize = 256;
 /// Of these, those of one address.
 pub(super) const MAX_STRANGERS_OF_ADDRESS: usize = 192;
+/// How long a TLS handshake may take.
+pub(super) const HANDSHAKE_TIMEOUT: Duration = Duration::from_secs(2);
 /// How long the head of a request may take, and how long a connection may be idle between two requests.
 pub(super) const HEADER_TIMEOUT: Duration = Duration::from_secs(2);
 /// How long the body of a request may take after its head.

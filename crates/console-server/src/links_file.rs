@@ -4,7 +4,6 @@
 //! program that was killed.
 
 use std::io::Write as _;
-use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, Result, bail};
@@ -13,15 +12,18 @@ use barrelman_host::output::{OutputFile, is_being_written};
 use serde::{Deserialize, Serialize};
 
 use super::access::Tokens;
+use super::origin::Origin;
 
 /// A served console, as its file states it.
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct ServedConsole {
-    /// The address that the server listens on.
-    pub(super) address: SocketAddr,
+    /// Where the server listens.
+    pub(super) origin: Origin,
     /// The tokens.
     pub(super) tokens: Tokens,
+    /// SHA-256 of the console's own certificate authority.
+    pub(super) fingerprint: Option<String>,
 }
 
 /// The file. Dropping it removes it.
@@ -75,6 +77,7 @@ pub(super) fn read(path: &Path) -> Result<ServedConsole> {
 mod tests {
     use barrelman_host::input::is_readable_by_others;
 
+    use super::super::origin::Scheme;
     use super::*;
 
     #[test]
@@ -86,11 +89,12 @@ mod tests {
         assert!(error(&path).contains("systemctl start barrelman"), "{}", error(&path));
         let tokens =
             Tokens { control: "control-0123456789".to_owned(), watch: "watch-0123456789".to_owned() };
-        let console = ServedConsole { address: "0.0.0.0:8480".parse().unwrap(), tokens };
+        let origin = Origin { scheme: Scheme::Https, address: "0.0.0.0:8480".parse().unwrap() };
+        let console = ServedConsole { origin, tokens, fingerprint: Some("AB:CD".to_owned()) };
         let file = LinksFile::write(&path, &console).unwrap();
         assert!(!is_readable_by_others(&path));
         let found = read(&path).unwrap();
-        assert!(found.address == console.address && found.tokens == console.tokens);
+        assert!(found.origin == console.origin && found.tokens == console.tokens);
         // What a killed program leaves is said to be old, and replaced by the next program.
         let content = std::fs::read(&path).unwrap();
         drop(file);

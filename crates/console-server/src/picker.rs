@@ -3,6 +3,7 @@
 //! | request | answer |
 //! |---|---|
 //! | `GET /`, `GET /console/NAME` | the page |
+//! | `GET /trust`, `GET /authority.pem`, `GET /authority.crt` | as of the console ([`super::https::trust`]) |
 //! | `GET /api/v1/access`, `POST /api/v1/login` | as of the console ([`super::routes`]) |
 //! | `GET /api/v1/frame` | the picture, JPEG |
 //! | `POST /api/v1/selection` | takes `{"box": [left, top, width, height]}`; answers `{"console": LINK}`, the console that follows at the same address, or null |
@@ -30,10 +31,12 @@ use tokio::sync::oneshot;
 use super::access::{Access, Role};
 use super::files;
 use super::guard::Hosts;
+use super::https::Identity;
+use super::https::trust;
 use super::limits::MAX_MESSAGE_BYTES;
-use super::links::link_for_control;
+use super::links::{fingerprint, link_for_control, trust_lines};
 use super::routes::{guarded, json_body, may_enter};
-use super::server::{runtime, serve};
+use super::server::{Answering, runtime, serve};
 use super::settings::ConsoleSettings;
 
 /// How long the server stays after the box, so that its answer reaches the page.
@@ -43,6 +46,7 @@ const LAST_ANSWER: Duration = Duration::from_millis(250);
 struct Picker {
     access: Access,
     hosts: Hosts,
+    https: Option<Arc<Identity>>,
     size: PictureSize,
     jpeg: Bytes,
     /// The link to the console that follows.
@@ -70,26 +74,31 @@ pub fn pick(
     after: AfterPicking,
     announce: impl FnOnce(&str),
 ) -> Result<PixelBox> {
-    let ConsoleSettings { listener, tokens, token_file, host_names, .. } = settings;
-    let address = listener.local_addr()?;
+    let clock = Clock::start();
+    let (origin, entrance) = (settings.origin()?, settings.entrance(clock)?);
+    let ConsoleSettings { listener, tokens, token_file, https, .. } = settings;
     listener.set_nonblocking(true)?;
     let (sender, picked) = oneshot::channel();
-    let clock = Clock::start();
-    let link = link_for_control(address, tokens.as_ref());
+    let link = link_for_control(origin, tokens.as_ref());
     let picker = Arc::new(Picker {
-        access: Access::new(tokens.clone(), address.port(), clock),
-        hosts: Hosts::new(address, host_names),
+        access: entrance.access,
+        hosts: entrance.hosts,
+        https: entrance.https,
         size: picture.size(),
         jpeg: Bytes::from(jpeg::encode(picture).context("the frame cannot be shown in a browser")?),
         console: (after == AfterPicking::Console).then(|| link.clone()),
         picked: Mutex::new(Some(sender)),
     });
     let runtime = runtime().context("the page's server cannot be started")?;
-    let shown = if token_file.is_some() { link_for_control(address, None) } else { link };
+    let shown = if token_file.is_some() { link_for_control(origin, None) } else { link };
     announce(&shown);
+    if let Some(fingerprint) = fingerprint(https.as_deref()) {
+        tracing::info!("{}", trust_lines(origin, fingerprint).trim_end());
+    }
+    let answering = Answering { router: router(picker), https, clock };
     runtime.block_on(async {
         tokio::select! {
-            served = serve(listener, router(picker), clock) => {
+            served = serve(listener, answering) => {
                 served.context("the page cannot be served")?;
                 Err(anyhow!("the page's server has ended"))
             }
@@ -102,7 +111,9 @@ pub fn pick(
 }
 
 fn router(picker: Arc<Picker>) -> Router {
-    Router::new()
+    let trust = trust::routes(|picker: &Picker| picker.https.as_deref());
+    let router = trust.into_iter().fold(Router::new(), |router, (path, at)| router.route(path, at));
+    router
         .route("/", get(|| async { files::response("pick.html") }))
         .route("/console/{name}", get(|Path(name): Path<String>| async move { files::response(&name) }))
         .route("/api/v1/access", get(access))
@@ -194,6 +205,7 @@ mod tests {
 
     use barrelman_vocab::video::ColourEncoding;
 
+    use super::super::settings::ConsoleAddress;
     use super::*;
 
     /// The status and the body of an answer.
@@ -226,8 +238,8 @@ mod tests {
     /// Draws a box. Returns the answer to it, and the link that was announced where a console follows.
     fn draw_a_box(after: AfterPicking) -> (serde_json::Value, Option<String>) {
         let picture = Picture::black(PictureSize::new(64, 48), ColourEncoding::JPEG);
-        let settings =
-            ConsoleSettings::without_tokens_on_loopback(Some("127.0.0.1:0".parse().unwrap()), None).unwrap();
+        let at = ConsoleAddress { listen: Some("127.0.0.1:0".parse().unwrap()), ..ConsoleAddress::default() };
+        let settings = ConsoleSettings::without_tokens_on_loopback(at, None).unwrap();
         let address = settings.listener.local_addr().unwrap();
         let (sender, announced) = channel();
         let server = std::thread::spawn(move || {

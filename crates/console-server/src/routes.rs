@@ -5,6 +5,7 @@
 //! | `GET /` | the page | |
 //! | `GET /console/NAME` | a file of the page | |
 //! | `GET /help`, `GET /help/NAME` | the operator's manual, and its pictures | |
+//! | `GET /trust`, `GET /authority.pem`, `GET /authority.crt` | the certificate authority ([`super::https::trust`]) | |
 //! | `GET /healthz` | `ok` | |
 //! | `GET /api/v1/access` | what the token permits | token |
 //! | `POST /api/v1/login` | a cookie for the token of the page's link | token |
@@ -38,6 +39,7 @@ use super::access::{Access, Role};
 use super::api::{Answer, RequestBody};
 use super::files;
 use super::guard::{Hosts, Provenance};
+use super::https::trust;
 use super::library;
 use super::limits::{BODY_TIMEOUT, MAX_MESSAGE_BYTES, SOCKET_REQUESTS};
 use super::manual;
@@ -103,6 +105,7 @@ fn routes() -> Vec<Route> {
         (SOCKET_PATH, get(open_socket)),
         ("/metrics", get(metrics)),
     ];
+    routes.extend(trust::routes(|console: &Console| console.https.as_deref()));
     routes.extend(library::routes::routes());
     routes
 }

@@ -1,5 +1,6 @@
 //! The console's server: the thread that runs it, and the connections that it accepts.
 
+use std::convert::Infallible;
 use std::net::{SocketAddr, TcpListener};
 use std::sync::Arc;
 use std::thread::JoinHandle;
@@ -7,20 +8,24 @@ use std::time::Duration;
 
 use anyhow::{Context, Result};
 use axum::Router;
+use axum::body::Body;
+use axum::http::{Request, StatusCode, header};
+use axum::response::{IntoResponse as _, Response};
 use barrelman_host::clock::Clock;
 use barrelman_host::threads;
+use hyper::body::Incoming;
 use hyper::server::conn::http1;
-use hyper::service::service_fn;
+use hyper::service::{HttpService, service_fn};
 use hyper_util::rt::{TokioIo, TokioTimer};
+use tokio::io::{AsyncRead, AsyncWrite};
 use tokio::net::TcpStream;
 use tokio::sync::oneshot;
 use tower::ServiceExt as _;
 
-use super::access::Access;
-use super::guard::Hosts;
+use super::https::{Accepted, Identity, accept};
 use super::limited_stream::{Bytes, LimitedStream};
 use super::limits::{BYTES, HEADER_TIMEOUT, SEND_TIMEOUT};
-use super::links::announce;
+use super::links::{announce, fingerprint};
 use super::links_file::{LinksFile, ServedConsole};
 use super::pictures::{PictureSlot, encode_pictures};
 use super::places::{Place, Places};
@@ -62,25 +67,25 @@ impl ConsoleServer {
         parts: ConsoleParts,
         on_panic: impl Fn(String) + Clone + Send + 'static,
     ) -> Result<Self> {
-        let ConsoleSettings { listener, tokens, token_file, links_file, host_names, on_lost } = settings;
-        let address = listener.local_addr()?;
-        listener.set_nonblocking(true)?;
         let clock = parts.time.program_clock();
-        let access = Access::new(tokens.clone(), address.port(), clock);
-        let hosts = Hosts::new(address, host_names);
+        let (origin, entrance) = (settings.origin()?, settings.entrance(clock)?);
+        let ConsoleSettings { listener, tokens, token_file, links_file, on_lost, https, .. } = settings;
+        listener.set_nonblocking(true)?;
         let pictures: Vec<_> = parts.videos.iter().map(|(_, outlet)| Arc::clone(&outlet.pictures)).collect();
         let encoders = pictures.iter().map(|slot| {
             let slot = Arc::clone(slot);
             threads::spawn("pictures", on_panic.clone(), move || encode_pictures(&slot))
         });
         let encoders = encoders.collect::<std::io::Result<Vec<_>>>()?;
-        let console = Arc::new(Console::new(parts, on_lost, access, hosts));
+        let console = Arc::new(Console::new(parts, on_lost, entrance));
         let runtime = runtime().context("the console's server cannot be started")?;
         let (end, ended) = oneshot::channel::<()>();
+        let fingerprint = fingerprint(https.as_deref()).map(str::to_owned);
         let thread = threads::spawn("console", on_panic, move || {
             runtime.block_on(async {
+                let answering = Answering { router: routes::router(Arc::clone(&console)), https, clock };
                 tokio::select! {
-                    served = serve(listener, routes::router(Arc::clone(&console)), clock) => {
+                    served = serve(listener, answering) => {
                         if let Err(error) = served {
                             tracing::error!("the console cannot be served: {error}");
                         }
@@ -91,13 +96,13 @@ impl ConsoleServer {
             });
             // Dropping the runtime closes all connections.
         })?;
-        announce(address, tokens.as_ref(), token_file.as_deref())?;
+        announce(origin, tokens.as_ref(), token_file.as_deref(), fingerprint.as_deref())?;
         let links_file = links_file
             .zip(tokens)
-            .map(|(path, tokens)| LinksFile::write(&path, &ServedConsole { address, tokens }));
+            .map(|(path, tokens)| LinksFile::write(&path, &ServedConsole { origin, tokens, fingerprint }));
         let links_file = links_file.transpose()?;
         Ok(Self {
-            address,
+            address: origin.address,
             end: Some(end),
             thread: Some(thread),
             encoders,
@@ -135,11 +140,20 @@ pub(super) fn runtime() -> std::io::Result<tokio::runtime::Runtime> {
     tokio::runtime::Builder::new_current_thread().enable_all().event_interval(TASKS_BETWEEN_LOOKS).build()
 }
 
+/// What answers connections.
+#[derive(Clone)]
+pub(super) struct Answering {
+    pub(super) router: Router,
+    /// The certificate; `None`: the connections are not encrypted.
+    pub(super) https: Option<Arc<Identity>>,
+    pub(super) clock: Clock,
+}
+
 /// Accepts connections, a bounded number at a time.
-pub(super) async fn serve(listener: TcpListener, router: Router, clock: Clock) -> std::io::Result<()> {
+pub(super) async fn serve(listener: TcpListener, answering: Answering) -> std::io::Result<()> {
     let _ = rustix::net::listen(&listener, BACKLOG);
     let listener = tokio::net::TcpListener::from_std(listener)?;
-    let places = Arc::new(Places::new(clock));
+    let places = Arc::new(Places::new(answering.clock));
     for number in 1_u64.. {
         let (stream, client) = match listener.accept().await {
             Ok(accepted) => accepted,
@@ -150,7 +164,7 @@ pub(super) async fn serve(listener: TcpListener, router: Router, clock: Clock) -
                 continue;
             }
         };
-        tokio::spawn(serve_connection(stream, places.take(client.ip()), router.clone(), clock));
+        tokio::spawn(serve_connection(stream, places.take(client.ip()), answering.clone()));
         // The others have their turn, also while one connection follows the other.
         if number.is_multiple_of(ACCEPTED_IN_A_TURN) {
             tokio::task::yield_now().await;
@@ -160,24 +174,52 @@ pub(super) async fn serve(listener: TcpListener, router: Router, clock: Clock) -
 }
 
 /// Answers the requests of one connection, until it ends or has to give way. A socket takes the connection's place over.
-async fn serve_connection(stream: TcpStream, place: Place, router: Router, clock: Clock) {
+async fn serve_connection(stream: TcpStream, place: Place, answering: Answering) {
     prepare(&stream);
     let place = Arc::new(place);
-    let service = service_fn(|mut request: hyper::Request<hyper::body::Incoming>| {
+    tokio::select! {
+        () = answer(stream, Arc::clone(&place), answering) => {}
+        () = place.gives_way() => {}
+    }
+}
+
+/// An error of one connection (broken off, too slow, not HTTP, a device that does not trust the certificate)
+/// concerns nobody else.
+async fn answer(stream: TcpStream, place: Arc<Place>, Answering { router, https, clock }: Answering) {
+    let to_router = service_fn(|mut request: Request<Incoming>| {
         request.extensions_mut().insert(Arc::clone(&place));
         router.clone().oneshot(request)
     });
-    let connection = http1::Builder::new()
+    let Some(identity) = https else {
+        return converse(LimitedStream::new(stream, Bytes, BYTES, clock), to_router).await;
+    };
+    match accept(stream, &identity, clock).await {
+        Ok(Accepted::Encrypted(stream)) => converse(stream, to_router).await,
+        Ok(Accepted::Plain(stream)) => converse(stream, service_fn(use_https)).await,
+        Err(_) => {}
+    }
+}
+
+/// The answer to a request without TLS.
+async fn use_https(_: Request<Incoming>) -> Result<Response, Infallible> {
+    let close = [(header::CONNECTION, "close")];
+    let text = "this console is encrypted: use https:// in place of http://\n";
+    Ok((StatusCode::BAD_REQUEST, close, text).into_response())
+}
+
+/// HTTP on a connection.
+async fn converse<S, A>(stream: S, service: A)
+where
+    S: AsyncRead + AsyncWrite + Unpin + Send + 'static,
+    A: HttpService<Incoming, ResBody = Body, Error = Infallible>,
+{
+    let _ = http1::Builder::new()
         .timer(TokioTimer::new())
         .header_read_timeout(HEADER_TIMEOUT)
         .max_buf_size(HEAD_BYTES)
-        .serve_connection(TokioIo::new(LimitedStream::new(stream, Bytes, BYTES, clock)), service)
-        .with_upgrades();
-    tokio::select! {
-        // An error of one connection (broken off, too slow, not HTTP) concerns nobody else.
-        _ = connection => {}
-        () = place.gives_way() => {}
-    }
+        .serve_connection(TokioIo::new(stream), service)
+        .with_upgrades()
+        .await;
 }
 
 /// Small messages go out at once, little is buffered, and a client that takes nothing is disconnected.
@@ -189,3 +231,6 @@ fn prepare(stream: &TcpStream) {
 
 #[cfg(test)]
 mod tests;
+
+#[cfg(test)]
+mod https_tests;

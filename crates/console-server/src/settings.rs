@@ -2,14 +2,51 @@
 
 use std::net::{IpAddr, Ipv4Addr, SocketAddr, TcpListener};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::SystemTime;
 
 use anyhow::{Context, Result, bail};
 
-use super::access::Tokens;
+use barrelman_host::clock::Clock;
+use barrelman_host::state_folder::state_folder;
+
+use super::access::{Access, Tokens};
+use super::entrance::Entrance;
+use super::guard::Hosts;
+use super::https::{CertificateFiles, Identity};
 use super::on_lost::OnConsoleLost;
+use super::origin::{Origin, Scheme};
 
 /// Ports that are tried where no address is given.
 const PORTS: std::ops::Range<u16> = 8480..8490;
+
+/// Name of the file with the own certificate authority.
+const AUTHORITY: &str = "console-authority.json";
+
+/// When a console is encrypted, and with which certificate.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub enum Encryption {
+    /// Off loopback, with a certificate of the program's own authority.
+    #[default]
+    OffLoopback,
+    /// On loopback, too.
+    Always,
+    /// Always, with this certificate.
+    Given(CertificateFiles),
+    /// Never.
+    Never,
+}
+
+/// Where a console is served.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct ConsoleAddress {
+    /// The address; `None`: the first free port of loopback from 8480 on.
+    pub listen: Option<SocketAddr>,
+    /// Further names that the server answers to, besides its addresses.
+    pub host_names: Vec<String>,
+    /// The encryption.
+    pub encryption: Encryption,
+}
 
 /// How a console is served.
 pub struct ConsoleSettings {
@@ -25,15 +62,17 @@ pub struct ConsoleSettings {
     pub host_names: Vec<String>,
     /// What happens when the controlling page is gone.
     pub on_lost: OnConsoleLost,
+    /// The certificate; `None`: the console is not encrypted.
+    pub(super) https: Option<Arc<Identity>>,
 }
 
 impl ConsoleSettings {
-    /// A console at `address`, or at the first free port of loopback from 8480 on. `token_file`: two lines, control and
-    /// watch, made where the file is missing; without it, tokens are made for this program's life.
+    /// A console. `token_file`: two lines, control and watch, made where the file is missing; without it,
+    /// tokens are made for this program's life.
     ///
     /// # Errors
-    /// If the address is in use, or the tokens cannot be read or made.
-    pub fn with_tokens(address: Option<SocketAddr>, token_file: Option<&Path>) -> Result<Self> {
+    /// If the address is in use, or the tokens or the certificate cannot be read or made.
+    pub fn with_tokens(address: ConsoleAddress, token_file: Option<&Path>) -> Result<Self> {
         let tokens = match token_file {
             Some(path) => Tokens::kept_in(path)?,
             None => Tokens::random().context("no random numbers for the console's tokens")?,
@@ -46,11 +85,8 @@ impl ConsoleSettings {
     ///
     /// # Errors
     /// As [`Self::with_tokens`].
-    pub fn without_tokens_on_loopback(
-        address: Option<SocketAddr>,
-        token_file: Option<&Path>,
-    ) -> Result<Self> {
-        let is_loopback = address.is_none_or(|address| address.ip().is_loopback());
+    pub fn without_tokens_on_loopback(address: ConsoleAddress, token_file: Option<&Path>) -> Result<Self> {
+        let is_loopback = address.listen.is_none_or(|address| address.ip().is_loopback());
         if is_loopback && token_file.is_none() {
             Self::open(address)
         } else {
@@ -70,22 +106,72 @@ impl ConsoleSettings {
             links_file: None,
             host_names: self.host_names.clone(),
             on_lost: self.on_lost,
+            https: self.https.clone(),
         })
     }
 
-    fn open(address: Option<SocketAddr>) -> Result<Self> {
+    fn open(address: ConsoleAddress) -> Result<Self> {
+        let ConsoleAddress { listen, host_names, encryption } = address;
+        let listener = listener_at(listen)?;
+        let https = identity(encryption, listener.local_addr()?.ip(), &host_names)?.map(Arc::new);
         Ok(Self {
-            listener: listen(address)?,
+            listener,
             tokens: None,
             token_file: None,
             links_file: None,
-            host_names: Vec::new(),
+            host_names,
             on_lost: OnConsoleLost::default(),
+            https,
         })
+    }
+
+    /// How clients come in.
+    ///
+    /// # Errors
+    /// If the socket has no address.
+    pub(super) fn entrance(&self, clock: Clock) -> std::io::Result<Entrance> {
+        let origin = self.origin()?;
+        let own_names = self.https.iter().flat_map(|identity| identity.names());
+        let names = self.host_names.iter().chain(own_names).cloned().collect();
+        Ok(Entrance {
+            access: Access::new(self.tokens.clone(), origin, clock),
+            hosts: Hosts::new(origin, names),
+            https: self.https.clone(),
+        })
+    }
+
+    /// Where the console is.
+    pub(super) fn origin(&self) -> std::io::Result<Origin> {
+        let scheme = if self.https.is_some() { Scheme::Https } else { Scheme::Http };
+        Ok(Origin { scheme, address: self.listener.local_addr()? })
     }
 }
 
-fn listen(address: Option<SocketAddr>) -> Result<TcpListener> {
+/// The certificate of a console at this address; `None`: the console is not encrypted.
+fn identity(encryption: Encryption, address: IpAddr, host_names: &[String]) -> Result<Option<Identity>> {
+    match encryption {
+        Encryption::Given(files) => Identity::given(&files).map(Some),
+        Encryption::OffLoopback if address.is_loopback() => Ok(None),
+        Encryption::OffLoopback | Encryption::Always => {
+            let folder = state_folder().context(
+                "there is no folder for the console's certificate authority: set HOME or XDG_STATE_HOME, or give \
+                 --tls-certificate and --tls-key",
+            )?;
+            Identity::own(&folder.join(AUTHORITY), address, host_names, SystemTime::now()).map(Some)
+        }
+        Encryption::Never => {
+            if !address.is_loopback() {
+                tracing::warn!(
+                    "THE CONSOLE IS NOT ENCRYPTED (--insecure): whoever can read the network can read the token, and command the \
+                     camera and the boat"
+                );
+            }
+            Ok(None)
+        }
+    }
+}
+
+fn listener_at(address: Option<SocketAddr>) -> Result<TcpListener> {
     if let Some(address) = address {
         return TcpListener::bind(address).with_context(|| {
             format!(

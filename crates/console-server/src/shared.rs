@@ -12,7 +12,9 @@ use barrelman_vocab::{LawId, Videos};
 
 use super::access::{Access, Role};
 use super::api::{ControlSeat, Hello, StatusSnapshot};
+use super::entrance::Entrance;
 use super::guard::Hosts;
+use super::https::Identity;
 use super::library::Library;
 use super::on_lost::OnConsoleLost;
 use super::pictures::PictureSlot;
@@ -79,6 +81,8 @@ pub(super) struct Console {
     on_lost: OnConsoleLost,
     pub(super) access: Access,
     pub(super) hosts: Hosts,
+    /// The certificate; `None`: the console is not encrypted.
+    pub(super) https: Option<Arc<Identity>>,
     pub(super) gateway: Arc<Gateway>,
     pub(super) snapshots: watch::Receiver<SharedSnapshot>,
     pub(super) events: Arc<EventLog>,
@@ -92,11 +96,12 @@ pub(super) struct Console {
 }
 
 impl Console {
-    pub(super) fn new(parts: ConsoleParts, on_lost: OnConsoleLost, access: Access, hosts: Hosts) -> Self {
+    pub(super) fn new(parts: ConsoleParts, on_lost: OnConsoleLost, entrance: Entrance) -> Self {
         Self {
             on_lost,
-            access,
-            hosts,
+            access: entrance.access,
+            hosts: entrance.hosts,
+            https: entrance.https,
             facts: parts.facts,
             gateway: parts.gateway,
             snapshots: parts.snapshots,

@@ -16,6 +16,9 @@ pub(super) fn paths(sent: &mut SchemaGenerator, taken: &mut SchemaGenerator) -> 
         ("/help", "The operator's manual"),
         ("/help/{name}", "A picture of the manual"),
         ("/console/{name}", "A file of the pages"),
+        ("/trust", "How a device trusts the console's certificate authority"),
+        ("/authority.pem", "The certificate authority, PEM"),
+        ("/authority.crt", "The certificate authority, DER"),
     ];
     let mut paths: Map<String, Value> =
         pages.map(|(path, summary)| (path.to_owned(), page(path, summary))).into_iter().collect();

@@ -13,6 +13,11 @@ use super::super::seats::ClientId;
 use super::*;
 use crate::test_scenes::{at, idle};
 
+/// The console's routes without TLS.
+fn answering(session: &InMemory) -> Answering {
+    Answering { router: routes::router(Arc::clone(&session.console)), https: None, clock: Clock::start() }
+}
+
 /// All that a client hears that sends this and then waits until its connection is ended.
 fn heard(sent: String) -> String {
     let session = InMemory::new(LIVE);
@@ -28,7 +33,7 @@ fn heard(sent: String) -> String {
     };
     tokio::runtime::Builder::new_current_thread().enable_all().build().unwrap().block_on(async {
         tokio::select! {
-            served = serve(listener, routes::router(Arc::clone(&session.console)), Clock::start()) => panic!("{served:?}"),
+            served = serve(listener, answering(&session)) => panic!("{served:?}"),
             heard = tokio::task::spawn_blocking(client) => heard.unwrap(),
         }
     })
@@ -64,9 +69,8 @@ fn heard_after(first: usize, sent_first: &'static str, sent: String) -> String {
         heard
     };
     runtime().unwrap().block_on(async {
-        let router = routes::router(Arc::clone(&session.console));
         tokio::select! {
-            served = serve(listener, router, Clock::start()) => panic!("{served:?}"),
+            served = serve(listener, answering(&session)) => panic!("{served:?}"),
             heard = tokio::task::spawn_blocking(client) => heard.unwrap(),
         }
     })

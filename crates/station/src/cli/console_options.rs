@@ -3,7 +3,7 @@
 use std::net::SocketAddr;
 use std::path::PathBuf;
 
-use barrelman_console_server::OnConsoleLost;
+use barrelman_console_server::{CertificateFiles, ConsoleAddress, Encryption, OnConsoleLost};
 use clap::Args;
 
 use super::values::parse_listen;
@@ -21,4 +21,43 @@ pub struct ConsoleOptions {
     /// What happens when the controlling page is gone (closed for 2 s, or silent for 3 s): the camera goes on, or stops.
     #[arg(long, value_enum, value_name = "WHAT")]
     pub on_console_lost: Option<OnConsoleLost>,
+    /// Serve HTTPS with this certificate (PEM, with those of the authorities above it), instead of one of the
+    /// program's own authority.
+    #[arg(long, value_name = "FILE.pem", requires = "tls_key", conflicts_with = "insecure")]
+    pub tls_certificate: Option<PathBuf>,
+    /// Key of the certificate (PEM).
+    #[arg(long, value_name = "FILE.pem", requires = "tls_certificate")]
+    pub tls_key: Option<PathBuf>,
+    /// Serve HTTPS on loopback, too. Off loopback HTTPS is the default.
+    #[arg(long, conflicts_with = "insecure")]
+    pub tls_on_loopback: bool,
+    /// Serve HTTP off loopback: whoever can read the network can read the token, and command camera and boat.
+    #[arg(long)]
+    pub insecure: bool,
+}
+
+impl ConsoleOptions {
+    /// The encryption that the options ask for.
+    fn encryption(&self) -> Option<Encryption> {
+        match (&self.tls_certificate, &self.tls_key) {
+            _ if self.insecure => Some(Encryption::Never),
+            (Some(certificate), Some(key)) => Some(Encryption::Given(CertificateFiles {
+                certificate: certificate.clone(),
+                key: key.clone(),
+            })),
+            _ if self.tls_on_loopback => Some(Encryption::Always),
+            _ => None,
+        }
+    }
+
+    /// Where the console is served, with what the configuration says where there is no option.
+    pub fn address(&self, configured: ConsoleAddress) -> ConsoleAddress {
+        let encryption = match (self.encryption(), configured.encryption) {
+            // A certificate of the configuration is for loopback, too.
+            (None | Some(Encryption::Always), given @ Encryption::Given(_)) => given,
+            (option, configured) => option.unwrap_or(configured),
+        };
+        let listen = self.listen.or(configured.listen);
+        ConsoleAddress { listen, encryption, host_names: configured.host_names }
+    }
 }

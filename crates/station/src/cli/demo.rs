@@ -12,12 +12,10 @@ use super::law_options::LawOptions;
 use super::values::{parse_seconds, parse_world_size};
 
 /// Options that have no effect with `--clip`. (A requirement of `--clip` alone is not checked beside an option that excludes it.)
-const WITHOUT_CLIP: [&str; 12] = [
+const WITHOUT_CLIP: [&str; 10] = [
     "scenario",
     "drill",
-    "listen",
-    "console_token_file",
-    "on_console_lost",
+    "ConsoleOptions",
     "size",
     "seed",
     "seconds",
@@ -83,7 +81,7 @@ pub struct DemoArgs {
     pub store: Option<PathBuf>,
     /// Replay a stored drive, without a page and at full speed; exit 1 unless it is the same,
     /// bit for bit.
-    #[arg(long, value_name = "FILE.jsonl", conflicts_with_all = ["scenario", "listen", "console_token_file", "on_console_lost", "size", "seed", "seconds", "law", "mode", "horizon"])]
+    #[arg(long, value_name = "FILE.jsonl", conflicts_with_all = ["scenario", "ConsoleOptions", "size", "seed", "seconds", "law", "mode", "horizon"])]
     pub replay: Option<PathBuf>,
     /// The tracker.
     #[arg(long, value_enum, value_name = "NAME", default_value_t, conflicts_with = "replay")]

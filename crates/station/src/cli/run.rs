@@ -85,7 +85,7 @@ pub struct RunArgs {
     #[arg(long, value_name = "FILE")]
     pub links_file: Option<PathBuf>,
     /// No console.
-    #[arg(long, conflicts_with_all = ["listen", "console_token_file", "links_file", "on_console_lost"])]
+    #[arg(long, conflicts_with_all = ["ConsoleOptions", "links_file"])]
     pub headless: bool,
     /// Record to this file; default: a file of its own in the folder of the configuration, or `recordings`.
     #[arg(long, value_name = "FILE.mcap")]

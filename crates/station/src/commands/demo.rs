@@ -9,7 +9,7 @@ use std::process::ExitCode;
 use std::time::Duration;
 
 use anyhow::Result;
-use barrelman_console_server::ConsoleSettings;
+use barrelman_console_server::{ConsoleAddress, ConsoleSettings};
 use barrelman_vocab::{NewDrill, NewDrive};
 
 use super::practice;
@@ -57,9 +57,10 @@ fn drive(args: &DemoArgs, files: DriveFiles, first_files: OpenFiles, clock: Cloc
         hands_on: args.hands_on,
     };
     let options = &args.console;
-    let console =
-        ConsoleSettings::without_tokens_on_loopback(options.listen, options.console_token_file.as_deref())?;
-    let console = ConsoleSettings { on_lost: options.on_console_lost.unwrap_or_default(), ..console };
+    let address = options.address(ConsoleAddress::default());
+    let mut console =
+        ConsoleSettings::without_tokens_on_loopback(address, options.console_token_file.as_deref())?;
+    console.on_lost = options.on_console_lost.unwrap_or_default();
     let max_duration = args.seconds.map(Duration::from_secs_f64);
     let session = DriveSession { plan, files: files.clone(), first_files, console, max_duration, clock };
     let SessionEnd { end, drives } = session.run()?;

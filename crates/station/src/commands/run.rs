@@ -167,10 +167,10 @@ fn tracking_camera(
 fn open_console(args: &RunArgs, config: &ConsoleConfig) -> Result<ConsoleSettings> {
     let options = &args.console;
     let token_file = options.console_token_file.as_deref().or(config.token_file.as_deref());
-    let console = ConsoleSettings::with_tokens(options.listen.or(config.listen), token_file)?;
-    let on_lost = options.on_console_lost.unwrap_or(config.on_lost);
-    let links_file = args.links_file.clone();
-    Ok(ConsoleSettings { on_lost, links_file, host_names: config.hosts.clone(), ..console })
+    let mut console = ConsoleSettings::with_tokens(options.address(config.address.clone()), token_file)?;
+    console.on_lost = options.on_console_lost.unwrap_or(config.on_lost);
+    console.links_file.clone_from(&args.links_file);
+    Ok(console)
 }
 
 /// Opens the output files that the arguments name.

@@ -3,17 +3,18 @@
 use std::net::SocketAddr;
 use std::path::PathBuf;
 
+use anyhow::{Result, bail, ensure};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use barrelman_console_server::OnConsoleLost;
+use barrelman_console_server::{CertificateFiles, ConsoleAddress, Encryption, OnConsoleLost};
 
 /// The operator's console.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct ConsoleSection {
-    /// Address of the console, an IP address with a port: "0.0.0.0:8480" is for other devices, too, without encryption; default:
-    /// "127.0.0.1:8480", or the next free port.
+    /// Address of the console, an IP address with a port: "0.0.0.0:8480" is for other devices, too, over
+    /// HTTPS; default: "127.0.0.1:8480", or the next free port.
     #[schemars(example = "127.0.0.1:8480")]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub listen: Option<SocketAddr>,
@@ -28,6 +29,22 @@ pub struct ConsoleSection {
     /// What happens when the controlling page is gone: closed for 2 s, or silent for 3 s.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub on_lost: Option<OnConsoleLost>,
+    /// Certificate for HTTPS (PEM, with those of the authorities above it); without it, the program's own
+    /// authority issues one.
+    #[schemars(example = "/etc/barrelman/console.pem")]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub tls_certificate: Option<PathBuf>,
+    /// Key of the certificate (PEM).
+    #[schemars(example = "/etc/barrelman/console-key.pem")]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub tls_key: Option<PathBuf>,
+    /// Whether the console is served over HTTPS on loopback, too. Off loopback HTTPS is the default.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub tls_on_loopback: Option<bool>,
+    /// Whether the console is served over HTTP off loopback: whoever can read the network can read the token,
+    /// and command camera and boat.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub insecure: Option<bool>,
 }
 
 /// The recordings that `run` makes without being asked.
@@ -53,10 +70,8 @@ pub struct RecordingSection {
 /// The effective settings of the console.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct ConsoleConfig {
-    /// The address; `None`: the first free port.
-    pub listen: Option<SocketAddr>,
-    /// Further names of the server.
-    pub hosts: Vec<String>,
+    /// Where the console is served.
+    pub address: ConsoleAddress,
     /// The file with the tokens; `None`: tokens are made.
     pub token_file: Option<PathBuf>,
     /// What happens when the controlling page is gone.
@@ -78,22 +93,58 @@ pub struct RecordingConfig {
 
 impl ConsoleSection {
     /// The effective settings.
-    pub(super) fn resolve(&self) -> ConsoleConfig {
-        ConsoleConfig {
-            listen: self.listen,
-            hosts: self.hosts.clone().unwrap_or_default(),
+    ///
+    /// # Errors
+    /// If keys of the encryption exclude each other.
+    pub(super) fn resolve(&self) -> Result<ConsoleConfig> {
+        Ok(ConsoleConfig {
+            address: ConsoleAddress {
+                listen: self.listen,
+                host_names: self.hosts.clone().unwrap_or_default(),
+                encryption: self.encryption()?,
+            },
             token_file: self.token_file.clone(),
             on_lost: self.on_lost.unwrap_or_default(),
+        })
+    }
+
+    fn encryption(&self) -> Result<Encryption> {
+        let is_asked_for = self.tls_certificate.is_some() || self.tls_on_loopback == Some(true);
+        if self.insecure == Some(true) {
+            ensure!(
+                !is_asked_for,
+                "console.insecure excludes console.tls_certificate and console.tls_on_loopback"
+            );
+            return Ok(Encryption::Never);
         }
+        Ok(match (&self.tls_certificate, &self.tls_key) {
+            (Some(certificate), Some(key)) => {
+                Encryption::Given(CertificateFiles { certificate: certificate.clone(), key: key.clone() })
+            }
+            (None, None) if self.tls_on_loopback == Some(true) => Encryption::Always,
+            (None, None) => Encryption::OffLoopback,
+            _ => bail!("console.tls_certificate and console.tls_key belong together: give both, or neither"),
+        })
     }
 
     /// A complete section.
     pub(super) fn from_config(config: &ConsoleConfig) -> Self {
+        let ConsoleAddress { listen, host_names, encryption } = config.address.clone();
+        let (tls_on_loopback, insecure) = (encryption == Encryption::Always, encryption == Encryption::Never);
+        let files = match encryption {
+            Encryption::Given(files) => Some(files),
+            Encryption::OffLoopback | Encryption::Always | Encryption::Never => None,
+        };
+        let (tls_certificate, tls_key) = files.map(|files| (files.certificate, files.key)).unzip();
         Self {
-            listen: config.listen,
-            hosts: Some(config.hosts.clone()),
+            listen,
+            hosts: Some(host_names),
             token_file: config.token_file.clone(),
             on_lost: Some(config.on_lost),
+            tls_certificate,
+            tls_key,
+            tls_on_loopback: Some(tls_on_loopback),
+            insecure: Some(insecure),
         }
     }
 }

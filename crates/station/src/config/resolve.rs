@@ -176,7 +176,7 @@ impl Configuration {
             tracker: file.tracker.settings().validated()?,
             tracking_camera: file.tracking_camera.resolve(),
             vessel: file.vessel.resolve()?,
-            console: file.console.resolve(),
+            console: file.console.resolve()?,
             recording: file.recording.resolve(),
         })
     }

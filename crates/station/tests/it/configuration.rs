@@ -53,7 +53,7 @@ fn the_services_configuration_is_usable_once_it_has_a_video() {
     assert!(proposed.video.is_some() && proposed.link.is_some());
     let console = proposed.console;
     assert!(
-        console.listen.is_some_and(|address| address.ip().is_loopback()),
+        console.address.listen.is_some_and(|address| address.ip().is_loopback()),
         "the page is for this computer alone"
     );
     assert!(console.token_file.is_some_and(|file| file.starts_with("/var/lib/barrelman")));
