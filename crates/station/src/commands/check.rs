@@ -33,9 +33,9 @@ use barrelman_video::{VideoFrames, VideoSink, VideoState, VideoUrl};
 /// and up to 5 s to the next key frame.
 const FIRST_PICTURE_TIMEOUT: Duration = Duration::from_secs(15);
 /// Where this project's udev rule is when it was installed by hand.
-pub(super) const UDEV_RULE: &str = "/etc/udev/rules.d/70-barrelman.rules";
-/// Where the package installs the rule.
-pub(super) const PACKAGED_UDEV_RULE: &str = "/usr/lib/udev/rules.d/70-barrelman.rules";
+const UDEV_RULE: &str = "/etc/udev/rules.d/70-barrelman.rules";
+/// Where the rule may be: installed by hand, or by the package.
+pub(super) const UDEV_RULES: [&str; 2] = [UDEV_RULE, "/usr/lib/udev/rules.d/70-barrelman.rules"];
 
 /// Runs the command.
 ///
@@ -241,17 +241,18 @@ fn check_link(
         }
     }
     if matches!(parsed.endpoint, Endpoint::Serial { .. }) {
-        results.push(check_modem_manager());
-        results.push(check_udev_rule());
+        let rules = UDEV_RULES.map(Path::new);
+        results.push(check_modem_manager(&rules));
+        results.push(check_udev_rule(&rules));
     }
 }
 
-/// ModemManager opens new serial ports and sends modem commands to them.
-fn check_modem_manager() -> CheckResult {
+/// ModemManager opens new serial ports and sends modem commands to them. `rules`: where the udev rule may be.
+pub(super) fn check_modem_manager(rules: &[&Path]) -> CheckResult {
     let is_running = std::fs::read_dir("/proc").into_iter().flatten().flatten().any(|entry| {
         std::fs::read_to_string(entry.path().join("comm")).is_ok_and(|name| name.trim() == "ModemManager")
     });
-    let has_rule = installed_udev_rule().is_some();
+    let has_rule = rules.iter().any(|rule| rule.exists());
     let (verdict, details) = match (is_running, has_rule) {
         (true, false) => (
             Verdict::Warning,
@@ -266,13 +267,10 @@ fn check_modem_manager() -> CheckResult {
     CheckResult::new("ModemManager", verdict, details)
 }
 
-fn installed_udev_rule() -> Option<&'static str> {
-    [UDEV_RULE, PACKAGED_UDEV_RULE].into_iter().find(|rule| Path::new(rule).exists())
-}
-
-fn check_udev_rule() -> CheckResult {
-    let (verdict, details) = if let Some(rule) = installed_udev_rule() {
-        (Verdict::Ok, format!("{rule} is installed"))
+/// Whether one of these rules is installed.
+pub(super) fn check_udev_rule(rules: &[&Path]) -> CheckResult {
+    let (verdict, details) = if let Some(rule) = rules.iter().find(|rule| rule.exists()) {
+        (Verdict::Ok, format!("{} is installed", rule.display()))
     } else {
         (
             Verdict::Warning,

@@ -12,7 +12,7 @@ use barrelman_host::program;
 use barrelman_link::guarded::GUARD_NAME;
 use rustix::fs::Access;
 
-use super::check::{PACKAGED_UDEV_RULE, UDEV_RULE, check_decoders};
+use super::check::{UDEV_RULES, check_decoders, check_modem_manager, check_udev_rule};
 use super::check_result::{CheckResult, Verdict, print};
 use crate::cli::DoctorArgs;
 use crate::config::RecordingConfig;
@@ -32,7 +32,8 @@ pub fn run(args: &DoctorArgs) -> Result<ExitCode> {
     let mut results = vec![
         machine.guard(),
         machine.serial_ports(),
-        machine.port_rule(),
+        check_modem_manager(&machine.rules()),
+        check_udev_rule(&machine.rules()),
         machine.cameras(),
         check_decoders(),
         clock(),
@@ -63,12 +64,17 @@ impl Machine {
         Self {
             devices: PathBuf::from("/dev"),
             programs: program.as_deref().and_then(Path::parent).map(Path::to_owned),
-            udev_rules: [PathBuf::from(UDEV_RULE), PathBuf::from(PACKAGED_UDEV_RULE)],
+            udev_rules: UDEV_RULES.map(PathBuf::from),
             recordings: RecordingConfig::default().folder,
             lid: PathBuf::from("/proc/acpi/button/lid"),
             power_supplies: PathBuf::from("/sys/class/power_supply"),
             inhibits: sleep_inhibitor::is_possible,
         }
+    }
+
+    /// Where the udev rule of serial ports may be.
+    fn rules(&self) -> [&Path; 2] {
+        self.udev_rules.each_ref().map(PathBuf::as_path)
     }
 
     fn guard(&self) -> CheckResult {
@@ -93,21 +99,6 @@ impl Machine {
             return CheckResult::new("serial ports", Verdict::Warning, text);
         }
         usable("serial ports", &ports, "dialout")
-    }
-
-    /// Whether the rule is there that keeps other programs away from the ports.
-    fn port_rule(&self) -> CheckResult {
-        match self.udev_rules.iter().find(|path| path.exists()) {
-            Some(path) => CheckResult::new("udev rule", Verdict::Ok, path.display().to_string()),
-            None => CheckResult::new(
-                "udev rule",
-                Verdict::Warning,
-                format!(
-                    "not installed: ModemManager may write into a port that was just plugged in. Install the \
-                     package, or: sudo cp config/udev/70-barrelman.rules {UDEV_RULE} && sudo udevadm control --reload"
-                ),
-            ),
-        }
     }
 
     fn cameras(&self) -> CheckResult {
@@ -269,7 +260,7 @@ mod tests {
         let verdicts = [
             machine.guard(),
             machine.serial_ports(),
-            machine.port_rule(),
+            check_udev_rule(&machine.rules()),
             machine.cameras(),
             machine.sleep(),
         ]
