@@ -126,11 +126,7 @@ pub(super) fn part_of<R: Read + Seek>(
     from: Duration,
     form: Form,
 ) -> Result<Part> {
-    let first_outcome = recording.find_from(Timestamp::ZERO, |entry| match entry {
-        Entry::Outcome(outcome) => Some(outcome.at),
-        _ => None,
-    })?;
-    let began = first_outcome.context("the recording holds no step")?;
+    let began = first_step(recording)?.context("the recording holds no step")?;
     let from = began.plus(from);
     let video = tracked_video(recording, from)?;
     let Some(begin) = key_unit(recording, video, from)? else {
@@ -151,6 +147,14 @@ pub(super) fn part_of<R: Read + Seek>(
     Ok(Part { items: builder.items, next: builder.next.map(|next| next.since(began)), began })
 }
 
+/// The time of the first step.
+pub(super) fn first_step<R: Read + Seek>(recording: &mut IndexedRecording<R>) -> Result<Option<Timestamp>> {
+    Ok(recording.find_from(Timestamp::ZERO, |entry| match entry {
+        Entry::Outcome(outcome) => Some(outcome.at),
+        _ => None,
+    })?)
+}
+
 /// The video that the pilot saw at a time.
 fn tracked_video<R: Read + Seek>(recording: &mut IndexedRecording<R>, at: Timestamp) -> Result<VideoNumber> {
     if recording.start().videos.second.is_none() {
@@ -164,7 +168,7 @@ fn tracked_video<R: Read + Seek>(recording: &mut IndexedRecording<R>, at: Timest
 }
 
 /// The unit of a video with which decoding has to start for a time: before it, or else the first of all.
-fn key_unit<R: Read + Seek>(
+pub(super) fn key_unit<R: Read + Seek>(
     recording: &mut IndexedRecording<R>,
     video: VideoNumber,
     at: Timestamp,
