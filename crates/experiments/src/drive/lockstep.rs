@@ -58,7 +58,7 @@ impl<'a> Drive<'a> {
         } else {
             pilot
         };
-        let simulation = Simulation::new(scenario, world, seed, pilot, &setup.profile).without_log();
+        let simulation = Simulation::new(scenario, world, seed, pilot, &setup.profile).with_log(false);
         let simulation = simulation.with_tilt_reports(true).with_height_reports();
         let simulation = if setup.hands_on { simulation.without_selection() } else { simulation };
         Ok(Self { simulation, camera, units })
@@ -67,7 +67,7 @@ impl<'a> Drive<'a> {
     /// The same drive, of which a log is kept.
     #[must_use]
     pub fn with_log(self) -> Self {
-        Self { simulation: self.simulation.with_log(), ..self }
+        Self { simulation: self.simulation.with_log(true), ..self }
     }
 
     /// The log so far; empty unless one is kept ([`Self::with_log`]).

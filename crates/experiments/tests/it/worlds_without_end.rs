@@ -117,7 +117,7 @@ fn an_hour_of_rescue_with_nobody_touching_it_loses_no_mark_and_no_engagement() {
     let pilot = Pilot::new(settings, tracker).keeping_frames().with_vessel(vessel);
     let world = World::new(scenario, 1).unwrap().without_end();
     let mut simulation = Simulation::new(scenario, world, 1, pilot, &profile)
-        .without_log()
+        .with_log(false)
         .with_tilt_reports(true)
         .with_height_reports();
     simulation.request(CameraRequest::Engage.into(), &mut ());

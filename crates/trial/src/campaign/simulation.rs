@@ -179,16 +179,11 @@ impl<'a> Simulation<'a> {
         Self { operator: SimulatedOperator::person(seed), ..self }
     }
 
-    /// The same trial with a log.
+    /// Sets whether a log is kept. Without one, the memory does not grow with the trial's length, and
+    /// [`Self::into_log`] is empty. On by default.
     #[must_use]
-    pub fn with_log(self) -> Self {
-        Self { keeps_log: true, ..self }
-    }
-
-    /// The same trial without a log: its memory does not grow with its length. [`Self::into_log`] is then empty.
-    #[must_use]
-    pub fn without_log(self) -> Self {
-        Self { keeps_log: false, ..self }
+    pub fn with_log(self, keeps_log: bool) -> Self {
+        Self { keeps_log, ..self }
     }
 
     /// The same trial, in which the boat is steered as it was in another one: by each command of the helm from

@@ -91,7 +91,7 @@ fn a_trial_without_a_log_is_the_same_trial_and_keeps_no_row() {
         let world = World::new(&scenario, 3).expect("a path");
         let law = LawSettings::MotorSchema;
         let simulation = Simulation::new(&scenario, world, 3, pilot(&profile, law), &profile);
-        let simulation = if keeps_log { simulation } else { simulation.without_log() };
+        let simulation = simulation.with_log(keeps_log);
         let mut steps = Steps::default();
         let log = simulation.run(None, &mut steps);
         (steps, log.rows.len(), log.truth.map(|rows| rows.len()))
