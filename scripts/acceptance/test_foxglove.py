@@ -88,3 +88,12 @@ def test_other_ways_are_refused(
     done = run([barrelman, "run", "--headless", "--video", "sim:arena1?size=320x180", *options, *record])
     assert done.returncode != 0
     assert says in done.stderr, done.stderr
+
+
+def test_run_without_a_recording_is_refused(barrelman: pathlib.Path, tmp_path: pathlib.Path) -> None:
+    config = tmp_path / "barrelman.toml"
+    config.write_text("[recording]\nenabled = false\n")
+    video = ("--video", "sim:arena1?size=320x180")
+    done = run([barrelman, "run", "--headless", config, *video, "--foxglove", "127.0.0.1:0"])
+    assert done.returncode != 0
+    assert "--foxglove shows what is recorded" in done.stderr, done.stderr

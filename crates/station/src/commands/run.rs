@@ -11,6 +11,8 @@ use super::draw_selection::{draw_selection, has_display};
 use crate::cli::RunArgs;
 use crate::config::{Configuration, ConsoleConfig, RecordingConfig, UnusableConfiguration};
 use crate::link::{LinkUrl, command_path, vehicle_over_http};
+use crate::live::foxglove_server;
+use crate::live::recorder::Extras;
 use crate::live::recording_folder::{self, DiskReserve};
 use crate::live::run_loop::RunEnd;
 use crate::live::session::{Outputs, Session};
@@ -177,18 +179,23 @@ fn open_console(args: &RunArgs, config: &ConsoleConfig) -> Result<ConsoleSetting
 fn open_outputs(args: &RunArgs, recording: &RecordingConfig) -> Result<Outputs> {
     let open =
         |path: &Option<PathBuf>| path.as_deref().map(|path| OutputFile::open(path, args.force)).transpose();
+    let makes_recording = recording.enabled && !args.no_record;
+    if args.foxglove.is_some() && args.record.is_none() && !makes_recording {
+        bail!("--foxglove shows what is recorded: give --record FILE.mcap, or set recording.enabled");
+    }
+    let live = args.foxglove.map(foxglove_server::serve).transpose()?;
     let mut outputs = Outputs {
         record: open(&args.record)?,
         overlay: open(&args.overlay)?,
-        foxglove: args.foxglove,
+        extras: Extras { live, ..Extras::default() },
         ..Outputs::default()
     };
-    if outputs.record.is_none() && recording.enabled && !args.no_record {
+    if outputs.record.is_none() && makes_recording {
         match recording_folder::open_next(recording) {
             Ok(file) => {
                 tracing::info!("recording to {}; --no-record switches this off", file.path().display());
                 outputs.record = Some(file);
-                outputs.reserve = Some(DiskReserve::new(&recording.folder, recording.reserve_gb));
+                outputs.extras.reserve = Some(DiskReserve::new(&recording.folder, recording.reserve_gb));
             }
             // A recording that nobody asked for must not keep the boat from being followed.
             Err(error) => {

@@ -5,42 +5,27 @@ use std::net::SocketAddr;
 
 use anyhow::{Context as _, Result, bail};
 use barrelman_trial::records::LiveChannels;
-use foxglove::{WebSocketServer, WebSocketServerHandle};
+use foxglove::WebSocketServer;
 
-/// A server that runs, until it is dropped.
-#[derive(Debug)]
-pub struct FoxgloveServer(Option<WebSocketServerHandle>);
-
-impl FoxgloveServer {
-    /// Starts a server, and gives the channels that a recorder fills.
-    ///
-    /// # Errors
-    /// The address is not of this machine alone, or is in use.
-    pub fn start(address: SocketAddr) -> Result<(Self, LiveChannels)> {
-        if !address.ip().is_loopback() {
-            bail!(
-                "--foxglove {address}: the server asks nobody for a token, so that it listens on this machine alone. Give \
-                 127.0.0.1:{port}; from another machine, use ssh -L {port}:127.0.0.1:{port}",
-                port = address.port()
-            );
-        }
-        let channels = LiveChannels::new()?;
-        let server = WebSocketServer::new()
-            .name("barrelman")
-            .bind(address.ip().to_string(), address.port())
-            .context(channels.context())
-            .start_blocking()
-            .with_context(|| format!("--foxglove {address}"))?;
-        tracing::info!("Foxglove: open a connection to ws://{}:{}", address.ip(), server.port());
-        Ok((Self(Some(server)), channels))
+/// Starts a server, which runs until the program ends, and gives the channels that a recorder fills.
+///
+/// # Errors
+/// The address is not of this machine alone, or is in use.
+pub fn serve(address: SocketAddr) -> Result<LiveChannels> {
+    if !address.ip().is_loopback() {
+        bail!(
+            "--foxglove {address}: the server asks nobody for a token, so that it listens on this machine alone. Give \
+             127.0.0.1:{port}; from another machine, use ssh -L {port}:127.0.0.1:{port}",
+            port = address.port()
+        );
     }
-}
-
-impl Drop for FoxgloveServer {
-    fn drop(&mut self) {
-        if let Some(server) = self.0.take() {
-            // Its threads end by themselves.
-            let _ = server.stop();
-        }
-    }
+    let channels = LiveChannels::new()?;
+    let server = WebSocketServer::new()
+        .name("barrelman")
+        .bind(address.ip().to_string(), address.port())
+        .context(channels.context())
+        .start_blocking()
+        .with_context(|| format!("--foxglove {address}"))?;
+    tracing::info!("Foxglove: open a connection to ws://{}:{}", address.ip(), server.port());
+    Ok(channels)
 }

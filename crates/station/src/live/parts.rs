@@ -1,7 +1,6 @@
 //! The parts of a run: how they are opened, and in which order they are closed.
 
 use std::io::{Write as _, stdout};
-use std::net::SocketAddr;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::mpsc::SyncSender;
@@ -20,10 +19,9 @@ use barrelman_vocab::telemetry::LinkState;
 
 use super::event::{Event, report_panics};
 use super::faults::FaultInjector;
-use super::foxglove_server::FoxgloveServer;
 use super::overlay_video::OverlayVideo;
 use super::recorder::{Extras, Recorder};
-use super::recording_folder::{DiskReserve, library};
+use super::recording_folder::library;
 use super::recording_start::recording_start;
 use super::run_loop::RunEnd;
 use super::sortie_text::SortieText;
@@ -40,16 +38,14 @@ use crate::simulated_source::{LiveWorld, WorldSwitch};
 use crate::tracking_camera::{CameraParts, TrackingCameraSetup, TrackingCameraThread};
 
 /// The files of a run, open.
-#[derive(Debug, Default)]
+#[derive(Default)]
 pub struct Outputs {
     /// The recording.
     pub record: Option<OutputFile>,
     /// The annotated video.
     pub overlay: Option<OutputFile>,
-    /// The free space that the recording leaves on its disk.
-    pub reserve: Option<DiskReserve>,
-    /// Who watches the recording while it is made.
-    pub foxglove: Option<SocketAddr>,
+    /// What not every recording has.
+    pub extras: Extras,
     /// Why the recording that every run makes could not be opened.
     pub not_recorded: Option<String>,
 }
@@ -105,8 +101,6 @@ pub(super) struct OpenParts {
 pub(super) struct Recording {
     pub(super) path: PathBuf,
     pub(super) recorder: Recorder,
-    /// Ends after the recording.
-    _foxglove: Option<FoxgloveServer>,
 }
 
 impl PartOpener<'_> {
@@ -120,17 +114,14 @@ impl PartOpener<'_> {
         settings: PartSettings,
     ) -> Result<OpenRun> {
         let PartSettings { sources, link_url, outputs, console, tracking_camera, selects_target } = settings;
-        let Outputs { record, overlay, reserve, foxglove, not_recorded } = outputs;
+        let Outputs { record, overlay, extras, not_recorded } = outputs;
         let worlds = sources.first.world().map(LiveWorld::switch).transpose()?;
         let recording = recording_state(record.as_ref(), not_recorded);
         let mut publisher = self.publisher(link.is_some(), recording, worlds.as_ref());
         let facts = self.facts(&sources, link_url.as_ref(), worlds.as_ref());
         let is_recorded = record.is_some();
         let recording = match record {
-            Some(file) => {
-                let extras = (reserve, foxglove);
-                Some(self.begin_recording(file, extras, &sources, link_url.as_ref())?)
-            }
+            Some(file) => Some(self.begin_recording(file, extras, &sources, link_url.as_ref())?),
             None => None,
         };
         let overlay = overlay.map(|file| self.begin_overlay(file)).transpose()?;
@@ -218,25 +209,23 @@ impl PartOpener<'_> {
     fn begin_recording(
         &self,
         file: OutputFile,
-        (reserve, foxglove): (Option<DiskReserve>, Option<SocketAddr>),
+        extras: Extras,
         sources: &Videos<Source>,
         link_url: Option<&LinkUrl>,
     ) -> Result<Recording> {
         let start = recording_start(self.configuration, sources, link_url, self.clock)?;
         let path = file.path().to_owned();
         let context = format!("the recording {} cannot be written", path.display());
-        let server = foxglove.map(FoxgloveServer::start).transpose()?;
-        let (foxglove, live) = server.map_or((None, None), |(server, live)| (Some(server), Some(live)));
         let recorder = Recorder::begin(
             file,
             &start,
             self.clock,
             self.fault_injector.clone(),
             self.events.clone(),
-            Extras { reserve, live },
+            extras,
             &self.configuration.profile,
         );
-        Ok(Recording { path, recorder: recorder.context(context)?, _foxglove: foxglove })
+        Ok(Recording { path, recorder: recorder.context(context)? })
     }
 
     fn begin_overlay(&self, file: OutputFile) -> Result<OverlayVideo> {
@@ -297,7 +286,7 @@ impl OpenParts {
         }
         drop(self.console);
         drop(self.tracking_camera);
-        if let Some(Recording { path, recorder, _foxglove }) = self.recording
+        if let Some(Recording { path, recorder }) = self.recording
             && let Some(sortie) = recorder.finish()
         {
             SortieText { sortie: &sortie, path: &path, is_cut: false }.print();
