@@ -1,34 +1,26 @@
 // The drills of a demo: short tasks, each with a result, and what the camera laws would have done beside it.
 
 import { openDialog } from "./dialogs.js";
+import { element } from "./elements.js";
 import { setText } from "./status.js";
 import { sentence, words } from "./words.js";
 
 const at = (id) => document.getElementById(id);
 
-/** @param {string} name @param {string} text @param {object} attributes */
-function element(name, text, attributes = {}) {
-  const made = document.createElement(name);
-  made.textContent = text;
-  return Object.assign(made, attributes);
-}
-
 export class Drills {
-  #seed = 1;
   #drill = null;
 
   /** @param {(wanted: object) => Promise<void>} request makes a request and shows its refusal @param {(text: string) => void} say */
   constructor(request, say) {
     this.say = say;
     at("drill-list").replaceChildren(...words.drills.flatMap(({ name, title, task }) => {
-      const button = element("button", sentence(title), { value: name });
-      button.setAttribute("aria-describedby", `task-${name}`);
-      return [button, element("p", task, { id: `task-${name}` })];
+      const id = `task-${name}`;
+      return [element("button", sentence(title), { value: name, "aria-describedby": id }), element("p", task, { id })];
     }));
     for (const form of [at("drill-form"), at("result-form")]) {
       form.addEventListener("submit", ({ submitter }) => {
         if (submitter?.value === "all") this.open();
-        else if (submitter?.value !== "no") request({ kind: "drill", drill: submitter.value, seed: this.#seed });
+        else if (submitter?.value !== "no") request({ kind: "drill", drill: submitter.value, seed: (this.#drill?.seed ?? 0) + 1 });
       });
     }
   }
@@ -50,8 +42,7 @@ export class Drills {
     if (drill.result && !before?.result) this.#showResult(drill, title);
   }
 
-  #showResult({ name, seed, result }, title) {
-    this.#seed = seed + 1;
+  #showResult({ name, result }, title) {
     at("result-title").textContent = `${sentence(title)}: ${result.passed ? words.drillPassed : words.drillFailed}`;
     at("result-sentence").textContent = result.sentence;
     const rows = [["person", result.person], ["schema", result.schema], ["default", result.default_law]];

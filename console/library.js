@@ -1,6 +1,7 @@
 // The recordings: the list, and the chosen one with its film, its moments and its files.
 
 import { askForToken, enter } from "/console/access.js";
+import { element } from "/console/elements.js";
 import { Player } from "/console/player.js";
 import { Stage } from "/console/stage.js";
 import { Strips } from "/console/strips.js";
@@ -45,13 +46,6 @@ const place = (name) => `/api/v1/recordings/${encodeURIComponent(name)}`;
 const chosenOne = () => recordings.find((recording) => recording.name === chosen);
 /** No recording is older than the program; a clock of simulated time begins at 0. */
 const began = ({ sortie }) => (sortie && sortie.began_unix_ns > 1e18 ? new Date(sortie.began_unix_ns / 1e6) : null);
-
-function element(tag, text, attributes = {}) {
-  const made = document.createElement(tag);
-  made.textContent = text;
-  for (const [name, value] of Object.entries(attributes)) made.setAttribute(name, value);
-  return made;
-}
 
 /** A length of time: 12.3 s, 4 min 5 s, 1 h 2 min. */
 function length(seconds) {

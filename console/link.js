@@ -143,6 +143,7 @@ export class Link extends EventTarget {
     this.clock.add(pingedAt, now, programNs);
     this.#trip = now - pingedAt;
     this.#unanswered = this.#unanswered.filter((other) => other > pingedAt);
+    // All that was sent before has come, and is handled: the count cannot drift.
     this.#handled = sent;
   }
 

@@ -23,6 +23,7 @@ files![
     "dialogs.js",
     "drills.css",
     "drills.js",
+    "elements.js",
     "events.js",
     "facts.js",
     "gamepad.js",
