@@ -36,8 +36,8 @@ impl InFlight {
         }
     }
 
-    /// The page has handled so many snapshots and video messages since it connected. A number of messages that
-    /// were not sent counts as all.
+    /// The page has handled so many snapshots and video messages since it connected. A number of messages
+    /// that were not sent counts as all.
     pub(super) fn on_handled(&mut self, count: u64, now: Instant) {
         self.is_told = true;
         let left = usize::try_from(self.sent.saturating_sub(count)).unwrap_or(usize::MAX);

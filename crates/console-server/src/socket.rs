@@ -1,8 +1,8 @@
 //! The socket of one page: requests in; snapshots, answers, events and video out.
 //!
 //! Reading and writing are two halves of one task, so that a page that stops reading can still stop the
-//! camera. What is sent is always the newest: a slow page misses snapshots and video, and delays nobody. A page
-//! that says what it has handled never gets more than it keeps up with.
+//! camera. What is sent is always the newest: a slow page misses snapshots and video, and delays nobody. A
+//! page that says what it has handled never gets more than it keeps up with.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};

@@ -1,4 +1,5 @@
-//! The words of laws, causes, alarms and drills as a module of the page: those of the terminal, from the same types.
+//! The words of laws, causes, alarms and drills as a module of the page: those of the terminal, from the same
+//! types.
 
 use std::collections::BTreeMap;
 use std::sync::LazyLock;

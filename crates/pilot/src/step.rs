@@ -31,13 +31,15 @@ mod requests;
 mod searching;
 mod vessel_part;
 
-/// A reported tilt holds the camera off its end stops for this time: vehicles report the tilt some times a second.
+/// A reported tilt holds the camera off its end stops for this time: vehicles report the tilt some times a
+/// second.
 const TILT_LASTS: Duration = Duration::from_secs(1);
 
 /// Settings of a pilot.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PilotSettings {
-    /// The vehicle whose camera is moved. The pilot uses its region, rates, latency and times, but not its signs.
+    /// The vehicle whose camera is moved. The pilot uses its region, rates, latency and times, but not its
+    /// signs.
     pub profile: VehicleProfile,
     /// The camera law.
     pub law: LawSettings,
@@ -126,7 +128,8 @@ impl Pilot {
         }
     }
 
-    /// The same pilot, which keeps the video frames of the last 1.5 s, so that an operator can select on an earlier one.
+    /// The same pilot, which keeps the video frames of the last 1.5 s, so that an operator can select on an
+    /// earlier one.
     #[must_use]
     pub fn keeping_frames(self) -> Self {
         Self { history: FrameHistory::keeping(), ..self }
@@ -149,8 +152,8 @@ impl Pilot {
         self.settings.law.id()
     }
 
-    /// Whether a further [`Stop`](barrelman_vocab::OperatorRequest::Stop) would change nothing: the camera is stopped, the
-    /// boat is stopped or not commanded, and no helm is held that a stop would bar.
+    /// Whether a further [`Stop`](barrelman_vocab::OperatorRequest::Stop) would change nothing: the camera is
+    /// stopped, the boat is stopped or not commanded, and no helm is held that a stop would bar.
     pub fn is_at_rest_by_stop(&self) -> bool {
         self.safety.is_stopped() && self.vessel.as_ref().is_none_or(|vessel| vessel.is_at_rest_by_stop())
     }
@@ -247,8 +250,8 @@ impl Pilot {
         }
     }
 
-    /// Whether an observation of this age shows what the camera sees now. A track that was measured elsewhere has no age
-    /// while the target is lost.
+    /// Whether an observation of this age shows what the camera sees now. A track that was measured elsewhere
+    /// has no age while the target is lost.
     fn is_video_fresh(&self, age: Option<Duration>) -> bool {
         let profile = &self.settings.profile;
         age.is_none_or(|age| age <= profile.video_latency.saturating_add(profile.stale_after))

@@ -25,8 +25,8 @@ pub struct StatusSnapshot {
     pub step: u64,
     /// Time of the newest step.
     pub at_ns: u64,
-    /// Grows with each step, and in a live run every 0.2 s where there is none: a program in which it rests hangs. (A demo that is
-    /// paused rests, too.)
+    /// Grows with each step, and in a live run every 0.2 s where there is none: a program in which it rests
+    /// hangs. (A demo that is paused rests, too.)
     pub beat: u64,
     /// The pilot's mode.
     pub mode: ModeStatus,
@@ -46,7 +46,8 @@ pub struct StatusSnapshot {
     pub yaw_rate: f64,
     /// Pitch rate handed to the link, in the vehicle's own sign.
     pub pitch_rate: f64,
-    /// By how much the vehicle is turned about the vertical, degrees, positive to the right: the twist of the tether.
+    /// By how much the vehicle is turned about the vertical, degrees, positive to the right: the twist of the
+    /// tether.
     pub net_yaw_deg: f64,
     /// Why a search would be refused now; `null`: it can be asked for.
     pub search_refusal: Option<String>,
@@ -56,10 +57,11 @@ pub struct StatusSnapshot {
     pub video: VideoStatus,
     /// The other video; `null`: there is one.
     pub other_video: Option<OtherVideoStatus>,
-    /// Where the followed boat is on the water; `null`: nothing is followed, or height or tilt of the camera are not known.
+    /// Where the followed boat is on the water; `null`: nothing is followed, or height or tilt of the camera
+    /// are not known.
     pub boat: Option<BoatStatus>,
-    /// Whether latitude and longitude of places on the water can be known: `known`; `no-position`: the vehicle reports no
-    /// position; `no-heading`: it does not report the direction of the camera from north.
+    /// Whether latitude and longitude of places on the water can be known: `known`; `no-position`: the
+    /// vehicle reports no position; `no-heading`: it does not report the direction of the camera from north.
     pub earth: &'static str,
     /// The boat that is commanded, with the marks; `null`: no boat is commanded by this program.
     pub vessel: Option<VesselStatus>,
@@ -69,9 +71,9 @@ pub struct StatusSnapshot {
     pub recording: RecordingStatus,
     /// The camera's work so far, and that of the paper's schema beside it.
     pub work: CameraWork,
-    /// Alarms in force, by their keys: `stale-video`, `no-video`, `link-down`, `camera-may-turn`, `camera-turns`,
-    /// `boat-moves`, `control-lost`, `end-stop`,
-    /// `emergency`, `battery-low`, `recording-failed`, `console-lost`, `track-lost`, `net-yaw`, `net-yaw-limit`, `drill`.
+    /// Alarms in force, by their keys: `stale-video`, `no-video`, `link-down`, `camera-may-turn`,
+    /// `camera-turns`, `boat-moves`, `control-lost`, `end-stop`, `emergency`, `battery-low`,
+    /// `recording-failed`, `console-lost`, `track-lost`, `net-yaw`, `net-yaw-limit`, `drill`.
     pub alarms: Vec<&'static str>,
     /// How many presses of Stop have been taken so far; a press is acknowledged when this reaches its number.
     pub stops_taken: u64,
@@ -88,10 +90,10 @@ pub struct StatusSnapshot {
 pub struct ModeStatus {
     /// `idle`, `servoing`, `holding`, `nudging`, `searching`, `calibrating` or `stopped`.
     pub name: &'static str,
-    /// Of holding: `no-selection`, `track-lost`, `coasting`, `video-stale`, `video-silent`, `confirming`, `dry-run`,
-    /// `link-down`, `no-control`, `emergency`, `landing`; of stopped: `operator`, `ending`, `video-ended`, `fault`,
-    /// `control-lost`, `vehicle-restarted`, `emergency`, `landing`, `battery-low`, `vehicle-silent`, `suspended`,
-    /// `pan-opposed`, `tilt-opposed`; otherwise `null`.
+    /// Of holding: `no-selection`, `track-lost`, `coasting`, `video-stale`, `video-silent`, `confirming`,
+    /// `dry-run`, `link-down`, `no-control`, `emergency`, `landing`; of stopped: `operator`, `ending`,
+    /// `video-ended`, `fault`, `control-lost`, `vehicle-restarted`, `emergency`, `landing`, `battery-low`,
+    /// `vehicle-silent`, `suspended`, `pan-opposed`, `tilt-opposed`; otherwise `null`.
     pub cause: Option<&'static str>,
     /// Whether the pilot is engaged (servoing or holding).
     pub engaged: bool,
@@ -172,8 +174,8 @@ pub struct VideoStatus {
     pub age_ms: Option<f64>,
     /// Frames a second.
     pub fps: f64,
-    /// Median time from the moment when the loop takes a frame until the rates are handed to the link, over the last
-    /// 60 frames, milliseconds; `null` in a demo.
+    /// Median time from the moment when the loop takes a frame until the rates are handed to the link, over
+    /// the last 60 frames, milliseconds; `null` in a demo.
     pub step_ms: Option<f64>,
     /// Video frames that were replaced by newer ones before the pilot took them.
     pub dropped: u64,
@@ -235,8 +237,9 @@ pub struct LinkStatus {
     pub state: &'static str,
     /// Whether the vehicle accepts commands from this program.
     pub in_control: Option<bool>,
-    /// What a vehicle that answers commands says to them: `accepted`, `queued`, `other-client`, `flight-state`, `not-ready`,
-    /// `fault`, `no-camera`, `token-refused`, `unusable` or `unanswered`; `null`: the vehicle does not answer commands.
+    /// What a vehicle that answers commands says to them: `accepted`, `queued`, `other-client`,
+    /// `flight-state`, `not-ready`, `fault`, `no-camera`, `token-refused`, `unusable` or `unanswered`;
+    /// `null`: the vehicle does not answer commands.
     pub acceptance: Option<&'static str>,
     /// Battery voltage, volts.
     pub battery_v: Option<f64>,
@@ -296,7 +299,7 @@ pub struct ControlSeat {
     pub clients: Vec<u64>,
     /// Numbers of those that ask for the control.
     pub asking: Vec<u64>,
-    /// Number of the programs without a socket, which are one client together; `null`: none has asked for the control or
-    /// taken it in the last 3 s.
+    /// Number of the programs without a socket, which are one client together; `null`: none has asked for the
+    /// control or taken it in the last 3 s.
     pub program: Option<u64>,
 }

@@ -12,8 +12,8 @@ use crate::drive::DriveSetup;
 use crate::law_choice::LawChoice;
 use crate::tracker_choice::TrackerSettings;
 
-/// The figures of a law that is engaged from the start of the world to a tick, while the boat is steered as it
-/// was. The law sees where the boat is without pictures: the sensor of trials without pixels.
+/// The figures of a law that is engaged from the start of the world to a tick, while the boat is steered as
+/// it was. The law sees where the boat is without pictures: the sensor of trials without pixels.
 ///
 /// # Errors
 /// The scenario's way-points make no path with the seed, or the tracker cannot be built.

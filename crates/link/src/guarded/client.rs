@@ -1,4 +1,5 @@
-//! What the run loop and the thread of a guarded link share: the guard's pipe, and the command that was requested last.
+//! What the run loop and the thread of a guarded link share: the guard's pipe, and the command that was
+//! requested last.
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
@@ -22,14 +23,16 @@ pub(super) struct ClientState<C> {
     pub(super) requested: RequestedCommand<C>,
     /// Whether the operator takes the control back, and the guard was not told so yet.
     pub(super) takes_control: bool,
-    /// Whether another client has the control, as the guard said last, and the operator has not taken it back since.
+    /// Whether another client has the control, as the guard said last, and the operator has not taken it back
+    /// since.
     pub(super) is_anothers: bool,
     pub(super) is_closing: bool,
 }
 
 impl<C: Commands> ClientState<C> {
-    /// Sends a message, if there is a guard with room for it, and returns whether it was sent. The lock of the state is held
-    /// meanwhile, so that the last command that was requested is the last one that is sent. Does not block.
+    /// Sends a message, if there is a guard with room for it, and returns whether it was sent. The lock of
+    /// the state is held meanwhile, so that the last command that was requested is the last one that is sent.
+    /// Does not block.
     pub(super) fn send(&self, message: &ToGuard<C>) -> bool {
         self.pipe.as_ref().is_some_and(|pipe| pipe.send(&message.encode()))
     }

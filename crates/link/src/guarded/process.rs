@@ -15,8 +15,8 @@ use crate::guard::pipe::Pipe;
 use crate::url::LinkUrl;
 use crate::vehicle_lock::VehicleLock;
 
-/// Longest wait for the end of a guard that was killed. One that does not end is left to the system: the next guard
-/// cannot open a port before it is gone.
+/// Longest wait for the end of a guard that was killed. One that does not end is left to the system: the next
+/// guard cannot open a port before it is gone.
 const REAPING_TIMEOUT: Duration = Duration::from_millis(50);
 const REAPING_INTERVAL: Duration = Duration::from_millis(2);
 
@@ -31,7 +31,8 @@ pub struct GuardedLinkSettings<P = ByteProtocol> {
     pub protocol: P,
     /// What the guard has to know of the vehicle.
     pub vehicle: GuardedVehicle,
-    /// The lock of the vehicle, which the guard holds, too, until it has sent its zeros; `None`: without a lock.
+    /// The lock of the vehicle, which the guard holds, too, until it has sent its zeros; `None`: without a
+    /// lock.
     pub lock: Option<Arc<VehicleLock>>,
     /// The program's clock.
     pub clock: Clock,
@@ -62,7 +63,8 @@ impl Guard {
         Ok(Self { child, pipe: Arc::new(pipe) })
     }
 
-    /// Ends a guard that is gone, hung, or has ended by itself. A stopped process ends by the kill, too, and leaves its port.
+    /// Ends a guard that is gone, hung, or has ended by itself. A stopped process ends by the kill, too, and
+    /// leaves its port.
     pub(super) fn reap(mut self) {
         let _ = self.child.kill();
         let killed_at = Instant::now();

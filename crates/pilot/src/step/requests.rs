@@ -98,8 +98,9 @@ impl Pilot {
         self.set_unlocalised(track);
     }
 
-    /// The selection that waits for its confirmation is replaced. If the tracker follows it already, the tracker forgets it: a
-    /// selection that is not confirmed is not followed, also where the new one is refused. The track of before it is gone.
+    /// The selection that waits for its confirmation is replaced. If the tracker follows it already, the
+    /// tracker forgets it: a selection that is not confirmed is not followed, also where the new one is
+    /// refused. The track of before it is gone.
     fn forget_unconfirmed(&mut self) {
         let is_followed = self.drawn_selection.is_some_and(|pending| pending.is_followed());
         if is_followed {
@@ -113,7 +114,8 @@ impl Pilot {
         (self.track, self.percept, self.advice) = (track, None, None);
     }
 
-    /// Changes the law. The settings at the start are those of their own law; every other law has its defaults.
+    /// Changes the law. The settings at the start are those of their own law; every other law has its
+    /// defaults.
     fn change_law(&mut self, law: LawId) {
         self.settings.law = if law == self.first_law.id() { self.first_law } else { LawSettings::new(law) };
         self.law.change_law(self.settings.law, &self.settings.profile);

@@ -56,8 +56,8 @@ impl VesselPilot {
         Ok(None)
     }
 
-    /// The operator presses Go. Returns on which basis the boat goes. Where it would go in the picture though people or areas are
-    /// marked, which it could then run into, Go has to be pressed twice.
+    /// The operator presses Go. Returns on which basis the boat goes. Where it would go in the picture though
+    /// people or areas are marked, which it could then run into, Go has to be pressed twice.
     fn engage(&mut self, is_boat_seen: bool, view: VesselView<'_>) -> Result<VesselNotice, Refusal> {
         if self.guide.law() == GuidanceLaw::ByHand {
             return Err(Refusal::ByHandOnly);

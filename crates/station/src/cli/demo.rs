@@ -11,7 +11,8 @@ use super::console_options::ConsoleOptions;
 use super::law_options::LawOptions;
 use super::values::{parse_seconds, parse_world_size};
 
-/// Options that have no effect with `--clip`. (A requirement of `--clip` alone is not checked beside an option that excludes it.)
+/// Options that have no effect with `--clip`. (A requirement of `--clip` alone is not checked beside an
+/// option that excludes it.)
 const WITHOUT_CLIP: [&str; 10] = [
     "scenario",
     "drill",
@@ -54,7 +55,8 @@ pub struct DemoArgs {
     /// Begin unselected and disengaged, and wait: the operator draws the box around the boat, and engages.
     #[arg(long, conflicts_with = "replay")]
     pub hands_on: bool,
-    /// Begin with a drill: a short task with a result. Without a name: keep-in-view. More of them on the page.
+    /// Begin with a drill: a short task with a result. Without a name: keep-in-view. More of them on the
+    /// page.
     #[arg(
         long,
         value_name = "NAME",

@@ -34,39 +34,43 @@ pub struct RunArgs {
     /// Configuration, video and link.
     #[command(flatten)]
     pub connection: ConnectionOptions,
-    /// The guard's program; default: barrelman-guard beside this program. A guard owns the port of a vehicle that keeps its last
-    /// rate, and another one the port of a boat; it sends zeros (neutral) when this program is gone.
+    /// The guard's program; default: barrelman-guard beside this program. A guard owns the port of a vehicle
+    /// that keeps its last rate, and another one the port of a boat; it sends zeros (neutral) when this
+    /// program is gone.
     #[arg(long, value_name = "FILE")]
     pub guard: Option<PathBuf>,
-    /// Run without guards: if this program is killed, crashes or hangs, the camera goes on turning, and the boat goes on until
-    /// its own time-out.
+    /// Run without guards: if this program is killed, crashes or hangs, the camera goes on turning, and the
+    /// boat goes on until its own time-out.
     #[arg(long, conflicts_with = "guard")]
     pub without_guard: bool,
     /// The vehicle's profile; default: the configuration's, or fotokite-pro; also fotokite-sigma and
     /// mavlink-gimbal.
     #[arg(long, value_name = "NAME")]
     pub profile: Option<String>,
-    /// Command the boat there: udp://host:port, tcp://host:port or serial:/dev/ttyACM0?baud=57600 (ArduPilot), udp://host:port
-    /// (lab-udp), or sim:, the boat of the simulated world.
+    /// Command the boat there: udp://host:port, tcp://host:port or serial:/dev/ttyACM0?baud=57600
+    /// (ArduPilot), udp://host:port (lab-udp), or sim:, the boat of the simulated world.
     #[arg(long, value_name = "URL")]
     pub vessel: Option<String>,
-    /// The boat's profile: mavlink-rover, mavlink-rover-manual, lab-udp or simulator; default: the configuration's, or simulator at
-    /// sim:, else mavlink-rover.
+    /// The boat's profile: mavlink-rover, mavlink-rover-manual, lab-udp or simulator; default: the
+    /// configuration's, or simulator at sim:, else mavlink-rover.
     #[arg(long, value_name = "NAME")]
     pub vessel_profile: Option<String>,
     /// How the boat goes to a mark; default: the configuration's, or los.
     #[arg(long, value_enum, value_name = "NAME")]
     pub guidance: Option<GuidanceName>,
-    /// Appear as a tracking camera to MAVLink ground stations (QGroundControl, MAVSDK) there: udp://host:port, tcp://host:port or
-    /// serial:/dev/ttyACM0?baud=57600. They see the target and select; they never engage.
+    /// Appear as a tracking camera to MAVLink ground stations (QGroundControl, MAVSDK) there:
+    /// udp://host:port, tcp://host:port or serial:/dev/ttyACM0?baud=57600. They see the target and select;
+    /// they never engage.
     #[arg(long, value_name = "URL")]
     pub mavlink: Option<String>,
-    /// Track what is in this box of the first picture: left, top, width, height in pixels. Without it nothing is
-    /// tracked until the operator selects, except in a simulated world, where the world selects its boat. A file waits
-    /// with its first picture until the box is drawn in a browser, where there is a display or --listen is given.
+    /// Track what is in this box of the first picture: left, top, width, height in pixels. Without it nothing
+    /// is tracked until the operator selects, except in a simulated world, where the world selects its boat.
+    /// A file waits with its first picture until the box is drawn in a browser, where there is a display or
+    /// --listen is given.
     #[arg(long, value_name = "X,Y,W,H", allow_hyphen_values = true, value_parser = parse_box)]
     pub select: Option<PixelBox>,
-    /// Let the operator select the boat on the console: also in a simulated world, and on a file while it plays.
+    /// Let the operator select the boat on the console: also in a simulated world, and on a file while it
+    /// plays.
     #[arg(long, conflicts_with_all = ["select", "headless"])]
     pub hands_on: bool,
     /// The tracker; default: the configuration's, or fused.
@@ -81,7 +85,8 @@ pub struct RunArgs {
     /// The console.
     #[command(flatten)]
     pub console: ConsoleOptions,
-    /// Write the console's links to this file while it is served, for its owner alone: `barrelman links` prints them.
+    /// Write the console's links to this file while it is served, for its owner alone: `barrelman links`
+    /// prints them.
     #[arg(long, value_name = "FILE")]
     pub links_file: Option<PathBuf>,
     /// No console.
@@ -90,8 +95,8 @@ pub struct RunArgs {
     /// Record to this file; default: a file of its own in the folder of the configuration, or `recordings`.
     #[arg(long, value_name = "FILE.mcap")]
     pub record: Option<PathBuf>,
-    /// Let Foxglove or Lichtblick on this machine watch what is recorded: the address of a WebSocket server, as in
-    /// 127.0.0.1:8765.
+    /// Let Foxglove or Lichtblick on this machine watch what is recorded: the address of a WebSocket server,
+    /// as in 127.0.0.1:8765.
     #[arg(long, value_name = "ADDR", value_parser = parse_listen, conflicts_with = "no_record")]
     pub foxglove: Option<SocketAddr>,
     /// Do not record.
@@ -104,12 +109,12 @@ pub struct RunArgs {
     #[arg(long)]
     pub force: bool,
     /// Inject a fault into a thread, to test the fail-safe: THREAD:panic@SECONDS or
-    /// THREAD:stall@SECONDS+DURATION or THREAD:hang@SECONDS. THREAD: pilot, recorder, overlay, terminal, status.
-    /// Times count from the program's start.
+    /// THREAD:stall@SECONDS+DURATION or THREAD:hang@SECONDS. THREAD: pilot, recorder, overlay, terminal,
+    /// status. Times count from the program's start.
     #[arg(long, hide = true, value_name = "THREAD:FAULT")]
     pub fault: Vec<String>,
-    /// Inject the faults of a file, one place a line: PLACE: KIND@SECONDS[+DURATION], several with commas. PLACE: a
-    /// thread, link, video, or program (suspend).
+    /// Inject the faults of a file, one place a line: PLACE: KIND@SECONDS[+DURATION], several with commas.
+    /// PLACE: a thread, link, video, or program (suspend).
     #[arg(long, hide = true, value_name = "FILE")]
     pub faults: Option<PathBuf>,
 }

@@ -1,5 +1,5 @@
-//! The tracks of a recording for maps: the boat and the marks with their times, as GeoJSON (RFC 7946), KML 2.2
-//! with `gx:Track`, and GPX 1.1.
+//! The tracks of a recording for maps: the boat and the marks with their times, as GeoJSON (RFC 7946), KML
+//! 2.2 with `gx:Track`, and GPX 1.1.
 
 use std::fs::File;
 use std::io::{BufReader, Write};

@@ -273,7 +273,8 @@ fn recording_state(record: Option<&OutputFile>, not_recorded: Option<String>) ->
 }
 
 impl OpenParts {
-    /// Closes the link, and then the other parts. A link that could not send its last zeros makes the run a failed one.
+    /// Closes the link, and then the other parts. A link that could not send its last zeros makes the run a
+    /// failed one.
     pub(super) fn close(self, end: RunEnd) -> RunEnd {
         // Both at once: neither waits for the other's end.
         let boat = self.boat.map(|boat| std::thread::spawn(move || boat.close()));

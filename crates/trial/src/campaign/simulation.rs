@@ -3,9 +3,9 @@
 //! ```text
 //!   World --truth--> Sensor or FrameSource --video link--> Pilot::step --command--> vehicle profile --> World
 //! ```
-//! Time advances in ticks of the world. A picture captured in one tick reaches the pilot some ticks later, or never, as
-//! the simulated video link decides. A command reaches the camera in the tick in which the pilot gave it. Between two
-//! pictures the pilot is stepped at the time that its last outcome asked for.
+//! Time advances in ticks of the world. A picture captured in one tick reaches the pilot some ticks later, or
+//! never, as the simulated video link decides. A command reaches the camera in the tick in which the pilot
+//! gave it. Between two pictures the pilot is stepped at the time that its last outcome asked for.
 
 use std::collections::VecDeque;
 
@@ -103,8 +103,8 @@ impl CameraOutput {
 }
 
 impl<'a> Simulation<'a> {
-    /// Prepares a trial in `world`, which must belong to the scenario and the seed. The pilot must not have been stepped
-    /// yet.
+    /// Prepares a trial in `world`, which must belong to the scenario and the seed. The pilot must not have
+    /// been stepped yet.
     pub fn new(
         scenario: &Scenario,
         world: World,
@@ -165,15 +165,15 @@ impl<'a> Simulation<'a> {
         Self { report_errors, ..self }
     }
 
-    /// The same trial, in which an operator marks the people that the scenario has, and lets the boat go to the first one.
-    /// Needs a pilot with a vessel.
+    /// The same trial, in which an operator marks the people that the scenario has, and lets the boat go to
+    /// the first one. Needs a pilot with a vessel.
     #[must_use]
     pub fn with_rescue(self, optics: Optics, seed: u64) -> Self {
         Self { rescue: Some(Rescue::new(optics, seed)), ..self }
     }
 
-    /// The same trial, in which the target is selected as a person would do it: once, when the target is well visible, by
-    /// a box drawn by hand.
+    /// The same trial, in which the target is selected as a person would do it: once, when the target is well
+    /// visible, by a box drawn by hand.
     #[must_use]
     pub fn with_selection_by_hand(self, seed: u64) -> Self {
         Self { operator: SimulatedOperator::person(seed), ..self }
@@ -186,8 +186,8 @@ impl<'a> Simulation<'a> {
         Self { keeps_log, ..self }
     }
 
-    /// The same trial, in which the boat is steered as it was in another one: by each command of the helm from
-    /// its tick on, and by the helmsman where there is none. The pilot must have no vessel.
+    /// The same trial, in which the boat is steered as it was in another one: by each command of the helm
+    /// from its tick on, and by the helmsman where there is none. The pilot must have no vessel.
     #[must_use]
     pub fn with_helm(self, helm: Vec<(u64, Option<HelmCommand>)>) -> Self {
         Self { helm: helm.into(), ..self }
@@ -253,8 +253,8 @@ impl<'a> Simulation<'a> {
         self.world.is_over() || self.rescue.as_ref().is_some_and(Rescue::is_over)
     }
 
-    /// Simulates one tick: captures a picture where one is due, delivers those that arrive, steps the pilot where it is
-    /// due, and advances the world.
+    /// Simulates one tick: captures a picture where one is due, delivers those that arrive, steps the pilot
+    /// where it is due, and advances the world.
     pub fn tick(&mut self, frames: &mut Option<&mut dyn FrameSource>, observer: &mut dyn StepObserver) {
         if self.world.is_frame_due() {
             let truth = self.world.truth();
@@ -361,8 +361,8 @@ impl<'a> Simulation<'a> {
         });
     }
 
-    /// The track that follows from the sensor's localisation of a picture captured at `at`: lost since the first picture
-    /// without one.
+    /// The track that follows from the sensor's localisation of a picture captured at `at`: lost since the
+    /// first picture without one.
     fn track_from(&mut self, localisation: Option<Localisation>, at: Timestamp) -> Track {
         match localisation {
             Some(localisation) => {
@@ -393,8 +393,8 @@ impl<'a> Simulation<'a> {
         self.outcome = Some(outcome);
     }
 
-    /// Adds a row to the log: in pixels from the first picture on, otherwise from the first localisation on. `truth`
-    /// belongs to the picture that the row rests on.
+    /// Adds a row to the log: in pixels from the first picture on, otherwise from the first localisation on.
+    /// `truth` belongs to the picture that the row rests on.
     fn push_row(&mut self, truth: RowTruth) {
         let Some(outcome) = self.outcome.as_ref().filter(|_| self.keeps_log) else { return };
         let localised = outcome.percept.map(|percept| percept.position);

@@ -10,8 +10,8 @@ use crate::angle::{Angle, AngularRate};
 use crate::mavlink::MavlinkPeers;
 
 impl CameraDynamics {
-    /// The Fotokite Pro's camera as identified from the recorded laboratory trials. The camera's video latency of
-    /// 0.10 s is subtracted from the dead times.
+    /// The Fotokite Pro's camera as identified from the recorded laboratory trials. The camera's video
+    /// latency of 0.10 s is subtracted from the dead times.
     pub fn laboratory() -> Self {
         let axis = |start_ms, stop_ms, lag_ms| AxisDynamics {
             start_dead_time: Duration::from_millis(start_ms),
@@ -45,9 +45,9 @@ impl VehicleProfile {
         }
     }
 
-    /// The Fotokite Pro as the paper's authors flew it. Negative yaw turns the view right, negative pitch turns it up.
-    /// The motor schema turns at 0.3 rad/s on both axes. The vehicle's clients limit yaw to 0.4 rad/s and gimbal pitch
-    /// to 0.3 rad/s.
+    /// The Fotokite Pro as the paper's authors flew it. Negative yaw turns the view right, negative pitch
+    /// turns it up. The motor schema turns at 0.3 rad/s on both axes. The vehicle's clients limit yaw to 0.4
+    /// rad/s and gimbal pitch to 0.3 rad/s.
     pub fn fotokite_pro() -> Self {
         let rad_per_s = AngularRate::from_radians_per_second;
         Self {
@@ -67,10 +67,10 @@ impl VehicleProfile {
         }
     }
 
-    /// Any gimbal behind a MAVLink gimbal manager. Positive yaw turns the view right, positive pitch turns it up. Attitude
-    /// reports state the tilt above the horizon. The dynamics are those of the laboratory's camera, slower than most gimbals,
-    /// until `barrelman calibrate axes` measures them. The end stops are those of a gimbal that looks straight down and a little
-    /// up.
+    /// Any gimbal behind a MAVLink gimbal manager. Positive yaw turns the view right, positive pitch turns it
+    /// up. Attitude reports state the tilt above the horizon. The dynamics are those of the laboratory's
+    /// camera, slower than most gimbals, until `barrelman calibrate axes` measures them. The end stops are
+    /// those of a gimbal that looks straight down and a little up.
     pub fn mavlink_gimbal() -> Self {
         let protocol = Protocol::MavlinkGimbal(MavlinkPeers::DEFAULT);
         Self {
@@ -82,10 +82,11 @@ impl VehicleProfile {
         }
     }
 
-    /// The Fotokite Sigma. Its API counts pan to the right and tilt downwards. Limits (25 degrees per second), least rates (2)
-    /// and end stops (80 degrees below the kite's horizon, 11 above) are the examples of the API document; the session also
-    /// keeps what the vehicle itself states. No document states the dynamics of the camera: those of the Pro hold until
-    /// `barrelman calibrate axes` has measured them. The field of view is reported by the vehicle.
+    /// The Fotokite Sigma. Its API counts pan to the right and tilt downwards. Limits (25 degrees per
+    /// second), least rates (2) and end stops (80 degrees below the kite's horizon, 11 above) are the
+    /// examples of the API document; the session also keeps what the vehicle itself states. No document
+    /// states the dynamics of the camera: those of the Pro hold until `barrelman calibrate axes` has measured
+    /// them. The field of view is reported by the vehicle.
     pub fn fotokite_sigma() -> Self {
         let limits = Protocol::FotokiteSigma.rate_limits();
         let laboratory = CameraDynamics::laboratory();

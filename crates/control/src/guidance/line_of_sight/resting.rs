@@ -8,8 +8,8 @@ use crate::guidance::input::{Destination, GuidanceInput, GuidanceState};
 use crate::guidance::track::BoatState;
 use crate::wrapped::wrapped;
 
-/// A boat before a person moves away from a place too close by this share of the distance each second, and at most so fast,
-/// m/s.
+/// A boat before a person moves away from a place too close by this share of the distance each second, and at
+/// most so fast, m/s.
 const BACKING_PER_S: f64 = 0.5;
 const BACKING_M_PER_S: f64 = 0.4;
 
@@ -31,7 +31,8 @@ impl LineOfSight {
         (if may_go { away } else { VesselCommand::NEUTRAL }, GuidanceState::StandingOff)
     }
 
-    /// Whether a boat under this thrust, ahead or astern, still comes to rest before every circle when the thrust ends.
+    /// Whether a boat under this thrust, ahead or astern, still comes to rest before every circle when the
+    /// thrust ends.
     fn can_coast_to_rest(&self, boat: &BoatState, throttle: f64, input: &GuidanceInput<'_>) -> bool {
         let Some(heading) = boat.heading else { return false };
         let (sin, cos) = libm::sincos(heading.radians());
@@ -42,8 +43,9 @@ impl LineOfSight {
         speed.max(0.0) < self.stopping_speed(free_m, self.model.coasting_m_per_s2)
     }
 
-    /// The command of a boat at rest before a person: away from the person where it is too close. A boat that points at the person
-    /// goes astern, another one ahead and turns away. One whose bow is not known stays neutral: any thrust might move it to the person.
+    /// The command of a boat at rest before a person: away from the person where it is too close. A boat that
+    /// points at the person goes astern, another one ahead and turns away. One whose bow is not known stays
+    /// neutral: any thrust might move it to the person.
     fn retreat(
         &self,
         boat: &BoatState,

@@ -55,7 +55,8 @@ impl LineOfSight {
         allowed
     }
 
-    /// Whether the turn to the side on which the boat goes around keeps clear of all circles: then the boat needs its thrust.
+    /// Whether the turn to the side on which the boat goes around keeps clear of all circles: then the boat
+    /// needs its thrust.
     fn turns_clear(&self, boat: &BoatState, input: &GuidanceInput<'_>) -> bool {
         let Some(side) = self.side else { return false };
         let run_on_s = self.tuning.reaction_s;

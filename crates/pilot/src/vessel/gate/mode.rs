@@ -32,8 +32,8 @@ pub enum VesselHold {
     NoDestination,
     /// A mark that the boat must regard has no place on the water.
     UnplacedMark,
-    /// The boat has no place on the water: its line of sight is too near to the horizon, or beyond the lens. Or the boat is guided in
-    /// the picture, and its destination has no pixel: it is behind the camera.
+    /// The boat has no place on the water: its line of sight is too near to the horizon, or beyond the lens.
+    /// Or the boat is guided in the picture, and its destination has no pixel: it is behind the camera.
     NoPlace,
     /// For want of a boat in the picture, of video, or of a link.
     Cause(HoldCause),
@@ -56,7 +56,8 @@ pub enum VesselStop {
     OtherBoat,
     /// The guidance waited for too long, for this reason.
     HeldTooLong(VesselHold),
-    /// Height or tilt of the camera are not reported any more, and circles are marked: in the picture they would not be kept.
+    /// Height or tilt of the camera are not reported any more, and circles are marked: in the picture they
+    /// would not be kept.
     WaterLost,
     /// What is followed did not move as the commanded boat would have.
     NoAnswer,

@@ -28,7 +28,8 @@ pub(in crate::commands) fn needed_guard(
     Ok(Some(find_guard(configuration.guard.program.as_deref())?))
 }
 
-/// The guard's program for the boat's port: whatever the boat does at the end of the program, the guard sends neutral.
+/// The guard's program for the boat's port: whatever the boat does at the end of the program, the guard sends
+/// neutral.
 ///
 /// # Errors
 /// If the guard is not there, and the operator has not said that the run does without it.

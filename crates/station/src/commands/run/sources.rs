@@ -12,7 +12,8 @@ use crate::live::source::Source;
 use crate::secrets::{self, TrustFiles};
 use crate::source_url::SourceUrl;
 
-/// The address of the video of a run, with its login. A vehicle over HTTP names its video where nobody else does.
+/// The address of the video of a run, with its login. A vehicle over HTTP names its video where nobody else
+/// does.
 ///
 /// # Errors
 /// If nothing names a video, or its login cannot be used.

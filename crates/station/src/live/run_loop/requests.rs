@@ -7,7 +7,8 @@ use barrelman_vocab::{CameraRequest, HoldCause, Note, NoteRequest, OperatorReque
 use super::{LoopState, RunLoop};
 
 impl RunLoop<'_> {
-    /// Takes a pressed stop, and all requests that wait. A stop that is pressed meanwhile comes before the next request.
+    /// Takes a pressed stop, and all requests that wait. A stop that is pressed meanwhile comes before the
+    /// next request.
     pub(super) fn take_requests(&mut self, state: &mut LoopState) {
         self.publisher.set_console_lost(self.gateway.is_console_lost(), self.events.now());
         if let Some(request) = state.vessel_mode.and_then(|mode| self.gateway.stop_for_left_vessel(mode)) {
@@ -38,8 +39,9 @@ impl RunLoop<'_> {
         Answer::ACCEPTED
     }
 
-    /// With Engage, the operator takes the control back that another client has. An engagement that the start of the run asks for
-    /// does not: who has the control is not known then, and the link takes the control by itself where it is free.
+    /// With Engage, the operator takes the control back that another client has. An engagement that the start
+    /// of the run asks for does not: who has the control is not known then, and the link takes the control by
+    /// itself where it is free.
     fn take_control_back(&self, request: OperatorRequest, outcome: &Outcome) {
         // A boat that another program or a person steers refuses the request, and is asked for: the next one
         // may succeed.

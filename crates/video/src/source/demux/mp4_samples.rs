@@ -1,5 +1,5 @@
-//! Reads where the pictures of an MP4 track are, and when they are shown: from the tables of the track (ISO/IEC
-//! 14496-12, 8.6 and 8.7), and from fragments (8.8).
+//! Reads where the pictures of an MP4 track are, and when they are shown: from the tables of the track
+//! (ISO/IEC 14496-12, 8.6 and 8.7), and from fragments (8.8).
 
 use super::mp4_boxes::{Boxes, Fields};
 

@@ -25,9 +25,9 @@ impl Facts {
         }
     }
 
-    /// The direction of the camera's axis from north. The yaw counts from north or from the vehicle's nose, as the flags say; where
-    /// neither flag is set, a locked yaw counts from north. `None`: the vehicle's own direction is needed and not known, or the
-    /// camera looks so steeply that its axis has no direction.
+    /// The direction of the camera's axis from north. The yaw counts from north or from the vehicle's nose,
+    /// as the flags say; where neither flag is set, a locked yaw counts from north. `None`: the vehicle's own
+    /// direction is needed and not known, or the camera looks so steeply that its axis has no direction.
     fn heading_of(&self, attitude: Quaternion, flags: GimbalDeviceFlags) -> Option<Angle> {
         let pitch = attitude.angle_about(EulerAxis::Y)?;
         if pitch.radians().abs() > MAX_PITCH.radians() {
@@ -41,9 +41,9 @@ impl Facts {
         Some(whole_turn(nose + yaw))
     }
 
-    /// The pan in the frame in which the gimbal holds a camera at rest: from north where the yaw is locked, from the nose otherwise. The
-    /// two frames differ by the direction of the nose. `None`: it is needed and not known, or the camera looks so steeply that its
-    /// axis has no direction.
+    /// The pan in the frame in which the gimbal holds a camera at rest: from north where the yaw is locked,
+    /// from the nose otherwise. The two frames differ by the direction of the nose. `None`: it is needed and
+    /// not known, or the camera looks so steeply that its axis has no direction.
     fn pan_of(&self, attitude: Quaternion, status: &GIMBAL_DEVICE_ATTITUDE_STATUS_DATA) -> Option<Angle> {
         let pitch = attitude.angle_about(EulerAxis::Y)?;
         if pitch.radians().abs() > MAX_PITCH.radians() {
