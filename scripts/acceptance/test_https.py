@@ -1,4 +1,4 @@
-"""The console over HTTPS, on loopback by `--tls-on-loopback`: clients of another's writing (Python's ssl,
+"""The console over HTTPS, on loopback by `--tls-on-loopback`: independent clients (Python's ssl,
 Chromium)."""
 
 import hashlib

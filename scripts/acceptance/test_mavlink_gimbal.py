@@ -1,4 +1,4 @@
-"""A run against a gimbal manager of another's writing (independent_gimbal.py), which judges every message.
+"""A run against a gimbal manager with code of its own (independent_gimbal.py), which judges every message.
 
 The video is a simulated world's, whose camera nothing moves: the boat leaves the region, and the camera law
 asks for motion. Each test causes one event. A last test closes the loop: the emulated gimbal moves the camera

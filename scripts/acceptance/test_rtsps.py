@@ -1,4 +1,4 @@
-"""Live video over RTSP in TLS: a TLS server of another's writing (Python's ssl) before an RTSP server on
+"""Live video over RTSP in TLS: an independent TLS server (Python's ssl) before an RTSP server on
 loopback."""
 
 import contextlib

@@ -1,4 +1,4 @@
-"""A run against a Fotokite Sigma of another's writing (independent_sigma.py), which judges every request.
+"""A run against a Fotokite Sigma with code of its own (independent_sigma.py), which judges every request.
 
 The video is a simulated world's, whose camera nothing moves: the boat leaves the region, and the camera law
 asks for motion. A last test closes the loop: the emulated Sigma moves the camera of the world that the run

@@ -50,7 +50,7 @@ impl<S, C: Counter> LimitedStream<S, C> {
         Self { stream, counter, limit, clock, gives_turn: false, is_over: Arc::default() }
     }
 
-    /// Whether the limit is exceeded, for whoever handles what was read.
+    /// Whether the limit is exceeded, for the code that handles what was read.
     pub(super) fn is_over(&self) -> Arc<AtomicBool> {
         Arc::clone(&self.is_over)
     }

@@ -1,4 +1,4 @@
-//! Connections at a time. Who has shown no token gives way to whoever comes, and who watches to the operator, so that no other
+//! Connections at a time. Who has shown no token gives way to anyone who comes, and who watches to the operator, so that no other
 //! client keeps the operator out.
 //!
 //! ```text

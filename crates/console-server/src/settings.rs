@@ -162,7 +162,7 @@ fn identity(encryption: Encryption, address: IpAddr, host_names: &[String]) -> R
         Encryption::Never => {
             if !address.is_loopback() {
                 tracing::warn!(
-                    "THE CONSOLE IS NOT ENCRYPTED (--insecure): whoever can read the network can read the token, and command the \
+                    "THE CONSOLE IS NOT ENCRYPTED (--insecure): anyone who can read the network can read the token, and command the \
                      camera and the boat"
                 );
             }

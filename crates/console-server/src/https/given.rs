@@ -46,7 +46,7 @@ impl CertificateFiles {
     }
 }
 
-/// Whether the first certificate is valid now, whoever has issued it.
+/// Whether the first certificate is valid now, without regard to its issuer.
 fn is_in_time(chain: &[CertificateDer<'static>]) -> bool {
     let mut roots = RootCertStore::empty();
     roots.add_parsable_certificates(chain.last().cloned());

@@ -210,7 +210,7 @@ async fn answer(work: impl Future<Output = Result<Response, Refusal>>) -> Respon
     work.await.unwrap_or_else(|refusal| *refusal)
 }
 
-/// Whoever has the token for control, while the camera does not follow.
+/// Anyone who has the token for control, while the camera does not follow.
 fn may_change(console: &Console, headers: &HeaderMap) -> Result<(), Refusal> {
     if may_enter(&console.access, headers)? != Role::Control {
         return Err(refusal(StatusCode::FORBIDDEN, "this link is for watching".to_owned()));

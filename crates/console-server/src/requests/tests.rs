@@ -222,7 +222,7 @@ fn a_session_is_commanded_from_the_control_seat_only() {
 }
 
 #[test]
-fn whoever_has_the_token_for_control_marks_a_moment() {
+fn everyone_who_has_the_token_for_control_marks_a_moment() {
     let note = || NoteRequest::Note(Note::default());
     for from in [Holder, Other, Program] {
         check_from(from, note(), "");

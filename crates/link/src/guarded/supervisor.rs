@@ -90,7 +90,7 @@ where
             self.client.state().pipe = None;
             let is_closing = self.client.state().is_closing;
             let reason = match end {
-                // A first guard that fails before it has opened the port is told to who starts the run.
+                // A first guard that fails before it has opened the port ends the start of the run with its reason.
                 GuardEnd::Gone(reason) if self.opened.is_some() => {
                     self.answer_opening(FirstOpening::GuardFailed(reason));
                     served.reap();

@@ -100,7 +100,7 @@ impl Pilot {
 
     /// The selection that waits for its confirmation is replaced. If the tracker follows it already, the
     /// tracker forgets it: a selection that is not confirmed is not followed, also where the new one is
-    /// refused. The track of before it is gone.
+    /// refused. The earlier track is gone.
     fn forget_unconfirmed(&mut self) {
         let is_followed = self.drawn_selection.is_some_and(|pending| pending.is_followed());
         if is_followed {

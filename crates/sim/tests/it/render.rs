@@ -165,7 +165,7 @@ fn check_pictures(simd: Simd, parallel: &dyn ParallelFor, how: &str) {
 }
 
 #[test]
-fn a_picture_has_the_same_bits_whoever_draws_it() {
+fn a_picture_has_the_same_bits_on_every_renderer() {
     check_pictures(Simd::widest(), &Serial, "one thread, the widest vector level");
     check_pictures(Simd::widest(), &TwoThreads, "two threads, the widest vector level");
     let mut narrower = 0;

@@ -31,7 +31,7 @@ pub struct ConsoleOptions {
     /// Serve HTTPS on loopback, too. Off loopback HTTPS is the default.
     #[arg(long, conflicts_with = "insecure")]
     pub tls_on_loopback: bool,
-    /// Serve HTTP off loopback: whoever can read the network can read the token, and command camera and boat.
+    /// Serve HTTP off loopback: anyone who can read the network can read the token, and command camera and boat.
     #[arg(long)]
     pub insecure: bool,
 }

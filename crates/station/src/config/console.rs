@@ -41,7 +41,7 @@ pub struct ConsoleSection {
     /// Whether the console is served over HTTPS on loopback, too. Off loopback HTTPS is the default.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub tls_on_loopback: Option<bool>,
-    /// Whether the console is served over HTTP off loopback: whoever can read the network can read the token,
+    /// Whether the console is served over HTTP off loopback: anyone who can read the network can read the token,
     /// and command camera and boat.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub insecure: Option<bool>,

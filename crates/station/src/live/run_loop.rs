@@ -200,7 +200,7 @@ impl RunLoop<'_> {
     }
 
     /// Takes a pressed stop. The requests that were made before it are superseded. A stop that would change nothing is
-    /// acknowledged without a step, and so without a record: whoever may only watch could fill the disk with stops.
+    /// acknowledged without a step, and so without a record: anyone who may only watch could fill the disk with stops.
     fn take_stop(&mut self, state: &mut LoopState) {
         let Some(press) = self.gateway.stop_latch().pending() else { return };
         self.gateway.refuse_waiting();

@@ -122,7 +122,7 @@ fn a_source_stops_at_once_when_told_to() {
 }
 
 #[test]
-fn a_panic_of_the_thread_is_seen_by_whoever_stops_it() {
+fn a_panic_of_the_thread_is_seen_when_it_is_stopped() {
     let (handle, from, _) = start(&format!("{}?fault=panic@0.1", fixture("baseline.mp4")));
     // The panic drops the sink with its channel.
     assert!(wait_for(&from, SOON, |_| None::<()>).is_none());

@@ -9,7 +9,7 @@ use strum::VariantNames;
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
 #[strum(serialize_all = "kebab-case")]
 pub enum NoteRequest {
-    /// Mark this moment in the recording. Whoever has the token for control can, also without the control.
+    /// Mark this moment in the recording. Anyone who has the token for control can, also without the control.
     Note(Note),
 }
 

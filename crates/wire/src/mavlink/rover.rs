@@ -286,7 +286,7 @@ impl Session for RoverSession {
             self.last_mode = Some(now);
         }
         if heard.is_mode && !self.is_ours() {
-            // Whoever chose another mode steers: no neutral set-point is owed.
+            // The operator who chose another mode steers: no neutral set-point is owed.
             (self.last, self.neutrals_left, self.needs_answer) = (None, 0, false);
         }
     }

@@ -55,7 +55,7 @@ impl RunLoop<'_> {
                     tracing::info!("the boat says: {text}");
                 }
             }
-            // A port that is refused again and again is told once.
+            // A port that is refused repeatedly is reported once.
             LinkReport::Lost { reason, .. } => {
                 if !std::mem::replace(&mut state.is_vessel_loss_told, true) {
                     tracing::error!("the link to the boat was lost ({reason}); reopening it, neutral first");
