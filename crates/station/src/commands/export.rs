@@ -51,7 +51,7 @@ pub fn run(args: &ExportArgs) -> Result<ExitCode> {
     let annotated =
         args.annotated.then(|| OutputFile::open(&args.output.join(ANNOTATED), args.force)).transpose()?;
     let cut_channels = export_channels(args).with_context(context)?;
-    let ExportedTrial { is_cut: cut_trial, written, start } =
+    let ExportedTrial { is_cut: cut_trial, written, start, tracks } =
         export_trial(args, trial, videos).with_context(context)?;
     let has_video = !written.is_empty();
     writeln!(
@@ -68,7 +68,7 @@ pub fn run(args: &ExportArgs) -> Result<ExitCode> {
     if args.report {
         write_report(args);
     }
-    write_tracks(args).with_context(context)?;
+    write_tracks(args, &tracks).with_context(context)?;
     if let Some(file) = annotated {
         let pictures = annotated_film::write(&args.recording, file).with_context(context)?;
         writeln!(stdout(), "{ANNOTATED}: {pictures} pictures")?;
@@ -97,13 +97,13 @@ fn write_report(args: &ExportArgs) {
 }
 
 /// Writes the tracks for maps that are asked for.
-fn write_tracks(args: &ExportArgs) -> Result<()> {
+fn write_tracks(args: &ExportArgs, tracks: &Tracks) -> Result<()> {
     let asked = [(args.geojson, MapFormat::Geojson), (args.kml, MapFormat::Kml), (args.gpx, MapFormat::Gpx)];
     let formats: Vec<_> = asked.iter().filter(|(is_asked, _)| *is_asked).map(|(_, format)| *format).collect();
     if formats.is_empty() {
         return Ok(());
     }
-    let tracks = Tracks::read(&args.recording)?;
+    tracks.require_some()?;
     for format in formats {
         let path = args.output.join(format.file());
         let mut file = BufWriter::new(OutputFile::open(&path, args.force)?);
@@ -168,17 +168,24 @@ struct ExportedTrial {
     /// The videos that were written.
     written: Vec<VideoNumber>,
     start: Option<Box<RecordingStart>>,
+    tracks: Tracks,
 }
 
 /// Writes the trial's CSV file and the video.
 fn export_trial(args: &ExportArgs, trial: OutputFile, videos: Videos<OutputFile>) -> Result<ExportedTrial> {
     let mut trial = TrialFile::begin(trial)?;
     let mut videos = videos.map(|_, file| VideoFile { file: Some(file), state: None });
-    let (mut cut, mut start) = (false, None);
+    let (mut cut, mut start, mut tracks) = (false, None, Tracks::default());
     for entry in RecordingReader::new(BufReader::new(File::open(&args.recording)?)) {
         match entry {
-            Ok(Entry::Start(found)) => start = Some(Box::new(found)),
-            Ok(Entry::Outcome(outcome)) => trial.add(&outcome)?,
+            Ok(Entry::Start(found)) => {
+                tracks.begin(&found);
+                start = Some(Box::new(found));
+            }
+            Ok(Entry::Outcome(outcome)) => {
+                trial.add(&outcome)?;
+                tracks.add(&outcome);
+            }
             Ok(Entry::Unit(number, unit)) => {
                 videos.get_mut(number).map_or(Ok(()), |video| video.add(&unit))?
             }
@@ -191,7 +198,7 @@ fn export_trial(args: &ExportArgs, trial: OutputFile, videos: Videos<OutputFile>
     let mut written = Vec::new();
     let finished = videos.try_map(|number, video| video.finish().map(|is_written| (number, is_written)))?;
     written.extend(finished.iter().filter(|(_, (_, is_written))| *is_written).map(|(number, _)| number));
-    Ok(ExportedTrial { is_cut: cut, written, start })
+    Ok(ExportedTrial { is_cut: cut, written, start, tracks })
 }
 
 /// The trial's CSV file, which `metrics` and `law` read.

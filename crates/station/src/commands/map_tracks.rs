@@ -1,12 +1,10 @@
 //! The tracks of a recording for maps: the boat and the marks with their times, as GeoJSON (RFC 7946), KML
 //! 2.2 with `gx:Track`, and GPX 1.1.
 
-use std::fs::File;
-use std::io::{BufReader, Write};
-use std::path::Path;
+use std::io::Write;
 
 use anyhow::{Result, bail};
-use barrelman_trial::records::{Entry, ReadError, RecordedOutcome, RecordingReader};
+use barrelman_trial::records::{RecordedOutcome, RecordingStart};
 use barrelman_vocab::earth::GeoPoint;
 use barrelman_vocab::{MarkKind, Timestamp};
 use quick_xml::Writer;
@@ -82,7 +80,7 @@ impl Track {
 }
 
 /// The tracks of a recording.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(super) struct Tracks {
     /// When the recording's clock began, nanoseconds since 1970.
     began_unix_ns: u64,
@@ -90,31 +88,13 @@ pub(super) struct Tracks {
 }
 
 impl Tracks {
-    /// The tracks of a recording, up to where it is cut off.
-    ///
-    /// # Errors
-    /// The recording cannot be read, or holds no place on Earth.
-    pub(super) fn read(recording: &Path) -> Result<Self> {
-        let mut tracks = Self { began_unix_ns: 0, tracks: Vec::new() };
-        for entry in RecordingReader::new(BufReader::new(File::open(recording)?)) {
-            match entry {
-                Ok(Entry::Start(start)) => tracks.began_unix_ns = start.unix_ns,
-                Ok(Entry::Outcome(outcome)) => tracks.add(&outcome),
-                Ok(Entry::Unit(..) | Entry::Input { .. } | Entry::Truth(_) | Entry::Note { .. }) => {}
-                Err(ReadError::Truncated) => break,
-                Err(error) => return Err(error.into()),
-            }
-        }
-        if tracks.tracks.is_empty() {
-            bail!(
-                "it holds no latitude and longitude: the vehicle has to report its position and the direction of its \
-                 camera from north, and the boat or a place has to be marked on the water"
-            );
-        }
-        Ok(tracks)
+    /// The recording begins.
+    pub(super) const fn begin(&mut self, start: &RecordingStart) {
+        self.began_unix_ns = start.unix_ns;
     }
 
-    fn add(&mut self, outcome: &RecordedOutcome) {
+    /// Adds where boat and marks were at a step.
+    pub(super) fn add(&mut self, outcome: &RecordedOutcome) {
         let (Some(vessel), Some(at)) = (&outcome.vessel, self.time_of(outcome.at)) else { return };
         if let Some(place) = vessel.boat_on_earth {
             self.track("boat".to_owned(), None).add(Fix { at, place });
@@ -137,6 +117,20 @@ impl Tracks {
             self.tracks.push(Track { name, mark, fixes: Vec::new() });
         }
         &mut self.tracks[index]
+    }
+
+    /// Fails where the recording held no place on Earth.
+    ///
+    /// # Errors
+    /// What is missing, in words.
+    pub(super) fn require_some(&self) -> Result<()> {
+        if self.tracks.is_empty() {
+            bail!(
+                "it holds no latitude and longitude: the vehicle has to report its position and the direction of its \
+                 camera from north, and the boat or a place has to be marked on the water"
+            );
+        }
+        Ok(())
     }
 
     /// Writes the tracks.
@@ -254,7 +248,7 @@ mod tests {
             };
             Fix { at: at(ms), place }
         };
-        let mut tracks = Tracks { began_unix_ns: 0, tracks: Vec::new() };
+        let mut tracks = Tracks::default();
         let boat = tracks.track("boat".to_owned(), None);
         for (ms, north) in [(0, 0.0), (100, 0.1), (500, 0.001), (1000, 0.002)] {
             boat.add(fix(ms, north));
