@@ -181,6 +181,15 @@ impl Writer {
         let text = serde_json::to_string(message).map_err(|_| Closed)?;
         self.send(Message::Text(text.into())).await
     }
+
+    /// Sends what waited in the outbox. How much was sent before a pong is known only now: snapshots and video
+    /// overtake what waits.
+    async fn send_answer(&mut self, mut message: ServerMessage, in_flight: &InFlight) -> Result<(), Closed> {
+        if let ServerMessage::Pong { sent, .. } = &mut message {
+            *sent = in_flight.sent();
+        }
+        self.send_json(&message).await
+    }
 }
 
 /// What the reading half has for the writing one.
@@ -215,12 +224,7 @@ async fn write(
         tokio::select! {
             biased;
             message = answers.recv() => {
-                let Some(mut message) = message else { return Err(Closed) };
-                // Known only now: what waits is overtaken by snapshots and video.
-                if let ServerMessage::Pong { sent, .. } = &mut message {
-                    *sent = in_flight.sent();
-                }
-                writer.send_json(&message).await?;
+                writer.send_answer(message.ok_or(Closed)?, &in_flight).await?;
             }
             changed = seats.changed() => {
                 changed.map_err(|_| Closed)?;

@@ -9,6 +9,7 @@
 
 pub mod simulation;
 
+mod camera_output;
 pub mod hand_drawn_box;
 mod rescue;
 mod simulated_operator;

@@ -21,12 +21,13 @@ use barrelman_vocab::{
     VehicleRates,
 };
 
-use super::frame_source::{CapturedFrame, FrameSource};
+use super::camera_output::CameraOutput;
+use super::frame_source::FrameSource;
 use super::rescue::Rescue;
 use super::simulated_operator::SimulatedOperator;
 use super::step_observer::StepObserver;
 use crate::logs::{LogRow, RowTruth, TrialLog};
-use crate::target_in_picture::{JudgedTrack, TargetInPicture};
+use crate::target_in_picture::JudgedTrack;
 
 /// A simulated trial in progress.
 pub struct Simulation<'a> {
@@ -67,39 +68,6 @@ pub struct ReportErrors {
 impl ReportErrors {
     /// Exact reports.
     pub const NONE: Self = Self { height_factor: 1.0, tilt: Angle::ZERO };
-}
-
-/// What the camera sends to the pilot: a measured localisation, or a video frame.
-#[derive(Clone)]
-enum CameraOutput {
-    Localisation(Option<Localisation>),
-    Frame(Box<CapturedFrame>),
-}
-
-impl CameraOutput {
-    /// What a video frame shows of the target.
-    fn target(&self) -> Option<&TargetInPicture> {
-        match self {
-            Self::Localisation(_) => None,
-            Self::Frame(captured) => Some(&captured.target),
-        }
-    }
-
-    /// This output with the content of an earlier one; the time of capture stays.
-    fn with_content_of(self, earlier: &Self) -> Self {
-        match (self, earlier) {
-            (Self::Localisation(now), Self::Localisation(then)) => Self::Localisation(then.map(|then| {
-                let captured = now.map_or(then.captured, |now| now.captured);
-                Localisation { captured, ..then }
-            })),
-            (Self::Frame(mut now), Self::Frame(then)) => {
-                now.frame.picture = then.frame.picture.clone();
-                now.target = then.target;
-                Self::Frame(now)
-            }
-            (now, _) => now,
-        }
-    }
 }
 
 impl<'a> Simulation<'a> {
