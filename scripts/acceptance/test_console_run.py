@@ -28,8 +28,6 @@ SIZE = "960x540"
 # Processes and threads from a press to the rates in force: driver, browser, console, pilot, link, guard,
 # emulator.
 HOPS = 7
-# A busy machine may be slow to bring the boat into the ellipse.
-PATIENCE_S = 240.0
 STOPS_AMONG_REQUESTS = 8
 ATTEMPTS = 4
 
@@ -154,7 +152,6 @@ class TestRun:
                 station.program.wait(
                     lambda status: is_inside(status) or status["track"]["state"] == "lost",
                     "the boat in the ellipse",
-                    PATIENCE_S,
                 )
             ):
                 break

@@ -27,8 +27,6 @@ pytestmark = pytest.mark.apart
 
 SIZE = "480x270"
 SECONDS = 12.0
-# The world of a demo may run slower than the clock.
-PATIENCE_S = 240.0
 
 
 def p_of(status: Any) -> float:
@@ -49,7 +47,7 @@ def test_drive_by_the_keys_leaves_the_ellipse_and_the_camera_brings_the_boat_bac
 
     def boat(condition: Any, what: str) -> Any:
         """The state once the condition holds for the boat's throttle and rudder."""
-        return program.wait(lambda status: condition(status["vessel"]), what, PATIENCE_S)
+        return program.wait(lambda status: condition(status["vessel"]), what)
 
     with started(program, tmp_path) as page:
         # The first pictures may come before the first H.264 unit. A drive that is recorded is drawn by
@@ -58,7 +56,7 @@ def test_drive_by_the_keys_leaves_the_ellipse_and_the_camera_brings_the_boat_bac
         page.press("up")
         boat(lambda boat: boat["throttle"] > 0, "throttle")
         # The state of the world is published apart from that of the boat.
-        state = program.wait(lambda status: status["drive"]["helm"] == "page", "the page's helm", PATIENCE_S)
+        state = program.wait(lambda status: status["drive"]["helm"] == "page", "the page's helm")
         check(
             "arrow up, held: throttle, and the rudder amidships",
             state["vessel"]["throttle"] > 0 and state["vessel"]["rudder"] == 0,
@@ -74,15 +72,15 @@ def test_drive_by_the_keys_leaves_the_ellipse_and_the_camera_brings_the_boat_bac
             )
             page.release(key)
             boat(lambda boat: boat["rudder"] == 0, "a rudder amidships")
-        program.wait(lambda status: p_of(status) > 1.05, "an excursion", PATIENCE_S)
+        program.wait(lambda status: p_of(status) > 1.05, "an excursion")
         page.screenshot(pytestconfig.getoption("--screenshots"), "drive")
         page.release("up")
         state = boat(lambda boat: boat["throttle"] == 0, "a neutral helm")
         check(
             "keys let go: the helm is neutral, and still the page's", state["drive"]["helm"] == "page", state
         )
-        program.wait(lambda status: any(status["command"].values()), "a rate", PATIENCE_S)
-        program.wait(lambda status: 0 < p_of(status) < 1, "the boat in the ellipse", PATIENCE_S)
+        program.wait(lambda status: any(status["command"].values()), "a rate")
+        program.wait(lambda status: 0 < p_of(status) < 1, "the boat in the ellipse")
         page.press("up")
         boat(lambda boat: boat["throttle"] > 0, "throttle")
     # The page is closed with the key down.
@@ -124,9 +122,7 @@ def test_law_is_the_optimal_one_unless_another_is_named(
     with Program(
         barrelman, "demo", "arena1", "--size", SIZE, "--store", store, "--record", record
     ) as program:
-        moved = program.wait(
-            lambda status: any(status["command"].values()), "a movement of the camera", PATIENCE_S
-        )
+        moved = program.wait(lambda status: any(status["command"].values()), "a movement of the camera")
         check("one movement for each excursion", moved["law"] == "intermittent", moved["law"])
         check(
             "and beside it P as the schema would have kept it",

@@ -76,7 +76,7 @@ def watch(barrelman: pathlib.Path, url: str, folder: pathlib.Path, *options: obj
     return Run(recording, path, tracked, delays[FPS:], errors.text())
 
 
-@pytest.mark.apart
+@pytest.mark.alone
 @pytest.mark.parametrize("codec", ["h264", "h265"])
 @pytest.mark.parametrize("way", ["tcp", "udp", "rtp", "ts"])
 def test_live_stream_is_tracked(
