@@ -155,10 +155,13 @@ export default {
   },
   vesselText: ({ progress, throttle, rudder, marks }, drive) => {
     const speed = progress ?? drive;
+    const people = marks.filter(({ kind }) => kind === "person");
+    const held = people.filter((mark) => mark.held?.state === "tracking").length;
+    const seen = people.length ? `, ${held} of ${people.length} ${people.length === 1 ? "person" : "people"} seen` : "";
     const goal = progress && marks.some(({ destination }) => destination) ? `, ${fixed(progress.distance_m, 1)} m to go` : "";
     const side = Math.round(100 * Math.abs(rudder)) ? ` ${rudder < 0 ? "\u2190" : "\u2192"} ${Math.round(100 * Math.abs(rudder))}` : "";
     const helm = throttle || rudder ? `, ${throttle < 0 ? "\u2193" : "\u2191"} ${Math.round(100 * Math.abs(throttle))}${side} %` : "";
-    return `${speed ? `${fixed(speed.speed_m_per_s, 1)} m/s` : "speed not known"}${goal}${helm}`;
+    return `${speed ? `${fixed(speed.speed_m_per_s, 1)} m/s` : "speed not known"}${goal}${helm}${seen}`;
   },
   netYawText: (degrees) => (degrees === 0 ? "0°" : `${Math.abs(degrees)}° to the ${degrees > 0 ? "right" : "left"}`),
   distanceText: ({ distance_m, std_dev_m, direction_deg }) => {

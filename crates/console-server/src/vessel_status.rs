@@ -10,6 +10,7 @@ use barrelman_vocab::{PictureSize, PixelPoint, Timestamp, VesselProfile, WaterPo
 
 use super::api::{MarkStatus, PlaceStatus, ProgressStatus, VesselStatus};
 use crate::snapshot::Snapshot;
+use crate::status::track_of;
 
 /// How long a text of the boat is shown.
 const TEXT_LASTS: Duration = Duration::from_secs(30);
@@ -116,6 +117,7 @@ fn mark_of(
         on_earth: mark.point(outcome.at).and_then(|point| on_earth(point, outcome)),
         std_dev_m: mark.std_dev_m(outcome.at),
         radius_m,
+        held: mark.held.map(|track| track_of(&track, outcome.at)),
     }
 }
 

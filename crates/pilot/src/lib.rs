@@ -17,6 +17,7 @@ pub mod purpose;
 pub mod vehicle;
 
 pub mod calibration;
+mod held_marks;
 mod history;
 pub mod net_yaw;
 pub mod on_earth;

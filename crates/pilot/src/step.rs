@@ -9,6 +9,7 @@ use barrelman_vocab::{
 };
 
 use crate::calibration::Calibration;
+use crate::held_marks::HeldMarks;
 use crate::history::FrameHistory;
 use crate::input::Input;
 use crate::net_yaw::{NetYaw, NetYawLevel};
@@ -57,6 +58,7 @@ pub struct Pilot {
     drawn_selection: Option<PendingSelection>,
     history: FrameHistory,
     proposals: Proposals,
+    held_marks: HeldMarks,
     track: Track,
     region: Option<Region>,
     /// Size of the newest picture.
@@ -110,6 +112,7 @@ impl Pilot {
             drawn_selection: None,
             history: FrameHistory::default(),
             proposals: Proposals::default(),
+            held_marks: HeldMarks::default(),
             track: Track::Unseeded,
             region: None,
             picture: None,

@@ -18,6 +18,7 @@ use barrelman_vocab::{
     VesselProfile, WaterPoint,
 };
 
+use crate::held_marks::HeldMarks;
 use crate::vehicle::CommandPath;
 
 pub mod gate;
@@ -31,6 +32,7 @@ pub mod frame_view;
 
 pub mod unasked_speed;
 
+mod holding;
 mod requests;
 
 pub use frame_view::FrameView;
@@ -171,6 +173,11 @@ impl VesselPilot {
         &self.profile
     }
 
+    /// The operator's marks, oldest first.
+    pub(crate) fn marks(&self) -> impl Iterator<Item = &Mark> {
+        self.marks.iter()
+    }
+
     /// Another boat was selected: the guidance of the previous one ends.
     pub(crate) fn begin_target(&mut self) {
         self.guide.reset_boat();
@@ -256,6 +263,7 @@ impl VesselPilot {
         &mut self,
         observed: Observed<'_>,
         newest: Option<(Timestamp, PictureSize)>,
+        held_marks: &mut HeldMarks,
         view: VesselView<'_>,
     ) -> VesselOutcome {
         let now = view.now;
@@ -287,6 +295,10 @@ impl VesselPilot {
         if let (Observed::Boat(_) | Observed::NoBoat(_), Some((captured, picture))) = (observed, newest) {
             let below = self.guide.displacement_at(captured);
             self.frame_view = Some(self.frame_view_at(captured, picture, view, below));
+        }
+        if let (Observed::Boat(_) | Observed::NoBoat(_), Some(newest)) = (observed, newest) {
+            let boat = if let Observed::Boat(seen) = observed { Some(seen) } else { None };
+            self.take_sightings(held_marks, boat, newest, view);
         }
         let decision = self.gate.decide(sight, now);
         self.guide.on_command_applied(decision.command, now);

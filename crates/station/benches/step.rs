@@ -4,7 +4,8 @@ use std::cell::Cell;
 use std::sync::Arc;
 
 use barrelman_experiments::tracker_choice::{TrackerName, TrackerSettings};
-use barrelman_pilot::{Input, LawSettings, Pilot, PilotSettings};
+use barrelman_pilot::vessel::GuidanceLaw;
+use barrelman_pilot::{CommandPath, Input, LawSettings, Pilot, PilotSettings, VesselSettings};
 use barrelman_sim::practice::{FRAMES_PER_SECOND, PracticeClip};
 use barrelman_video::decoder::UnitDecoder;
 use barrelman_video::encoder::{EncoderSettings, H264Encoder};
@@ -13,7 +14,8 @@ use barrelman_vision::Tracker;
 use barrelman_vocab::unit::{EncodedUnit, Rotation, UnitCodec};
 use barrelman_vocab::video::{Capture, CaptureQuality};
 use barrelman_vocab::{
-    CameraRequest, OperatorRequest, Picture, PictureSize, Timestamp, VehicleProfile, VideoFrame,
+    CameraRequest, DrawnMark, MarkKind, OperatorRequest, Picture, PictureSize, PixelPoint, Timestamp,
+    VehicleProfile, VesselProfile, VesselRequest, VideoFrame,
 };
 use divan::Bencher;
 
@@ -99,4 +101,77 @@ fn whole_step(bencher: Bencher<'_, '_>, name: TrackerName) {
         let frame = &frames[next(&index, frames.len())];
         pilot.step(Input::Frame(frame), frame.capture.at)
     });
+}
+
+/// Draws four people, who drift to the right; returns where they are.
+fn draw_people(picture: &mut Picture, frame: u32) -> [PixelPoint; 4] {
+    let places =
+        [(140, 90), (1000, 120), (180, 600), (1020, 610)].map(|(left, top)| (left + frame as usize / 3, top));
+    let width = SIZE.width as usize;
+    let [y, u, v] = picture.planes_mut();
+    for (index, (left, top)) in places.into_iter().enumerate() {
+        for (row, column) in (0..14).flat_map(|row| (0..22).map(move |column| (row, column))) {
+            let is_head = row < 6 && (7..15).contains(&column);
+            y[(top + row) * width + left + column] =
+                if is_head { 35 } else { 170 + 12 * ((column / 5 + index) % 4) as u8 };
+            let chroma = (top + row) / 2 * (width / 2) + (left + column) / 2;
+            (u[chroma], v[chroma]) = if is_head { (125, 135) } else { (85, 185) };
+        }
+    }
+    places.map(|(left, top)| PixelPoint { u: left as f64 + 11.0, v: top as f64 + 7.0 })
+}
+
+/// The whole step with the boat and four marks that are held. 180 frames, there and back, so that nobody jumps.
+#[divan::bench]
+fn whole_step_with_four_marks(bencher: Bencher<'_, '_>) {
+    let clip = PracticeClip::new(SIZE, 1);
+    let frame = |index| {
+        let mut picture = Picture::black(SIZE, clip.colour());
+        clip.render(index, &mut picture);
+        let people = draw_people(&mut picture, index);
+        (Arc::new(picture), people)
+    };
+    let pictures: Vec<(Arc<Picture>, [PixelPoint; 4])> = (0..FRAMES).map(frame).collect();
+    let settings = PilotSettings { profile: VehicleProfile::fotokite_pro(), law: LawSettings::MotorSchema };
+    let vessel = VesselSettings {
+        profile: VesselProfile::SIMULATOR,
+        guidance: GuidanceLaw::LineOfSight,
+        path: CommandPath::Simulated,
+    };
+    let mut pilot = Pilot::new(settings, tracker(TrackerName::Fused)).keeping_frames().with_vessel(vessel);
+    let selection = OperatorRequest::Camera(CameraRequest::SelectNext(clip.truth(0).selection));
+    pilot.step(Input::Request(selection), Timestamp::ZERO);
+    let shown = Cell::new(0_u32);
+    let mut step = |pilot: &mut Pilot| {
+        let count = shown.replace(shown.get() + 1);
+        let place = count % (2 * FRAMES);
+        let index = if place < FRAMES { place } else { 2 * FRAMES - 1 - place };
+        let capture = Capture { at: at(count + 1), quality: CaptureQuality::Sensor };
+        let (picture, people) = &pictures[index as usize];
+        let frame = VideoFrame { sequence: u64::from(count), capture, picture: Arc::clone(picture) };
+        (pilot.step(Input::Frame(&frame), capture.at), *people, capture.at)
+    };
+    let (_, people, captured_ns) = step(&mut pilot);
+    for at in people {
+        let mark = DrawnMark { mark: MarkKind::Person, at, captured_ns };
+        pilot.step(Input::Request(OperatorRequest::Vessel(VesselRequest::Mark(mark))), captured_ns);
+    }
+    for _ in 0..30 {
+        step(&mut pilot);
+    }
+    let (outcome, ..) = step(&mut pilot);
+    assert_eq!(
+        outcome.vessel.marks.iter().filter(|mark| mark.is_held()).count(),
+        4,
+        "{:?}",
+        outcome.vessel.marks
+    );
+    bencher.bench_local(|| step(&mut pilot).0);
+    let (outcome, ..) = step(&mut pilot);
+    assert_eq!(
+        outcome.vessel.marks.iter().filter(|mark| mark.is_held()).count(),
+        4,
+        "{:?}",
+        outcome.vessel.marks
+    );
 }

@@ -3,7 +3,7 @@
 //!
 //! ```text
 //! cargo run --release -p barrelman-eval --
-//! tracker|selection|training-samples|simulator|calibration|search|guidance|law|views|fit|closed-loop|faults|link-latency
+//! tracker|selection|training-samples|simulator|calibration|search|guidance|held-marks|law|views|fit|closed-loop|faults|link-latency
 //! ```
 //! The exit status is 1 if a requirement is missed or a command fails.
 //!
@@ -15,6 +15,7 @@ mod simulator;
 
 mod calibration;
 mod guidance;
+mod held_marks;
 mod law;
 mod search;
 
@@ -61,6 +62,8 @@ enum Command {
     Search(search::Options),
     /// Compare the guidance laws of the boat on the same seeds.
     Guidance(guidance::Options),
+    /// Measure the marks that trackers hold on people.
+    HeldMarks(held_marks::Options),
     /// Compare the camera laws on the same seeds.
     Law(law::Options),
     /// Render named views of the simulator as PNG files.
@@ -87,6 +90,7 @@ fn main() -> ExitCode {
         Command::Calibration(options) => ("calibration", calibration::run(&options)),
         Command::Search(options) => ("search", search::run(&options)),
         Command::Guidance(options) => ("guidance", guidance::run(&options)),
+        Command::HeldMarks(options) => ("held-marks", held_marks::run(&options)),
         Command::Law(options) => ("law", law::run(&options)),
         Command::Views(options) => ("views", views::render(&options).map(|()| true)),
         Command::Fit(options) => ("fit", simulator::fit_target(&options).map(|()| true)),

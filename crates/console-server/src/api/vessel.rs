@@ -4,6 +4,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::place::PlaceStatus;
+use super::snapshot::TrackStatus;
 
 /// The boat that is commanded.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
@@ -77,4 +78,6 @@ pub struct MarkStatus {
     pub std_dev_m: Option<f64>,
     /// Radius of the circle without the uncertainty, metres; 0 without a circle.
     pub radius_m: f64,
+    /// What the tracker of the mark answers; `null`: the mark is not held.
+    pub held: Option<TrackStatus>,
 }

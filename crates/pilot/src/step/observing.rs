@@ -20,6 +20,8 @@ impl Pilot {
                 answer
             }
         };
+        let law = &self.law;
+        self.held_marks.advance(frame, &|from, to, size| law.motion_prior(from, to, size));
         let picture = track.localisation().map_or(size, |measured| measured.picture);
         Observation { track, captured: Some(frame.capture.at), picture: Some(picture), notice }
     }

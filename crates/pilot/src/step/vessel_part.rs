@@ -1,6 +1,6 @@
 //! The pilot's part of the vessel: what a step tells it.
 
-use barrelman_vocab::{HoldCause, Timestamp, Track, VesselRequest};
+use barrelman_vocab::{DrawnMark, HoldCause, MarkKind, MovedMark, Timestamp, Track, VesselRequest};
 
 use super::Pilot;
 use crate::outcome::{Notice, Refusal};
@@ -15,12 +15,39 @@ impl Pilot {
         let Some(vessel) = &mut self.vessel else {
             return Some(Notice::RequestRefused(Refusal::NoVessel));
         };
-        match vessel.on_request(request, self.picture, is_boat_seen, view) {
+        let answer = vessel.on_request(request, self.picture, is_boat_seen, view);
+        if answer.is_ok() {
+            self.hold_marks(request);
+        }
+        match answer {
             Ok(notice) => notice.map(|notice| match notice {
                 VesselNotice::Marked(id, kind) => Notice::Marked(id, kind),
                 VesselNotice::Going(no_water) => Notice::Going(no_water),
             }),
             Err(refusal) => Some(Notice::RequestRefused(refusal)),
+        }
+    }
+
+    /// Holds the mark that was set or moved by a request, and releases those that are gone.
+    fn hold_marks(&mut self, request: &VesselRequest) {
+        let Some(vessel) = &self.vessel else { return };
+        self.held_marks.keep(|id| vessel.marks().any(|mark| mark.id == id));
+        let (id, at, captured) = match request {
+            VesselRequest::Mark(DrawnMark { at, captured_ns, .. }) => (None, *at, *captured_ns),
+            VesselRequest::MoveMark(MovedMark { id, at, captured_ns }) => (Some(*id), *at, *captured_ns),
+            VesselRequest::Unmark { .. }
+            | VesselRequest::UnmarkAll
+            | VesselRequest::NextMark
+            | VesselRequest::Guide
+            | VesselRequest::GoHome
+            | VesselRequest::Steer(_)
+            | VesselRequest::StopVessel { .. }
+            | VesselRequest::ReleaseVessel => return,
+        };
+        let marked = vessel.marks().filter(|mark| id.is_none_or(|id| mark.id == id)).last();
+        if let Some(mark) = marked.filter(|mark| mark.kind == MarkKind::Person) {
+            let boat = self.track.localisation().map(|seen| seen.bounds);
+            self.held_marks.hold(mark.id, (at, captured), &self.history, boat);
         }
     }
 
@@ -36,6 +63,6 @@ impl Pilot {
             (ObservationResult::NoObservation, _) => Observed::Nothing,
         };
         let newest = self.last_capture.zip(self.picture);
-        vessel.step(observed, newest, VesselView { camera: self.law.camera(), now })
+        vessel.step(observed, newest, &mut self.held_marks, VesselView { camera: self.law.camera(), now })
     }
 }

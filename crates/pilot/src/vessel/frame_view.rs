@@ -79,6 +79,14 @@ impl FrameView {
         self.view.fix(pixel, &NOISE).filter(|_| self.sees_water)
     }
 
+    /// How far a point on the water may seem to have moved after a time, as the view turns beside the camera's
+    /// model: the larger standard deviation, metres.
+    pub(super) fn sway_m(&self, point: WaterPoint, duration_s: f64) -> f64 {
+        let moved = |((x, y), rate): ((f64, f64), f64)| rate * libm::hypot(x, y);
+        let turned = self.view.slopes_at(point).into_iter().zip(self.sway_rad_per_root_s).map(moved);
+        libm::sqrt(duration_s) * turned.fold(0.0, f64::max)
+    }
+
     /// The corners of what the picture shows of the water: near left, far left, far right, near right. Where the horizon is
     /// in the picture, the far corners are the farthest points that are known on the left and right border. `None`: height
     /// or tilt are not known, or the lower border is not on the water.

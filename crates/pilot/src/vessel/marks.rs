@@ -4,12 +4,10 @@
 //! it is the point at which that line meets the water. The camera's model turns it back into a pixel of every
 //! later frame.
 //!
-//! A mark is not seen again. A place, an area and home stay where they were marked, as uncertain as they were
-//! then. The uncertainty of a person's place grows: people drift. The operator moves the mark of a person to
-//! where the person is; that tells how the person drifts, and the mark drifts on at that velocity
-//! ([`Drift`]).
-
-use core::time::Duration;
+//! A place, an area and home stay where they were marked, as uncertain as they were then. A person is followed
+//! by a tracker where an object is found under the mark: the mark is held, and is where the person is seen.
+//! While the person is not seen, the mark drifts on at the velocity that the places before tell ([`Drift`]),
+//! and the uncertainty of the place grows. The operator moves the mark of a person that is not held.
 
 use barrelman_control::guidance::{Destination, KeepOut};
 use barrelman_vocab::{
@@ -24,12 +22,8 @@ mod mark;
 pub use drift::Drift;
 pub use mark::{FORBIDDEN_M, Mark};
 
-use drift::std_dev_of;
-
 /// Most marks at a time.
 pub const MAX_MARKS: usize = 16;
-/// Least time between two places of a mark that tell a drift.
-const DRIFT_AFTER: Duration = Duration::from_secs(2);
 
 /// Why a mark cannot be set.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -82,6 +76,11 @@ impl Marks {
         self.marks.iter().flatten()
     }
 
+    /// The mark of a number.
+    pub(super) fn get_mut(&mut self, id: u32) -> Option<&mut Mark> {
+        self.marks.iter_mut().flatten().find(|mark| mark.id == id)
+    }
+
     /// The mark that is the destination.
     pub fn destination(&self) -> Option<&Mark> {
         self.iter().find(|mark| Some(mark.id) == self.destination)
@@ -118,7 +117,10 @@ impl Marks {
             water,
             has_tilt: is_tilt_known,
             marked: drawn.captured_ns,
-            drift: water.filter(|_| drawn.mark == MarkKind::Person).map(|fix| Drift::at_rest(&fix)),
+            drift: water
+                .filter(|_| drawn.mark == MarkKind::Person)
+                .map(|fix| Drift::at_rest(&fix, drawn.captured_ns)),
+            held: None,
         });
         self.count += 1;
         let is_goal = matches!(drawn.mark, MarkKind::Place | MarkKind::Person);
@@ -147,7 +149,7 @@ impl Marks {
             };
             mark.water = Some(fix);
             if mark.kind == MarkKind::Person {
-                mark.drift = Some(Drift::at_rest(&fix));
+                mark.drift = Some(Drift::at_rest(&fix, mark.marked));
             }
             if self.destination == Some(mark.id) {
                 change = RouteChange::DestinationMoved;
@@ -190,20 +192,14 @@ impl Marks {
         is_tilt_known: bool,
     ) -> Result<RouteChange, MarkRefusal> {
         let (direction, water) = place(moved.at, frame_view)?;
-        let mark = self.marks.iter_mut().flatten().find(|mark| mark.id == moved.id);
-        let mark = mark.ok_or(MarkRefusal::NoSuchMark)?;
-        let is_on_route = mark.is_on_route(self.destination);
-        let since = moved.captured_ns.since(mark.marked);
+        let destination = self.destination;
+        let mark = self.get_mut(moved.id).ok_or(MarkRefusal::NoSuchMark)?;
+        let is_on_route = mark.is_on_route(destination);
         match (mark.kind, water, &mut mark.drift) {
-            // Places close in time tell nothing of the drift.
             (MarkKind::Person, Some(fix), Some(drift)) if mark.water.is_some() => {
-                if since >= DRIFT_AFTER {
-                    drift.observe(fix.point, since.as_secs_f64(), std_dev_of(&fix));
-                } else {
-                    drift.correct(&fix);
-                }
+                drift.move_to(&fix, moved.captured_ns);
             }
-            (MarkKind::Person, Some(fix), drift) => *drift = Some(Drift::at_rest(&fix)),
+            (MarkKind::Person, Some(fix), drift) => *drift = Some(Drift::at_rest(&fix, moved.captured_ns)),
             _ => mark.drift = None,
         }
         (mark.direction, mark.water, mark.marked) = (direction, water, moved.captured_ns);

@@ -1,8 +1,8 @@
 //! A trial in which the boat goes to a person by guidance: what the simulated operator marks, and how the boat goes.
 //!
 //! The first person of the scenario is the one to go to. As soon as the boat is tracked, the operator marks all people in
-//! the picture and lets the boat go, and moves the marks every [`MARKED_ANEW`], as the people drift. A mark is off by up to
-//! [`MARK_ERROR_PX`].
+//! the picture and lets the boat go. Every [`MARKED_ANEW`], the operator moves the marks that no tracker holds, as the
+//! people drift. A mark is off by up to [`MARK_ERROR_PX`].
 
 use core::time::Duration;
 
@@ -105,6 +105,9 @@ impl Rescue {
             // The number that the pilot gives to the next mark.
             let next_id = self.mark_ids.len() as u32 + 1;
             if let Some((_, id)) = self.mark_ids.iter().find(|(person, _)| *person == index) {
+                if outcome.vessel.marks.iter().any(|mark| mark.id == *id && mark.is_held()) {
+                    continue;
+                }
                 requests.push(OperatorRequest::Vessel(VesselRequest::MoveMark(MovedMark {
                     id: *id,
                     at: pixel,

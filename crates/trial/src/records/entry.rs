@@ -214,6 +214,8 @@ pub struct RecordedMark {
     pub std_dev_m: f64,
     /// Where it is on Earth, where that is known.
     pub on_earth: Option<GeoPoint>,
+    /// What its tracker answers; `None`: the mark is not held.
+    pub held: Option<Track>,
 }
 
 /// Where a boat is on its way, as stored.
@@ -281,6 +283,7 @@ impl RecordedMark {
             radius_m: mark.radius_m(&vessel.profile, is_destination),
             std_dev_m: mark.std_dev_m(now)?,
             on_earth: outcome.earth.ok().and_then(|frame| place_on_earth(&frame, at)),
+            held: mark.held,
         })
     }
 }

@@ -152,6 +152,7 @@ pub(crate) fn outcome(value: f64) -> RecordedOutcome {
                 radius_m: value,
                 std_dev_m: value,
                 on_earth: Some(place(value)),
+                held: Some(Track::Lost { since: Timestamp::from_nanos(7), confidence: value }),
             }],
             view: Some([WaterPoint { x: value, y: value }; 4]),
             boat_on_earth: Some(place(value)),

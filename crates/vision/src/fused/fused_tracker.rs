@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use barrelman_vocab::{MotionPrior, PixelBox, Track, VideoFrame};
+use barrelman_vocab::{MotionPrior, PixelBox, PixelPoint, Track, VideoFrame};
 
 use super::config::{FusedConfig, FusedConfigError};
 use super::detector::Detector;
@@ -111,6 +111,14 @@ impl FusedTracker {
         let box_size = (w * factors.0, h * factors.1);
         let Detector { observer, refiner, .. } = detector;
         refiner.measure_window(&mut observer.crop, target, (u, v), centre, box_size);
+    }
+
+    /// A lost target is expected at this place of the next frame, which is searched first. Without effect on a
+    /// target that is not lost.
+    pub fn expect_lost_at(&mut self, PixelPoint { u, v }: PixelPoint) {
+        if matches!(self.follower.phase, Phase::Lost { .. }) {
+            self.follower.motion.restart_at((u as f32, v as f32), &self.follower.target.geometry);
+        }
     }
 
     /// The tracker's settings.

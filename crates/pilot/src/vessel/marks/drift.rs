@@ -1,6 +1,11 @@
-//! How a marked person drifts, as the places tell to which the operator moves the mark.
+//! How a marked person drifts, as the places tell at which the person was marked or seen.
 
-use barrelman_vocab::{WaterFix, WaterPoint};
+use core::time::Duration;
+
+use barrelman_vocab::{Timestamp, WaterFix, WaterPoint};
+
+/// Least time between two places of a mark that tell a drift.
+const DRIFT_AFTER: Duration = Duration::from_secs(2);
 
 /// Standard deviation of each component of a person's drift before it is known, m/s.
 const DRIFT_STD_DEV_M_PER_S: f64 = 0.3;
@@ -19,6 +24,8 @@ pub struct Drift {
     /// Along x and y, m/s.
     pub velocity_m_per_s: (f64, f64),
     place: (f64, f64),
+    /// Time of capture of the newest place.
+    observed: Timestamp,
     /// Variances of place (m²) and velocity ((m/s)²), and their covariance.
     variances: [f64; 2],
     covariance: f64,
@@ -26,22 +33,43 @@ pub struct Drift {
 
 impl Drift {
     /// At rest where a mark is.
-    pub(super) fn at_rest(fix: &WaterFix) -> Self {
+    pub(super) fn at_rest(fix: &WaterFix, captured: Timestamp) -> Self {
         let (WaterPoint { x, y }, std_dev_m) = (fix.point, std_dev_of(fix));
         let speed_variance = DRIFT_STD_DEV_M_PER_S * DRIFT_STD_DEV_M_PER_S;
         Self {
             velocity_m_per_s: (0.0, 0.0),
             place: (x, y),
+            observed: captured,
             variances: [std_dev_m * std_dev_m, speed_variance],
             covariance: 0.0,
         }
     }
 
     /// The place was corrected: the velocity stays as it is.
-    pub(super) fn correct(&mut self, fix: &WaterFix) {
+    fn correct(&mut self, fix: &WaterFix, captured: Timestamp) {
         let velocity_variance = self.variances[1];
-        let Self { place, variances: [place_variance, _], .. } = Self::at_rest(fix);
+        let Self { place, variances: [place_variance, _], .. } = Self::at_rest(fix, captured);
         (self.place, self.variances, self.covariance) = (place, [place_variance, velocity_variance], 0.0);
+        self.observed = captured;
+    }
+
+    /// Takes in that the operator moved the mark to a place. Places close in time tell nothing of the drift.
+    pub(super) fn move_to(&mut self, fix: &WaterFix, captured: Timestamp) {
+        if !self.see(fix, captured) {
+            self.correct(fix, captured);
+        }
+    }
+
+    /// Takes in that what drifts was seen at a place. Returns whether the place tells of the drift: it is no
+    /// sooner than [`DRIFT_AFTER`] after the last one.
+    pub(super) fn see(&mut self, fix: &WaterFix, captured: Timestamp) -> bool {
+        let since = captured.since(self.observed);
+        let is_told = since >= DRIFT_AFTER;
+        if is_told {
+            self.observe(fix.point, since.as_secs_f64(), std_dev_of(fix));
+            self.observed = captured;
+        }
+        is_told
     }
 
     /// Standard deviation of each component of the velocity, m/s.
@@ -50,7 +78,7 @@ impl Drift {
     }
 
     /// Takes in that what drifts is at a place after a time.
-    pub(super) fn observe(&mut self, WaterPoint { x, y }: WaterPoint, duration_s: f64, std_dev_m: f64) {
+    fn observe(&mut self, WaterPoint { x, y }: WaterPoint, duration_s: f64, std_dev_m: f64) {
         let [place, velocity] = self.variances;
         let covariance = self.covariance + duration_s * velocity;
         let place = place + duration_s * (self.covariance + covariance);
@@ -70,6 +98,6 @@ impl Drift {
 }
 
 /// Standard deviation of each coordinate of a mark's place, metres.
-pub(super) fn std_dev_of(fix: &WaterFix) -> f64 {
+fn std_dev_of(fix: &WaterFix) -> f64 {
     libm::hypot(MARK_STD_DEV_M, fix.covariance.max_std_dev_m())
 }

@@ -1,6 +1,8 @@
 //! One mark: where it is on the water, and how well that is known.
 
-use barrelman_vocab::{MarkKind, PixelPoint, Timestamp, VesselProfile, WaterFix, WaterPoint};
+use barrelman_vocab::{
+    Localisation, MarkKind, PixelPoint, Timestamp, Track, VesselProfile, WaterFix, WaterPoint,
+};
 
 use super::drift::Drift;
 use crate::vessel::frame_view::FrameView;
@@ -12,6 +14,14 @@ const PERSON_DRIFT_M_PER_S: f64 = 0.1;
 const MAX_STD_DEV_M: f64 = 5.0;
 /// Radius of a forbidden area, metres.
 pub const FORBIDDEN_M: f64 = 5.0;
+
+/// Distance from its mark at which a person may be seen, beside three standard deviations, metres.
+const NEAR_M: f64 = 1.0;
+/// The same where the water is not known, and its growth with time: lines of sight, radians and rad/s.
+const NEAR_RAD: f64 = 0.07;
+const NEAR_RAD_PER_S: f64 = 0.02;
+/// Largest such angle, radians.
+const MAX_NEAR_RAD: f64 = 0.25;
 
 /// A mark.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -28,13 +38,20 @@ pub struct Mark {
     /// Whether a tilt of the camera had been reported when the mark was set or moved. Without one, the
     /// direction is that of the tilt in the profile.
     pub(super) has_tilt: bool,
-    /// Time of capture of its video frame.
+    /// Time of capture of the video frame in which the mark was set, moved, or seen last.
     pub marked: Timestamp,
     /// How the marked person drifts; `None`: no person, or no place on the water.
     pub drift: Option<Drift>,
+    /// What the tracker of the mark answers; `None`: the mark is not held.
+    pub held: Option<Track>,
 }
 
 impl Mark {
+    /// Whether a tracker sees the marked person, or saw it a moment ago.
+    pub const fn is_held(&self) -> bool {
+        matches!(self.held, Some(Track::Tracking(_) | Track::Coasting(_)))
+    }
+
     /// Standard deviation of the place at `now`, metres, which grows for a person alone; `None` without a
     /// place on the water.
     pub fn std_dev_m(&self, now: Timestamp) -> Option<f64> {
@@ -64,6 +81,48 @@ impl Mark {
             Some(point) => frame_view.view.pixel_of_water(point),
             None => frame_view.view.pixel_of(self.direction),
         }
+    }
+
+    /// Whether a person at a pixel of the view may be the marked one, by the place.
+    pub(in crate::vessel) fn may_be_at(
+        &self,
+        pixel: PixelPoint,
+        frame_view: &FrameView,
+        now: Timestamp,
+    ) -> bool {
+        let unseen_s = now.since(self.marked).as_secs_f64();
+        let seen = frame_view.fix(pixel);
+        if let (Some(seen), Some(point), Some(std_dev_m)) = (seen, self.point(now), self.std_dev_m(now)) {
+            let std_dev_m = libm::hypot(std_dev_m, seen.covariance.max_std_dev_m());
+            let sway_m = frame_view.sway_m(seen.point, unseen_s);
+            return point.distance_to(seen.point) <= NEAR_M + 3.0 * libm::hypot(std_dev_m, sway_m);
+        }
+        let Some([x, y, z]) = frame_view.view.direction_of(pixel) else { return false };
+        let [mark_x, mark_y, mark_z] = self.direction;
+        let near = (NEAR_RAD + NEAR_RAD_PER_S * unseen_s).min(MAX_NEAR_RAD);
+        x * mark_x + y * mark_y + z * mark_z >= libm::cos(near)
+    }
+
+    /// The tracker sees the marked person.
+    pub(in crate::vessel) fn hold_at(&mut self, seen: &Localisation, frame_view: &FrameView) {
+        let pixel = seen.bounds.centre();
+        let (Some(direction), fix) = (frame_view.view.direction_of(pixel), frame_view.fix(pixel)) else {
+            return;
+        };
+        // A place that is known tells more than a line of sight close to the horizon.
+        if fix.is_none() && self.water.is_some() && frame_view.sees_water {
+            return;
+        }
+        match (&fix, &mut self.drift) {
+            (Some(fix), Some(drift)) => _ = drift.see(fix, seen.captured),
+            (Some(fix), drift) => *drift = Some(Drift::at_rest(fix, seen.captured)),
+            (None, _) => {}
+        }
+        self.direction = direction;
+        if fix.is_some() {
+            self.water = fix;
+        }
+        self.marked = seen.captured;
     }
 
     /// Whether the boat's way leads to the mark: it is the destination, or a way-point.

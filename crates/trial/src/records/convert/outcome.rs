@@ -6,7 +6,7 @@ use barrelman_control::Percept;
 use barrelman_pilot::{Advice, Mode};
 use barrelman_vocab::earth::GeoPoint;
 use barrelman_vocab::{
-    Angle, AngularRate, CameraCommand, ImagePoint, Timestamp, VehicleRates, VesselCommand, WaterPoint,
+    Angle, AngularRate, CameraCommand, ImagePoint, Timestamp, Track, VehicleRates, VesselCommand, WaterPoint,
 };
 
 use super::malformed::{Malformed, missing};
@@ -126,6 +126,7 @@ impl From<RecordedMark> for stored::VesselMark {
             radius_m: mark.radius_m,
             std_dev_m: mark.std_dev_m,
             on_earth: mark.on_earth.map(Into::into),
+            held: mark.held.as_ref().map(Into::into),
         }
     }
 }
@@ -141,6 +142,7 @@ impl TryFrom<stored::VesselMark> for RecordedMark {
             radius_m: mark.radius_m,
             std_dev_m: mark.std_dev_m,
             on_earth: mark.on_earth.map(Into::into),
+            held: mark.held.map(Track::try_from).transpose()?,
         })
     }
 }

@@ -1,0 +1,247 @@
+//! Marks of people that trackers hold: on drawn pictures with two people on textured water.
+
+use core::time::Duration;
+use std::sync::Arc;
+
+use barrelman_pilot::vessel::{GuidanceLaw, Mark};
+use barrelman_pilot::{CommandPath, Input, Notice, Outcome, Pilot, VesselSettings};
+use barrelman_vocab::telemetry::Report;
+use barrelman_vocab::video::{Capture, CaptureQuality, ColourEncoding};
+use barrelman_vocab::{
+    Angle, DrawnMark, MarkKind, MovedMark, OperatorRequest, Picture, PixelPoint, Telemetry, Track,
+    VesselProfile, VesselRequest, VideoFrame,
+};
+
+use crate::scenes::{Answer, INSIDE, LATENCY_MS, PICTURE, Scripted, at, settings};
+
+const FRAME_MS: u64 = 33;
+/// Width and height of a person, pixels.
+const PERSON: (usize, usize) = (16, 12);
+const FIRST: PixelPoint = PixelPoint { u: 420.0, v: 300.0 };
+const SECOND: PixelPoint = PixelPoint { u: 150.0, v: 330.0 };
+
+/// Water with a pattern, and people of light orange with a dark head at these places.
+fn picture(people: &[Option<PixelPoint>]) -> Picture {
+    let mut picture = Picture::black(PICTURE, ColourEncoding::JPEG);
+    let (width, height) = (PICTURE.width as usize, PICTURE.height as usize);
+    let [y, u, v] = picture.planes_mut();
+    let noise = |column: usize, row: usize| (column / 6 * 7 + row / 4 * 13) * 29 % 24;
+    for row in 0..height {
+        for column in 0..width {
+            y[row * width + column] = 70 + noise(column, row) as u8;
+        }
+    }
+    u.fill(150);
+    v.fill(110);
+    for (index, at) in people.iter().enumerate() {
+        let Some(at) = at else { continue };
+        let (left, top) = (at.u as usize - PERSON.0 / 2, at.v as usize - PERSON.1 / 2);
+        for row in 0..PERSON.1 {
+            for column in 0..PERSON.0 {
+                let is_head = (5..11).contains(&column) && row < 5;
+                let stripe = 12 * ((column / 4 + index) % 3) as u8;
+                y[(top + row) * width + left + column] = if is_head { 30 } else { 190 + stripe };
+                let chroma = (top + row) / 2 * (width / 2) + (left + column) / 2;
+                (u[chroma], v[chroma]) = if is_head { (125, 135) } else { (80, 190) };
+            }
+        }
+    }
+    picture
+}
+
+struct Scene {
+    pilot: Pilot,
+    ms: u64,
+    sequence: u64,
+    /// Allocations of the steps with frames so far.
+    allocations: u64,
+}
+
+impl Scene {
+    fn new() -> Self {
+        let tracker = Scripted { tracks: [Answer::Tracking(INSIDE); 2_000].into(), ..Scripted::default() };
+        let vessel = VesselSettings {
+            profile: VesselProfile::SIMULATOR,
+            guidance: GuidanceLaw::LineOfSight,
+            path: CommandPath::Simulated,
+        };
+        let mut pilot = Pilot::new(settings(), Box::new(tracker)).keeping_frames().with_vessel(vessel);
+        for report in [Report::CameraTilt(Angle::from_degrees(-40.0)), Report::CameraHeight(15.0)] {
+            pilot.step(Input::Telemetry(Telemetry { at: at(1_000), report }), at(1_000));
+        }
+        Self { pilot, ms: 1_000, sequence: 0, allocations: 0 }
+    }
+
+    /// The next picture, with people at these places.
+    fn see(&mut self, people: &[Option<PixelPoint>]) -> Outcome {
+        self.ms += FRAME_MS;
+        self.sequence += 1;
+        if self.sequence.is_multiple_of(30) {
+            for report in [Report::CameraTilt(Angle::from_degrees(-40.0)), Report::CameraHeight(15.0)] {
+                self.pilot.step(Input::Telemetry(Telemetry { at: at(self.ms), report }), at(self.ms));
+            }
+        }
+        let captured = at(self.ms).minus(Duration::from_millis(LATENCY_MS));
+        let frame = VideoFrame {
+            sequence: self.sequence,
+            capture: Capture { at: captured, quality: CaptureQuality::Sensor },
+            picture: Arc::new(picture(people)),
+        };
+        let mut outcome = None;
+        let counted = allocation_counter::measure(|| {
+            outcome = Some(self.pilot.step(Input::Frame(&frame), at(self.ms)));
+        });
+        self.allocations += counted.count_total;
+        outcome.unwrap()
+    }
+
+    fn see_for(&mut self, frames: usize, people: &[Option<PixelPoint>]) -> Outcome {
+        (0..frames).map(|_| self.see(people)).last().unwrap()
+    }
+
+    fn ask(&mut self, request: VesselRequest) -> Outcome {
+        self.pilot.step(Input::Request(OperatorRequest::Vessel(request)), at(self.ms))
+    }
+
+    fn mark(&mut self, kind: MarkKind, pixel: PixelPoint) -> u32 {
+        let captured_ns = at(self.ms).minus(Duration::from_millis(LATENCY_MS));
+        let outcome = self.ask(VesselRequest::Mark(DrawnMark { mark: kind, at: pixel, captured_ns }));
+        match outcome.notice {
+            Some(Notice::Marked(id, _)) => id,
+            other => panic!("{other:?}"),
+        }
+    }
+}
+
+fn mark(outcome: &Outcome, id: u32) -> Mark {
+    *outcome.vessel.marks.iter().find(|mark| mark.id == id).unwrap()
+}
+
+/// Distance of a mark from a pixel, pixels.
+fn off(outcome: &Outcome, id: u32, point: PixelPoint) -> f64 {
+    let frame_view = outcome.vessel.frame_view.unwrap();
+    let pixel = mark(outcome, id).pixel(&frame_view, outcome.at).unwrap();
+    (pixel.u - point.u).hypot(pixel.v - point.v)
+}
+
+fn moved(from: PixelPoint, u: f64, v: f64) -> PixelPoint {
+    PixelPoint { u: from.u + u, v: from.v + v }
+}
+
+#[test]
+fn a_mark_on_a_person_moves_with_the_person() {
+    let mut scene = Scene::new();
+    scene.see_for(3, &[Some(FIRST)]);
+    let id = scene.mark(MarkKind::Person, FIRST);
+    for step in 0..90 {
+        let at = moved(FIRST, f64::from(step), -0.5 * f64::from(step));
+        let outcome = scene.see(&[Some(at)]);
+        if step > 10 {
+            assert!(mark(&outcome, id).is_held(), "{step}: {:?}", mark(&outcome, id).held);
+            assert!(off(&outcome, id, at) < 8.0, "{step}: {}", off(&outcome, id, at));
+        }
+    }
+}
+
+#[test]
+fn a_mark_on_the_bare_water_is_not_held_and_neither_is_a_place() {
+    let mut scene = Scene::new();
+    scene.see_for(3, &[Some(FIRST)]);
+    let bare = scene.mark(MarkKind::Person, PixelPoint { u: 250.0, v: 250.0 });
+    let place = scene.mark(MarkKind::Place, FIRST);
+    let outcome = scene.see_for(20, &[Some(FIRST)]);
+    assert_eq!((mark(&outcome, bare).held, mark(&outcome, place).held), (None, None));
+    assert!(off(&outcome, bare, PixelPoint { u: 250.0, v: 250.0 }) < 1.0);
+}
+
+#[test]
+fn a_person_who_is_hidden_is_lost_with_a_growing_circle_and_found_again() {
+    let mut scene = Scene::new();
+    scene.see_for(3, &[Some(FIRST)]);
+    let id = scene.mark(MarkKind::Person, FIRST);
+    let held = scene.see_for(30, &[Some(FIRST)]);
+    let before = mark(&held, id).std_dev_m(held.at).unwrap();
+    let outcome = scene.see_for(90, &[None]);
+    assert!(matches!(mark(&outcome, id).held, Some(Track::Lost { .. })), "{:?}", mark(&outcome, id).held);
+    assert!(mark(&outcome, id).std_dev_m(outcome.at).unwrap() > before + 0.1);
+    assert!(off(&outcome, id, FIRST) < 8.0);
+    let near = moved(FIRST, 6.0, 2.0);
+    let outcome = scene.see_for(40, &[Some(near)]);
+    assert!(matches!(mark(&outcome, id).held, Some(Track::Tracking(_))), "{:?}", mark(&outcome, id).held);
+    assert!(off(&outcome, id, near) < 8.0);
+}
+
+#[test]
+fn a_lost_mark_does_not_take_a_like_person_who_is_far_away() {
+    let mut scene = Scene::new();
+    scene.see_for(3, &[Some(FIRST), None]);
+    let id = scene.mark(MarkKind::Person, FIRST);
+    scene.see_for(30, &[Some(FIRST), None]);
+    for _ in 0..150 {
+        let outcome = scene.see(&[None, Some(SECOND)]);
+        assert!(off(&outcome, id, SECOND) > 100.0, "{:?}", mark(&outcome, id));
+    }
+}
+
+#[test]
+fn two_marks_never_hold_one_person() {
+    let mut scene = Scene::new();
+    scene.see_for(3, &[Some(FIRST), Some(SECOND)]);
+    let first = scene.mark(MarkKind::Person, FIRST);
+    let again = scene.mark(MarkKind::Person, moved(FIRST, 2.0, 0.0));
+    let second = scene.mark(MarkKind::Person, SECOND);
+    let outcome = scene.see_for(30, &[Some(FIRST), Some(SECOND)]);
+    assert!(mark(&outcome, first).is_held() && mark(&outcome, second).is_held());
+    assert_eq!(mark(&outcome, again).held, None);
+}
+
+#[test]
+fn a_mark_that_is_moved_holds_whom_it_is_moved_to_and_a_removed_one_nobody() {
+    let mut scene = Scene::new();
+    let both = [Some(FIRST), Some(SECOND)];
+    scene.see_for(3, &both);
+    let id = scene.mark(MarkKind::Person, FIRST);
+    scene.see_for(20, &both);
+    let captured_ns = at(scene.ms).minus(Duration::from_millis(LATENCY_MS));
+    scene.ask(VesselRequest::MoveMark(MovedMark { id, at: SECOND, captured_ns }));
+    let outcome = scene.see_for(20, &both);
+    assert!(mark(&outcome, id).is_held() && off(&outcome, id, SECOND) < 8.0);
+    scene.ask(VesselRequest::Unmark { id });
+    let outcome = scene.see_for(20, &both);
+    assert_eq!(outcome.vessel.marks.iter().count(), 0);
+}
+
+#[test]
+fn steps_with_held_marks_allocate_nothing_after_the_first_ones() {
+    let mut scene = Scene::new();
+    let both = [Some(FIRST), Some(SECOND)];
+    scene.see_for(3, &both);
+    scene.mark(MarkKind::Person, FIRST);
+    scene.mark(MarkKind::Person, SECOND);
+    // Each is lost and found once, and the history is filled.
+    scene.see_for(60, &both);
+    scene.see_for(90, &[None, None]);
+    scene.see_for(60, &both);
+    let before = scene.allocations;
+    scene.see_for(60, &both);
+    scene.see_for(90, &[None, None]);
+    let outcome = scene.see_for(60, &both);
+    assert!(outcome.vessel.marks.iter().all(Mark::is_held), "{:?}", outcome.vessel.marks);
+    assert_eq!(scene.allocations - before, 0);
+}
+
+#[test]
+fn at_most_eight_marks_are_held_and_all_of_them_in_turns() {
+    let places: Vec<PixelPoint> = (0..10_u32)
+        .map(|index| PixelPoint { u: 40.0 + 60.0 * f64::from(index), v: 200.0 + 60.0 * f64::from(index % 4) })
+        .filter(|at| (at.u - 340.0).abs() > 40.0)
+        .chain([PixelPoint { u: 330.0, v: 440.0 }])
+        .collect();
+    let people: Vec<_> = places.iter().copied().map(Some).collect();
+    let mut scene = Scene::new();
+    scene.see_for(3, &people);
+    let ids: Vec<u32> = places.iter().map(|at| scene.mark(MarkKind::Person, *at)).collect();
+    let outcome = scene.see_for(90, &people);
+    let held = ids.iter().filter(|id| mark(&outcome, **id).is_held()).count();
+    assert_eq!((ids.len(), held), (9, 8));
+}
