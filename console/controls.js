@@ -51,6 +51,7 @@ function setCamera(snapshot, set) {
   set("engage", !mode.engaged, words.reasons.engaged);
   set("disengage", mode.name !== "idle", words.reasons.disengaged);
   set("reject", track.state === "tracking" || track.state === "coasting", words.reasons.nothingFollowed);
+  at("candidates").setAttribute("aria-pressed", String(Boolean(snapshot?.candidates_on_demand)));
   set("deselect", track.state !== "unseeded", words.reasons.nothingFollowed);
   const isSearchable = track.state === "lost" && mode.name !== "searching";
   set("search", isSearchable && !refusal, (isSearchable && refusal) || words.reasons.notLost);

@@ -1,13 +1,16 @@
 // The keyboard: which key presses which button, and which keys are held.
 
-const BUTTONS = { t: "mark", u: "unmark", g: "guide", b: "stop-boat", c: "next-mark", y: "go-home", e: "engage", r: "disengage", z: "freeze", x: "reject", l: "search", p: "pause", h: "helmsman", k: "new-drive", n: "theme", m: "note", o: "sound", v: "video", i: "level", f: "full-screen", "?": "keys", "+": "zoom-in", "-": "zoom-out", 0: "zoom-reset" };
+const BUTTONS = { t: "mark", u: "unmark", g: "guide", b: "stop-boat", c: "next-mark", y: "go-home", e: "engage", r: "disengage", z: "freeze", x: "reject", l: "search", p: "pause", h: "helmsman", k: "new-drive", n: "theme", m: "note", q: "sound", o: "candidates", v: "video", i: "level", f: "full-screen", "?": "keys", "+": "zoom-in", "-": "zoom-out", 0: "zoom-reset" };
 
 /** Whether keys write text there. A checkbox takes none: Enter switches it. */
 const takesText = (element) => element instanceof HTMLInputElement && element.type !== "checkbox";
 const nameOf = ({ key }) => (key.length === 1 ? key.toLowerCase() : key);
 
-/** @param {{act: Record<string, () => void>, held: any[], onEscape: () => void}} options `held`: the controls with keys that are held */
-export function listenToKeys({ act, held, onEscape }) {
+/**
+ * @param {{act: Record<string, () => void>, take: (number: number) => void, held: any[], onEscape: () => void}} options `held`: the
+ *   controls with keys that are held; `take`: of a digit
+ */
+export function listenToKeys({ act, take, held, onEscape }) {
   addEventListener("keydown", (event) => {
     const isText = takesText(event.target);
     if (event.key === " " && !isText) {
@@ -20,6 +23,7 @@ export function listenToKeys({ act, held, onEscape }) {
     if (isText || event.ctrlKey || event.altKey || event.metaKey || event.target instanceof HTMLSelectElement) return;
     const key = nameOf(event);
     if (held.some((control) => control.onKey(key, true))) event.preventDefault();
+    else if (!event.repeat && /^[1-8]$/.test(key)) take(Number(key));
     else if (!event.repeat && BUTTONS[key] && !document.getElementById(BUTTONS[key]).disabled) act[BUTTONS[key]]();
   });
   addEventListener("keyup", (event) => {

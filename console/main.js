@@ -189,6 +189,7 @@ const act = {
   engage: () => request({ kind: "engage" }),
   disengage: () => request({ kind: "disengage" }),
   reject: () => request({ kind: "reject" }),
+  candidates: () => request({ kind: "candidates", shown: !snapshot?.candidates_on_demand }),
   deselect: () => request({ kind: "deselect" }),
   search: () => request({ kind: "search" }),
   "net-yaw-zero": () => request({ kind: "net-yaw", degrees: 0 }),
@@ -235,7 +236,8 @@ at("law").addEventListener("change", async (event) => {
   // A refused choice goes back to the law in force.
   delete event.target.dataset.law;
 });
-listenToKeys({ act, held: [turn, helm], onEscape: () => stage.isMarking && stage.setMarking(false) });
+const take = (number) => request({ kind: "take-candidate", number });
+listenToKeys({ act, take, held: [turn, helm], onEscape: () => stage.isMarking && stage.setMarking(false) });
 
 at("mark-kind").replaceChildren(...Object.entries(words.markKinds).map(([kind, text]) => new Option(text, kind)));
 for (const [key, meaning] of words.keyList) {

@@ -138,6 +138,15 @@ export function drawProposal(pen, view, [u, v, w, h], unit) {
   drawText(pen, words.proposed, [x, y], unit);
 }
 
+/** An object that may be the wanted one, with its number. */
+function drawCandidate(pen, view, { box: [u, v, w, h], number }, unit) {
+  const [x, y] = view.toCanvas([u, v]);
+  pen.beginPath();
+  pen.rect(x, y, w * view.scale, h * view.scale);
+  stroke(pen, LINE, 1.5 * unit, [2 * unit, 4 * unit]);
+  drawText(pen, String(number), [x, y], unit);
+}
+
 /** A text above a corner of a box. */
 function drawText(pen, text, [x, y], unit) {
   pen.font = `700 ${15 * unit}px system-ui, sans-serif`;
@@ -169,6 +178,7 @@ export function drawOverlay(pen, view, snapshot, { trail, layers: shown, isCalm,
   if (shown.has("marks")) drawMarks(pen, view, snapshot, chosenMark, unit);
   // In a small picture the map would cover too much.
   if (shown.has("map") && (!isCalm || view.canvas[0] >= MAP_FROM_PX * unit)) drawMap(pen, view, snapshot, unit);
+  for (const candidate of snapshot.candidates ?? []) drawCandidate(pen, view, candidate, unit);
   if (track.box && shown.has("box")) drawBox(pen, view, track, unit);
   if (track.heading_deg !== null && track.centre && shown.has("heading")) {
     const reach = (0.5 * (track.axes?.[0] ?? 40) + 24) * view.scale;

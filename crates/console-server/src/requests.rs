@@ -190,6 +190,8 @@ fn check_values(request: &OperatorRequest) -> Result<(), &'static str> {
                 Err("calibrate with `barrelman calibrate axes`, which stores the result")
             }
             CameraRequest::NetYaw { .. }
+            | CameraRequest::Candidates { .. }
+            | CameraRequest::TakeCandidate { .. }
             | CameraRequest::Reject
             | CameraRequest::Deselect
             | CameraRequest::Search

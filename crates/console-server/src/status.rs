@@ -2,15 +2,15 @@
 
 use barrelman_control::{Percept, Region, Sector};
 use barrelman_pilot::on_earth::NotOnEarth;
-use barrelman_pilot::{Advice, Mode, ProposedObject};
+use barrelman_pilot::{Advice, Candidate, Mode, ProposedObject};
 use barrelman_vocab::acceptance::Acceptance;
 use barrelman_vocab::telemetry::{ControlState, FlightState};
 use barrelman_vocab::{Angle, CameraCommand, Named as _, PixelBox, Timestamp, Track, Videos};
 
 use super::api::{
-    AxisPair, BoatStatus, CameraWork, EncodedVideo, LinkStatus, ModeStatus, OtherVideoStatus, PerceptStatus,
-    PositionStatus, ProposalStatus, RecordingStatus, RegionStatus, StatusSnapshot, TrackStatus, VideoStatus,
-    WorkFigures,
+    AxisPair, BoatStatus, CameraWork, CandidateStatus, EncodedVideo, LinkStatus, ModeStatus,
+    OtherVideoStatus, PerceptStatus, PositionStatus, ProposalStatus, RecordingStatus, RegionStatus,
+    StatusSnapshot, TrackStatus, VideoStatus, WorkFigures,
 };
 use super::vessel_status::vessel_of;
 use crate::snapshot::{
@@ -31,6 +31,9 @@ pub(super) fn status_of(snapshot: &Snapshot, codecs: &Videos<Option<EncodedVideo
             TrackStatus { confirming, ..track_of(&outcome.track, outcome.at) }
         }),
         proposal: outcome.and_then(|outcome| outcome.proposal).map(proposal_of),
+        candidates: outcome
+            .map_or_else(Vec::new, |outcome| outcome.candidates.iter().flatten().map(candidate_of).collect()),
+        candidates_on_demand: outcome.is_some_and(|outcome| outcome.are_candidates_wanted),
         region: outcome.and_then(|outcome| outcome.region).map(region_of),
         percept: outcome.and_then(|outcome| percept_of(outcome.percept, outcome.advice)),
         advice: outcome.and_then(|outcome| outcome.advice).map(|advice| axes_of(advice.command)),
@@ -128,6 +131,15 @@ pub(super) const fn region_of(region: Region) -> RegionStatus {
 fn proposal_of(object: ProposedObject) -> ProposalStatus {
     let PixelBox { u, v, w, h } = object.bounds;
     ProposalStatus { bounds: [u, v, w, h], captured_ns: object.captured.as_nanos() }
+}
+
+fn candidate_of(candidate: &Candidate) -> CandidateStatus {
+    let PixelBox { u, v, w, h } = candidate.bounds;
+    CandidateStatus {
+        number: candidate.number,
+        bounds: [u, v, w, h],
+        captured_ns: candidate.captured.as_nanos(),
+    }
 }
 
 pub(super) fn percept_of(percept: Option<Percept>, advice: Option<Advice>) -> Option<PerceptStatus> {

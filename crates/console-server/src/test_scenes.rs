@@ -29,6 +29,8 @@ pub(crate) fn idle(at: Timestamp) -> Outcome {
         wake_at: None,
         is_confirming: false,
         proposal: None,
+        candidates: Default::default(),
+        are_candidates_wanted: false,
         net_yaw: NetYawState::default(),
         unasked_motion: None,
         search_refusal: None,

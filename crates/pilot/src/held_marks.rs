@@ -112,6 +112,11 @@ impl HeldMarks {
         self.marks.iter_mut()
     }
 
+    /// The boxes of what is held.
+    pub(crate) fn boxes(&self) -> impl Iterator<Item = PixelBox> + Clone {
+        self.marks.iter().filter_map(|held| held.track.localisation()).map(|seen| seen.bounds)
+    }
+
     /// Begins to hold a mark that was set or moved at a pixel of a video frame. Nothing is held where no object
     /// is found there, where the object is the `boat`, or is held already, and while [`MAX_HELD`] marks are held.
     pub(crate) fn hold(
@@ -129,8 +134,7 @@ impl HeldMarks {
         let sizes = ObjectSizes::in_picture_of_height(frame.picture.size().height);
         let proposer = self.proposer.get_or_insert_default();
         let Ok(proposed) = proposer.propose(&frame.picture, at, sizes) else { return };
-        let others = self.marks.iter().filter_map(|held| held.track.localisation()).map(|seen| seen.bounds);
-        if others.chain(boat).any(|other| is_same(other, proposed.bounds)) {
+        if self.boxes().chain(boat).any(|other| is_same(other, proposed.bounds)) {
             return;
         }
         let made = || FusedTracker::new(FusedConfig::default()).ok().map(Box::new);

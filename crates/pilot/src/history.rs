@@ -31,6 +31,11 @@ impl FrameHistory {
         Self { frames: VecDeque::with_capacity(CAPACITY), is_kept: true }
     }
 
+    /// Whether frames are kept.
+    pub(crate) const fn is_kept(&self) -> bool {
+        self.is_kept
+    }
+
     /// Adds the newest frame. Times of capture that run backwards begin anew.
     pub(crate) fn add(&mut self, frame: &VideoFrame) {
         if !self.is_kept {

@@ -17,6 +17,7 @@ pub mod purpose;
 pub mod vehicle;
 
 pub mod calibration;
+mod candidates;
 mod held_marks;
 mod history;
 pub mod net_yaw;
@@ -35,6 +36,7 @@ pub mod outcome;
 mod refusal;
 
 pub use barrelman_control::LawSettings;
+pub use candidates::{Candidate, MAX_CANDIDATES};
 pub use input::Input;
 pub use outcome::{Advice, Mode, Notice, Outcome, Refusal};
 pub use proposing::ProposedObject;

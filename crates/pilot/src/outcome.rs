@@ -11,6 +11,7 @@ use barrelman_vocab::{
     Timestamp, Track,
 };
 
+use crate::candidates::{Candidate, MAX_CANDIDATES};
 use crate::net_yaw::{NetYawLevel, NetYawState};
 use crate::on_earth::NotOnEarth;
 use crate::proposing::ProposedObject;
@@ -46,6 +47,10 @@ pub struct Outcome {
     pub is_confirming: bool,
     /// The object that is proposed; nothing follows it.
     pub proposal: Option<ProposedObject>,
+    /// The objects that may be the wanted one, by their numbers; none while they are not shown.
+    pub candidates: [Option<Candidate>; MAX_CANDIDATES],
+    /// Whether candidates are shown also while a target is followed.
+    pub are_candidates_wanted: bool,
     /// By how much the vehicle is turned about the vertical.
     pub net_yaw: NetYawState,
     /// The rate of a camera that turns although zero is commanded, as the vehicle reports it; `None`: no such motion is reported.

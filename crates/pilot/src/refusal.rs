@@ -55,6 +55,8 @@ pub enum Refusal {
     HelmHeld,
     /// People or areas are marked, and the boat would go in the picture, which keeps out of no circles: asked once more.
     PictureOnly(NoWater),
+    /// There is no candidate of that number.
+    NoSuchCandidate,
     /// There is no mark of that number.
     NoSuchMark,
     /// There is no mark that could be a destination.
@@ -121,6 +123,7 @@ impl fmt::Display for Refusal {
                 why.text(),
                 GO_AGAIN.as_secs()
             ),
+            Self::NoSuchCandidate => f.write_str("there is no candidate of that number now"),
             Self::NoSuchMark => f.write_str("there is no such mark"),
             Self::NothingMarked => f.write_str("nothing is marked: mark a place or a person first"),
             Self::NoHome => f.write_str("no home is marked: mark it first"),

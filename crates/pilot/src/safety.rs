@@ -130,7 +130,10 @@ impl Safety {
             CameraRequest::Disengage => self.licences.withdraw(),
             CameraRequest::Search => self.consent(Purpose::Search, now)?,
             CameraRequest::Calibrate => self.consent(Purpose::Calibrate, now)?,
-            CameraRequest::NetYaw { .. } | CameraRequest::Propose(_) => {}
+            CameraRequest::NetYaw { .. }
+            | CameraRequest::Propose(_)
+            | CameraRequest::Candidates { .. }
+            | CameraRequest::TakeCandidate { .. } => {}
             CameraRequest::Select(_)
             | CameraRequest::SelectNext(_)
             | CameraRequest::Reject

@@ -9,6 +9,7 @@ use barrelman_vocab::{
 };
 
 use crate::calibration::Calibration;
+use crate::candidates::Candidates;
 use crate::held_marks::HeldMarks;
 use crate::history::FrameHistory;
 use crate::input::Input;
@@ -59,6 +60,9 @@ pub struct Pilot {
     history: FrameHistory,
     proposals: Proposals,
     held_marks: HeldMarks,
+    candidates: Candidates,
+    /// Whether candidates are shown while a target is followed.
+    are_candidates_wanted: bool,
     track: Track,
     region: Option<Region>,
     /// Size of the newest picture.
@@ -113,6 +117,8 @@ impl Pilot {
             history: FrameHistory::default(),
             proposals: Proposals::default(),
             held_marks: HeldMarks::default(),
+            candidates: Candidates::default(),
+            are_candidates_wanted: false,
             track: Track::Unseeded,
             region: None,
             picture: None,
@@ -302,6 +308,8 @@ impl Pilot {
             wake_at: decision.wake_at,
             is_confirming: self.drawn_selection.is_some(),
             proposal: self.proposals.standing(),
+            candidates: self.candidates.shown(),
+            are_candidates_wanted: self.are_candidates_wanted,
             net_yaw,
             unasked_motion: self.unasked_motion.turning().filter(|_| self.safety.path() == CommandPath::Link),
             search_refusal: self.search_refusal(now),

@@ -27,9 +27,9 @@ pub use message::{
 pub use place::PlaceStatus;
 pub use schema::api_document;
 pub use snapshot::{
-    AxisPair, BoatStatus, CameraWork, ControlSeat, EncodedVideo, LinkStatus, ModeStatus, OtherVideoStatus,
-    PerceptStatus, PositionStatus, ProposalStatus, RecordingStatus, RegionStatus, StatusSnapshot,
-    TrackStatus, VideoStatus, WorkFigures,
+    AxisPair, BoatStatus, CameraWork, CandidateStatus, ControlSeat, EncodedVideo, LinkStatus, ModeStatus,
+    OtherVideoStatus, PerceptStatus, PositionStatus, ProposalStatus, RecordingStatus, RegionStatus,
+    StatusSnapshot, TrackStatus, VideoStatus, WorkFigures,
 };
 pub use vessel::{MarkStatus, ProgressStatus, VesselStatus};
 pub use video_message::{HEAD_BYTES, VideoHead, VideoKind};

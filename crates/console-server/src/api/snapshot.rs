@@ -34,6 +34,10 @@ pub struct StatusSnapshot {
     pub track: TrackStatus,
     /// The object that is proposed at a tap; nothing follows it yet. `null`: none.
     pub proposal: Option<ProposalStatus>,
+    /// The objects that may be the wanted one, while nothing is followed or on demand.
+    pub candidates: Vec<CandidateStatus>,
+    /// Whether they are shown also while a target is followed.
+    pub candidates_on_demand: bool,
     /// The region in the newest picture; `null` before the first.
     pub region: Option<RegionStatus>,
     /// The percept of the newest localisation.
@@ -128,6 +132,18 @@ pub struct TrackStatus {
 /// An object that is proposed.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
 pub struct ProposalStatus {
+    /// Left, top, width, height, pixels.
+    #[serde(rename = "box")]
+    pub bounds: [f64; 4],
+    /// Time of capture of the video frame that the box belongs to.
+    pub captured_ns: u64,
+}
+
+/// An object that may be the wanted one: whatever stands out from the water.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
+pub struct CandidateStatus {
+    /// The number by which it is taken, from 1.
+    pub number: u32,
     /// Left, top, width, height, pixels.
     #[serde(rename = "box")]
     pub bounds: [f64; 4],

@@ -27,7 +27,9 @@ impl Answers {
                 answer.give(Answer::Accepted(outcome.notice.as_ref().map(ToString::to_string)));
             }
             // A tap that proposes nothing new has taken what was proposed.
-            OperatorRequest::Camera(CameraRequest::Select(_) | CameraRequest::Propose(_)) => {
+            OperatorRequest::Camera(
+                CameraRequest::Select(_) | CameraRequest::Propose(_) | CameraRequest::TakeCandidate { .. },
+            ) => {
                 self.supersede_selection("another selection was made");
                 self.selection = Some(answer);
             }
@@ -39,6 +41,7 @@ impl Answers {
             }
             OperatorRequest::Camera(
                 CameraRequest::Nudge(_)
+                | CameraRequest::Candidates { .. }
                 | CameraRequest::Search
                 | CameraRequest::Calibrate
                 | CameraRequest::NetYaw { .. }

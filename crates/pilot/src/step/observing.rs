@@ -21,7 +21,17 @@ impl Pilot {
             }
         };
         let law = &self.law;
-        self.held_marks.advance(frame, &|from, to, size| law.motion_prior(from, to, size));
+        let shift = |from, to, size| law.motion_prior(from, to, size);
+        self.held_marks.advance(frame, &shift);
+        let is_selecting = self.drawn_selection.is_some() || self.pending_selection.is_some();
+        let is_followed = is_selecting || track != Track::Unseeded;
+        if self.are_candidates_wanted || !is_followed && self.history.is_kept() {
+            let boat = track.localisation().map(|seen| seen.bounds);
+            let excluded = self.held_marks.boxes().chain(boat);
+            self.candidates.on_frame(frame, excluded, &shift);
+        } else {
+            self.candidates.clear();
+        }
         let picture = track.localisation().map_or(size, |measured| measured.picture);
         Observation { track, captured: Some(frame.capture.at), picture: Some(picture), notice }
     }

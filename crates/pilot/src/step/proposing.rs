@@ -12,6 +12,9 @@ impl Pilot {
         if let Some(object) = self.proposals.take_at(tap.at) {
             return self.select_proposed(&object, now);
         }
+        if let Some(candidate) = self.candidates.at(tap.at).filter(|_| self.track == Track::Unseeded) {
+            return self.on_camera_request(&CameraRequest::Select(candidate.selection()), now);
+        }
         match self.proposals.propose(tap, &self.history) {
             Ok(object) if tap.take => self.select_proposed(&object, now),
             Ok(object) => Some(Notice::Proposed(object.bounds)),

@@ -74,6 +74,14 @@ impl Pilot {
                 None
             }
             CameraRequest::Propose(tap) => self.on_tap(*tap, now),
+            CameraRequest::Candidates { shown } => {
+                self.are_candidates_wanted = *shown;
+                None
+            }
+            CameraRequest::TakeCandidate { number } => match self.candidates.numbered(*number) {
+                Some(candidate) => self.on_camera_request(&CameraRequest::Select(candidate.selection()), now),
+                None => Some(Notice::RequestRefused(Refusal::NoSuchCandidate)),
+            },
             CameraRequest::Engage => self.take_proposal_to_follow(now),
             // The safety rule has done what there is to do.
             CameraRequest::Nudge(_) | CameraRequest::Disengage => None,
@@ -87,6 +95,7 @@ impl Pilot {
         }
         self.law.reset_target();
         self.proposals.take();
+        self.candidates.clear();
         self.drawn_selection = None;
         self.last_bearing = None;
     }

@@ -23,6 +23,8 @@ impl Pilot {
             CameraRequest::Select(_)
             | CameraRequest::SelectNext(_)
             | CameraRequest::Propose(_)
+            | CameraRequest::Candidates { .. }
+            | CameraRequest::TakeCandidate { .. }
             | CameraRequest::Reject
             | CameraRequest::Deselect
             | CameraRequest::Nudge(_)

@@ -6,6 +6,7 @@ mod any_input;
 mod boats_answer;
 mod boundary;
 mod by_hand;
+mod candidates;
 mod frames;
 mod held_marks;
 mod licences;

@@ -24,6 +24,17 @@ pub enum CameraRequest {
     /// as a selection of it; so does `engage` while nothing is followed. The answer says what is proposed, or why
     /// nothing is (refused); where the tap takes a proposal, it is that of the selection.
     Propose(Tap),
+    /// Show the candidates, the objects on the water that may be the wanted one, also while a target is
+    /// followed, or no longer. While nothing is followed they are shown anyway.
+    Candidates {
+        /// Whether they are shown.
+        shown: bool,
+    },
+    /// Select the candidate of this number, as by a box around it.
+    TakeCandidate {
+        /// The number, from 1.
+        number: u32,
+    },
     /// "Not that one": forget the present track, do not take that object again, and search for the selected
     /// target.
     Reject,

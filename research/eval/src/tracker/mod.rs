@@ -30,6 +30,7 @@ mod orientation;
 
 mod leave_one_out;
 
+mod candidates;
 pub(crate) mod past_selection;
 mod taps;
 pub(crate) mod training_samples;

@@ -24,7 +24,7 @@ use serde_json::json;
 use super::clip_sets::hidden_frames;
 use super::clips::{Clip, list_clips};
 use super::scoring::Label;
-use super::taps;
+use super::{candidates, taps};
 use crate::output::print_line;
 use crate::rng_of_name::rng_of_name;
 use crate::workspace::path_or_default;
@@ -61,6 +61,9 @@ pub(crate) struct SelectionOptions {
     /// ../shared/data/clips-more, too].
     #[arg(long)]
     taps: bool,
+    /// The objects that are found in single pictures instead: on --starts labelled frames of each clip.
+    #[arg(long, conflicts_with = "taps")]
+    candidates: bool,
     /// Print each selection that was not right.
     #[arg(long)]
     each: bool,
@@ -161,6 +164,9 @@ impl Tally {
 /// # Errors
 /// If a clip or the output file cannot be used.
 pub(crate) fn run(options: &SelectionOptions) -> Result<bool> {
+    if options.candidates {
+        return candidates::run(options.clips.as_deref(), &options.clip, options.starts);
+    }
     if options.taps {
         return taps::run(options.clips.as_deref(), &options.clip, options.starts);
     }
