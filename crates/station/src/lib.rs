@@ -17,6 +17,7 @@ pub mod live;
 
 pub mod link;
 
+pub mod tak;
 pub mod tracking_camera;
 
 pub mod simulated_source;

@@ -2,13 +2,15 @@
 
 use std::collections::BTreeSet;
 
+use barrelman_control::{Percept, Region};
 use barrelman_pilot::{Mode, Outcome};
-use barrelman_vocab::{StopCause, Timestamp, Track, Videos};
+use barrelman_vocab::{ImagePoint, StopCause, Timestamp, Track, VehicleProfile, Videos};
+use serde_json::Value;
 
 use super::super::status::status_of;
 use super::*;
 use crate::snapshot::{LinkStatus, RecordingState, Snapshot, VehicleSnapshot};
-use crate::test_scenes::{at, command, idle, localisation};
+use crate::test_scenes::{PICTURE, at, command, idle, localisation};
 
 /// The samples of a text in Prometheus' format, after a check of each of its lines.
 fn samples_of(text: &str) -> Vec<(&str, f64)> {
@@ -99,4 +101,39 @@ fn numbers_without_end_are_numbers_to_prometheus_too() {
     let mut snapshot = Snapshot::default();
     snapshot.work.camera.travel_rad = f64::INFINITY;
     check(&snapshot, &[("camera_travel_radians_total", f64::INFINITY)]);
+}
+
+/// A snapshot in which everything is known.
+fn complete() -> Snapshot {
+    let track = Track::Tracking(localisation(at(0)));
+    let region = Region::from_shares(VehicleProfile::fotokite_pro().region, PICTURE);
+    let percept = Some(Percept::new(ImagePoint { x: 96.0, y: 0.0 }, region));
+    let mut snapshot = after(Outcome { track, percept, ..idle(at(40)) });
+    let known = Some(std::time::Duration::from_millis(20));
+    (snapshot.video.age, snapshot.video.step_time) = (known, known);
+    snapshot
+}
+
+/// The names of metrics in the queries below a value of a dashboard.
+fn add_queried(value: &Value, names: &mut BTreeSet<String>) {
+    match value {
+        Value::Object(fields) => {
+            let queries = ["expr", "query"].into_iter().filter_map(|key| fields.get(key)?.as_str());
+            let words = queries.flat_map(|text| text.split(|c: char| !c.is_ascii_alphanumeric() && c != '_'));
+            names.extend(words.filter_map(|word| word.strip_prefix("barrelman_")).map(str::to_owned));
+            fields.values().for_each(|value| add_queried(value, names));
+        }
+        Value::Array(values) => values.iter().for_each(|value| add_queried(value, names)),
+        Value::Null | Value::Bool(_) | Value::Number(_) | Value::String(_) => {}
+    }
+}
+
+#[test]
+fn the_dashboard_for_grafana_shows_what_is_served_and_nothing_else() {
+    let dashboard = include_str!("../../../../docs/grafana-dashboard.json");
+    let mut queried = BTreeSet::new();
+    add_queried(&serde_json::from_str(dashboard).unwrap(), &mut queried);
+    let text = metrics_text(&status_of(&complete(), &Videos::default()), 2);
+    let served: BTreeSet<_> = samples_of(&text).into_iter().map(|(name, _)| name.to_owned()).collect();
+    assert_eq!(queried, served);
 }

@@ -20,6 +20,9 @@ pub struct CheckArgs {
     /// The vehicle's profile; default: the configuration's, or fotokite-pro.
     #[arg(long, value_name = "NAME")]
     pub profile: Option<String>,
+    /// Check where events for TAK go: udp://host:port or tcp://host:port.
+    #[arg(long, value_name = "URL")]
+    pub tak: Option<String>,
     /// Print JSON.
     #[arg(long)]
     pub json: bool,

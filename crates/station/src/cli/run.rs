@@ -63,6 +63,10 @@ pub struct RunArgs {
     /// they never engage.
     #[arg(long, value_name = "URL")]
     pub mavlink: Option<String>,
+    /// Show boat, camera and marks on the maps of TAK (ATAK, WinTAK, servers) there, where latitude and
+    /// longitude are known: udp://host:port, also of a group as udp://239.2.3.1:6969, or tcp://host:port.
+    #[arg(long, value_name = "URL")]
+    pub tak: Option<String>,
     /// Track what is in this box of the first picture: left, top, width, height in pixels. Without it nothing
     /// is tracked until the operator selects, except in a simulated world, where the world selects its boat.
     /// A file waits with its first picture until the box is drawn in a browser, where there is a display or

@@ -76,6 +76,7 @@ pub fn calibrate(
         waits_for_selection: true,
         console: None,
         tracking_camera: None,
+        tak: None,
         engage: false,
         calibration: Some(calibration.clone()),
         fault_injector: FaultInjector::default(),

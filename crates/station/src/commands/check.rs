@@ -14,6 +14,8 @@ use barrelman_vocab::{EncodedUnit, VideoFrame};
 use super::check_gimbal::check_gimbal;
 use super::check_over_http::check_over_http;
 use super::check_result::{CheckResult, Verdict, print};
+use super::check_tak::check_tak;
+use super::run::override_key;
 use crate::cli::{CheckArgs, ConnectionOptions};
 use crate::config::lens::misfit;
 use crate::config::{ConfigFile, Configuration};
@@ -63,15 +65,17 @@ pub fn run(args: &CheckArgs, clock: Clock) -> Result<ExitCode> {
             results.push(CheckResult::new("link", Verdict::Warning, details));
         }
     }
+    results.extend(configuration.and_then(|found| found.tak.address).as_ref().map(check_tak));
     print(&results, args.json)
 }
 
 fn check_configuration(args: &CheckArgs, results: &mut Vec<CheckResult>) -> Option<Configuration> {
-    let with_profile = |mut file: ConfigFile| {
-        file.vehicle.profile = args.profile.clone().or(file.vehicle.profile);
+    let with_options = |mut file: ConfigFile| {
+        override_key(&mut file.vehicle.profile, &args.profile);
+        override_key(&mut file.tak.address, &args.tak);
         Configuration::resolve(&file)
     };
-    match args.connection.config_file().and_then(with_profile) {
+    match args.connection.config_file().and_then(with_options) {
         Ok(configuration) => {
             let details = format!("vehicle {}", configuration.profile.name);
             results.push(CheckResult::new("configuration", Verdict::Ok, details));

@@ -138,6 +138,7 @@ fn run_args(
         links_file: None,
         headless: true,
         foxglove: None,
+        tak: None,
         no_record: false,
         record: Some(recording.clone()),
         overlay: Some(film.clone()),

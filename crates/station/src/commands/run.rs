@@ -18,6 +18,7 @@ use crate::live::run_loop::RunEnd;
 use crate::live::session::{Outputs, Session};
 use crate::live::source::Source;
 use crate::secrets;
+use crate::tak::TakSetup;
 use crate::tracking_camera::{self, TrackingCameraSetup};
 use barrelman_host::clock::Clock;
 use barrelman_host::output::OutputFile;
@@ -62,6 +63,7 @@ pub fn run_with_outputs(
         configuration.profile.video_latency = world.scenario().camera.latency();
     }
     let tracking_camera = tracking_camera(&configuration, &source, clock)?;
+    let tak = tak(&configuration)?;
     let guard = needed_guard(&configuration, link.as_ref())?;
     let vessel_guard = needed_vessel_guard(&configuration)?;
     let console = (!args.headless).then(|| open_console(args, &configuration.console)).transpose()?;
@@ -85,6 +87,7 @@ pub fn run_with_outputs(
         waits_for_selection: args.hands_on,
         console,
         tracking_camera,
+        tak,
         engage: args.engage,
         calibration: None,
         fault_injector,
@@ -165,6 +168,20 @@ fn tracking_camera(
     }))
 }
 
+/// Where events for TAK go, where they are asked for.
+///
+/// # Errors
+/// If the host is not known.
+fn tak(configuration: &Configuration) -> Result<Option<TakSetup>> {
+    let Some(address) = &configuration.tak.address else { return Ok(None) };
+    Ok(Some(TakSetup {
+        to: address.resolve().context("--tak, or tak.address")?,
+        address: address.clone(),
+        callsign: configuration.tak.callsign.clone(),
+        vehicle: configuration.profile.name.clone(),
+    }))
+}
+
 /// Opens the console's socket. A live run always asks for a token: any program of this machine could reach the socket.
 fn open_console(args: &RunArgs, config: &ConsoleConfig) -> Result<ConsoleSettings> {
     let options = &args.console;
@@ -222,6 +239,7 @@ fn effective_configuration(args: &RunArgs) -> Result<(Configuration, bool)> {
     override_key(&mut file.link.url, &connection.link);
     override_key(&mut file.vehicle.profile, &args.profile);
     override_key(&mut file.tracking_camera.url, &args.mavlink);
+    override_key(&mut file.tak.address, &args.tak);
     override_key(&mut file.vessel.url, &args.vessel);
     override_key(&mut file.vessel.profile, &args.vessel_profile);
     file.vessel.guidance = args.guidance.or(file.vessel.guidance);

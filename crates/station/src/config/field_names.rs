@@ -10,6 +10,7 @@ use super::camera::{AxisSection, CameraSection};
 use super::console::{ConsoleSection, RecordingSection};
 use super::file::{ConfigFile, GimbalTiltSection, LawSection, LinkSection, VehicleSection, VideoSection};
 use super::lens::LensSection;
+use super::tak::TakSection;
 use super::tracker::{FusedSection, TrackerSection};
 use super::tracking_camera::TrackingCameraSection;
 use super::vessel::VesselSection;
@@ -38,6 +39,7 @@ pub(super) fn field_names() -> FieldNames {
         TrackerSection,
         FusedSection,
         TrackingCameraSection,
+        TakSection,
         VesselSection,
         ConsoleSection,
         RecordingSection,

@@ -12,6 +12,7 @@ use serde::{Deserialize, Serialize};
 
 use super::camera::CameraSection;
 use super::console::{ConsoleSection, RecordingSection};
+use super::tak::TakSection;
 use super::tracker::TrackerSection;
 use super::tracking_camera::TrackingCameraSection;
 use super::vessel::VesselSection;
@@ -34,6 +35,8 @@ pub struct ConfigFile {
     pub tracker: TrackerSection,
     /// Barrelman as a tracking camera on a MAVLink link.
     pub tracking_camera: TrackingCameraSection,
+    /// Boat, camera and marks on the maps of TAK displays.
+    pub tak: TakSection,
     /// The boat.
     pub vessel: VesselSection,
     /// The operator's console.

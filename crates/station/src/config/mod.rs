@@ -10,6 +10,7 @@ pub mod file;
 pub mod camera;
 pub mod console;
 pub mod lens;
+pub mod tak;
 pub mod tracker;
 pub mod tracking_camera;
 pub mod vessel;
@@ -35,6 +36,7 @@ use barrelman_host::redaction::without_logins;
 pub use console::{ConsoleConfig, RecordingConfig};
 pub use file::{ConfigFile, LineEnding};
 pub use resolve::Configuration;
+pub use tak::TakConfig;
 pub use tracking_camera::TrackingCameraConfig;
 
 /// A configuration with a mistake: a service with it is not started again and again.

@@ -15,6 +15,7 @@ use super::console::{ConsoleConfig, RecordingConfig};
 use super::declared;
 use super::file::{ConfigFile, LineEnding, LinkSection, SignName, VehicleSection, VideoSection};
 use super::mavlink;
+use super::tak::TakConfig;
 use super::tracking_camera::TrackingCameraConfig;
 use super::turning::{gimbal_tilt, net_yaw_limits};
 use super::vessel::VesselConfig;
@@ -68,6 +69,8 @@ pub struct Configuration {
     pub tracker: TrackerSettings,
     /// The tracking camera on a MAVLink link.
     pub tracking_camera: TrackingCameraConfig,
+    /// Events for TAK.
+    pub tak: TakConfig,
     /// The boat that is commanded; `None`: none.
     pub vessel: Option<VesselConfig>,
     /// The operator's console.
@@ -175,6 +178,7 @@ impl Configuration {
                 .or(LawChoice::OPTIMAL, LawKeys::FILE)?,
             tracker: file.tracker.settings().validated()?,
             tracking_camera: file.tracking_camera.resolve(),
+            tak: file.tak.resolve()?,
             vessel: file.vessel.resolve()?,
             console: file.console.resolve()?,
             recording: file.recording.resolve(),

@@ -35,6 +35,7 @@ use crate::config::Configuration;
 use crate::link::vessel_link::Boat;
 use crate::link::{Link, LinkUrl};
 use crate::simulated_source::{LiveWorld, WorldSwitch};
+use crate::tak::{TakSetup, TakThread};
 use crate::tracking_camera::{CameraParts, TrackingCameraSetup, TrackingCameraThread};
 
 /// The files of a run, open.
@@ -62,6 +63,8 @@ pub(super) struct PartSettings {
     pub(super) console: Option<ConsoleSettings>,
     /// The tracking camera on a MAVLink link.
     pub(super) tracking_camera: Option<TrackingCameraSetup>,
+    /// Where events for TAK go.
+    pub(super) tak: Option<TakSetup>,
     /// Whether a simulated world selects its target.
     pub(super) selects_target: bool,
 }
@@ -95,6 +98,7 @@ pub(super) struct OpenParts {
     pub(super) sources: Videos<VideoHandle>,
     pub(super) console: Option<ConsoleServer>,
     pub(super) tracking_camera: Option<TrackingCameraThread>,
+    pub(super) tak: Option<TakThread>,
 }
 
 /// A recording and its file.
@@ -113,7 +117,8 @@ impl PartOpener<'_> {
         (link, boat): (Option<Link>, Option<Boat>),
         settings: PartSettings,
     ) -> Result<OpenRun> {
-        let PartSettings { sources, link_url, outputs, console, tracking_camera, selects_target } = settings;
+        let PartSettings { sources, link_url, outputs, console, tracking_camera, tak, selects_target } =
+            settings;
         let Outputs { record, overlay, extras, not_recorded } = outputs;
         let worlds = sources.first.world().map(LiveWorld::switch).transpose()?;
         let recording = recording_state(record.as_ref(), not_recorded);
@@ -151,7 +156,8 @@ impl PartOpener<'_> {
             .transpose()?;
         let tracking_camera =
             tracking_camera.map(|setup| self.start_tracking_camera(setup, &publisher)).transpose()?;
-        let parts = OpenParts { link, boat, recording, overlay, sources, console, tracking_camera };
+        let tak = tak.map(|setup| self.start_tak(setup, &publisher)).transpose()?;
+        let parts = OpenParts { link, boat, recording, overlay, sources, console, tracking_camera, tak };
         Ok(OpenRun { parts, publisher, latest, tracked, worlds, outlets })
     }
 
@@ -261,6 +267,11 @@ impl PartOpener<'_> {
         let parts = CameraParts { gateway, snapshots: publisher.subscribe(), clock: self.clock };
         TrackingCameraThread::start(setup, parts, self.events.clone())
     }
+
+    fn start_tak(&self, setup: TakSetup, publisher: &Publisher) -> Result<TakThread> {
+        let context = format!("--tak {}", setup.address);
+        TakThread::start(setup, publisher.subscribe(), self.clock, self.events.clone()).context(context)
+    }
 }
 
 /// The state of the recording as the run begins.
@@ -286,7 +297,7 @@ impl OpenParts {
             }
         }
         drop(self.console);
-        drop(self.tracking_camera);
+        drop((self.tracking_camera, self.tak));
         if let Some(Recording { path, recorder }) = self.recording
             && let Some(sortie) = recorder.finish()
         {

@@ -38,6 +38,7 @@ use crate::config::vessel::SIMULATED;
 use crate::link::vessel_link::{Boat, VesselLink};
 use crate::link::{Link, LinkUrl, VehicleLink};
 use crate::secrets;
+use crate::tak::TakSetup;
 use crate::tracking_camera::TrackingCameraSetup;
 
 /// Capacity of the event queue. The loop processes thousands of events a second; hundreds arrive.
@@ -71,6 +72,8 @@ pub struct Session<'a> {
     pub console: Option<ConsoleSettings>,
     /// The tracking camera on a MAVLink link; `None`: there is none.
     pub tracking_camera: Option<TrackingCameraSetup>,
+    /// Where events for TAK go; `None`: none are sent.
+    pub tak: Option<TakSetup>,
     /// The calibration that the run is made for; `None`: an ordinary run.
     pub calibration: Option<LiveCalibration>,
     /// Deliberate faults of the program's own threads.
@@ -164,6 +167,7 @@ impl Session<'_> {
             outputs: self.outputs,
             console: self.console,
             tracking_camera: self.tracking_camera,
+            tak: self.tak,
             selects_target: self.selection.is_none() && !self.waits_for_selection,
         };
         let OpenRun { parts, publisher, latest, tracked, worlds, outlets } = opener.open(links, settings)?;

@@ -229,6 +229,13 @@ fn what_cannot_be_meant_is_refused_with_its_place() {
     refused("[tracker.fused]\nlearning_rate = 0\n", "tracker.fused.learning_rate = 0: use 0.001 to 0.5");
     // Settings of the unused tracker are checked, too.
     refused("[tracker]\nname = \"camshift\"\n[tracker.fused]\nagility = 0\n", "tracker.fused.agility = 0");
+    refused(
+        "[tak]\naddress = \"239.2.3.1:6969\"\n",
+        "--tak, or tak.address: \"239.2.3.1:6969\" is no address",
+    );
+    for callsign in ["", " R1", "R\\n1", "R\\u0007", "R\\uFFFE", &"R".repeat(33)] {
+        refused(&format!("[tak]\ncallsign = \"{callsign}\"\n"), "use 1 to 32 characters in one line");
+    }
     refused("[nonsense]\n", "nonsense");
 }
 
