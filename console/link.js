@@ -24,7 +24,8 @@ export class Link extends EventTarget {
   #waiting = new Map();
   #wait = 250;
   #heard = 0;
-  #video = "none";
+  /** The video that is asked for. @type {{path: string, video: string}} */
+  #video = { path: "none", video: "first" };
   /** Snapshots and video messages that this connection has brought. */
   #handled = 0;
   /** When the pings were sent that are not answered, ms of the page; oldest first. */

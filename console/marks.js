@@ -52,11 +52,19 @@ export function ringOfMark(pen, [x, y], unit) {
   stroke(pen, LINE, 2 * unit);
 }
 
-/** The box of a person that a mark holds: closed while the person is seen, dashed while the place is predicted. */
-function drawHeld(pen, view, { box, state }, colour, unit) {
-  const [u, v, w, h] = box;
-  polygon(pen, [[u, v], [u + w, v], [u + w, v + h], [u, v + h]].map((point) => view.toCanvas(point)));
-  stroke(pen, colour, 1.5 * unit, state === "tracking" ? [] : [4 * unit, 4 * unit]);
+/**
+ * The box of a person that a mark holds, with the sign above it: closed while the person is seen, dashed while
+ * the place is predicted.
+ */
+function drawHeld(pen, view, { kind, held }, colour, width, unit) {
+  const [u, v, w, h] = held.box;
+  const [left, top] = view.toCanvas([u, v]);
+  const [right, bottom] = view.toCanvas([u + w, v + h]);
+  const gap = 3 * unit;
+  pen.beginPath();
+  pen.rect(left - gap, top - gap, right - left + 2 * gap, bottom - top + 2 * gap);
+  stroke(pen, colour, width, held.state === "tracking" ? [] : [4 * unit, 4 * unit]);
+  sign(pen, SIGNS[kind], [(left + right) / 2, top - 12 * unit], colour, unit);
 }
 
 /** The marks with their circles, and the line from the boat to its destination. */
@@ -76,11 +84,15 @@ export function drawMarks(pen, view, { vessel, track }, chosen, unit) {
       pen.lineTo(...at);
       stroke(pen, colour, 1.5 * unit, [2 * unit, 6 * unit]);
     }
-    if (mark.held?.box) drawHeld(pen, view, mark.held, colour, unit);
+    if (mark.id === chosen) ringOfMark(pen, at, unit);
+    const width = (mark.destination ? 3 : 1.5) * unit;
+    if (mark.held?.box) {
+      drawHeld(pen, view, mark, colour, width, unit);
+      continue;
+    }
     pen.beginPath();
     pen.arc(...at, (mark.destination ? 15 : 11) * unit, 0, 2 * Math.PI);
-    stroke(pen, colour, (mark.destination ? 3 : 1.5) * unit, mark.held?.state === "lost" ? [3 * unit, 3 * unit] : []);
-    if (mark.id === chosen) ringOfMark(pen, at, unit);
+    stroke(pen, colour, width, mark.held?.state === "lost" ? [3 * unit, 3 * unit] : []);
     sign(pen, SIGNS[mark.kind], at, colour, unit);
   }
 }

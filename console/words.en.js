@@ -97,7 +97,7 @@ export default {
     dryRun: "Dry run: the camera is not moved. Start with --link to move it.",
     emergency: "The vehicle has an emergency or lands: the camera rests.",
     vehicle: "Another client has the control. Press Engage to take it back.",
-    select: "Tap the boat, or draw a box around it.",
+    select: "Tap the boat, press its number, or draw a box around it.",
     proposed: "Is that the boat? Tap it again, or engage.",
     reselect: "The boat is lost: draw a new box around it, or wait.",
     search: "The boat is lost: draw a new box around it, or press Search.",

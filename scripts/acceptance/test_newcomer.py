@@ -105,21 +105,25 @@ def fly(program: Program, page: Page, path: Path, check: Check) -> None:
 
 
 def tap_boat(program: Program, page: Page, path: Path) -> None:
-    """Taps the boat until it is proposed, and the proposal until it is followed."""
+    """Taps the boat until it is followed: a first tap proposes it, or takes it where it has a number."""
 
     def is_proposed() -> bool:
         box, size = page.find_red()
         if box is None:
             return False
         page.drag((box[0] + box[2] / 2, box[1] + box[3] / 2, 0, 0), size)
-        return bool(poll(lambda: program.status()["proposal"], 2.0, 0.03))
+        return bool(poll(lambda: program.status()["proposal"] or is_taken(), 2.0, 0.03))
+
+    def is_taken() -> bool:
+        track = program.status()["track"]
+        return bool(track["confirming"] or track["state"] == "tracking")
 
     def is_followed() -> bool:
         proposal = program.status()["proposal"]
         if proposal:
             u, v, w, h = proposal["box"]
             page.drag((u + w / 2, v + h / 2, 0, 0), page.size() or (480, 270))
-        elif not is_proposed():
+        elif not is_taken() and not is_proposed():
             # A busy machine shows the picture late, and the boat has moved on.
             return False
         return bool(poll(lambda: program.status()["track"]["state"] == "tracking", 2.0, 0.03))

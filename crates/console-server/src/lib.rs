@@ -42,6 +42,7 @@ mod metrics;
 mod requests;
 mod states;
 mod status;
+mod track_status;
 mod vessel_status;
 
 mod newest_picture;

@@ -5,13 +5,14 @@ use barrelman_pilot::on_earth::NotOnEarth;
 use barrelman_pilot::{Advice, Candidate, Mode, ProposedObject};
 use barrelman_vocab::acceptance::Acceptance;
 use barrelman_vocab::telemetry::{ControlState, FlightState};
-use barrelman_vocab::{Angle, CameraCommand, Named as _, PixelBox, Timestamp, Track, Videos};
+use barrelman_vocab::{Angle, CameraCommand, Named as _, PixelBox, Videos};
 
 use super::api::{
     AxisPair, BoatStatus, CameraWork, CandidateStatus, EncodedVideo, LinkStatus, ModeStatus,
     OtherVideoStatus, PerceptStatus, PositionStatus, ProposalStatus, RecordingStatus, RegionStatus,
     StatusSnapshot, TrackStatus, VideoStatus, WorkFigures,
 };
+use super::track_status::{NO_TRACK, track_of};
 use super::vessel_status::vessel_of;
 use crate::snapshot::{
     self, RecordingState, Snapshot, SourceSnapshot, VehicleSnapshot, VideoSnapshot, VideoSourceState,
@@ -78,50 +79,6 @@ pub(super) fn mode_of(mode: Mode) -> ModeStatus {
         Mode::Stopped(cause) => ("stopped", Some(cause.key())),
     };
     ModeStatus { name, cause, engaged: mode.is_engaged() }
-}
-
-const NO_TRACK: TrackStatus = TrackStatus {
-    state: "unseeded",
-    confirming: false,
-    captured_ns: None,
-    bounds: None,
-    centre: None,
-    axes: None,
-    axis_deg: None,
-    heading_deg: None,
-    confidence: None,
-    lost_s: None,
-};
-
-/// A track at a time; `confirming` is not known from it.
-pub(super) fn track_of(track: &Track, at: Timestamp) -> TrackStatus {
-    let (state, seen) = match *track {
-        Track::Unseeded => return NO_TRACK,
-        Track::Lost { since, confidence } => {
-            let lost_s = at.since(since).as_secs_f64();
-            return TrackStatus {
-                state: "lost",
-                confidence: Some(confidence),
-                lost_s: Some(lost_s),
-                ..NO_TRACK
-            };
-        }
-        Track::Tracking(seen) => ("tracking", seen),
-        Track::Coasting(seen) => ("coasting", seen),
-    };
-    let PixelBox { u, v, w, h } = seen.bounds;
-    TrackStatus {
-        state,
-        confirming: false,
-        captured_ns: Some(seen.captured.as_nanos()),
-        bounds: Some([u, v, w, h]),
-        centre: Some([seen.centre.u, seen.centre.v]),
-        axes: seen.shape.map(|shape| [shape.major_px, shape.minor_px]),
-        axis_deg: seen.shape.map(|shape| shape.axis.radians().to_degrees()),
-        heading_deg: seen.heading.map(|heading| heading.radians().to_degrees()),
-        confidence: Some(seen.confidence),
-        lost_s: None,
-    }
 }
 
 pub(super) const fn region_of(region: Region) -> RegionStatus {

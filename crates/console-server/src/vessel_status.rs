@@ -10,7 +10,7 @@ use barrelman_vocab::{PictureSize, PixelPoint, Timestamp, VesselProfile, WaterPo
 
 use super::api::{MarkStatus, PlaceStatus, ProgressStatus, VesselStatus};
 use crate::snapshot::Snapshot;
-use crate::status::track_of;
+use crate::track_status::track_of;
 
 /// How long a text of the boat is shown.
 const TEXT_LASTS: Duration = Duration::from_secs(30);

@@ -2,28 +2,28 @@
 //! followed or on demand.
 //!
 //! A round begins with the places of a picture that stand out. One of them is looked at every [`LOOK_EVERY`]:
-//! the proposer finds the object's box there, or none. A candidate is shown after it was found in two rounds,
-//! and keeps its number until it was missed in two. A candidate may be anything: boat, person, buoy, foam.
+//! the proposer finds the object's box there, or none. A tracker follows the object from then on. A candidate is
+//! shown after it was found in two rounds, and keeps its number until its tracker loses it, or it was missed in
+//! three. A candidate may be anything: boat, person, buoy, foam.
 //!
 //! Each look costs less than 10 ms; times are those of capture, so that a replay repeats them.
 
 use core::time::Duration;
 
 use barrelman_vision::{MAX_PLACES, ObjectSizes, Proposer, Saliency};
-use barrelman_vocab::{
-    DrawnSelection, MotionPrior, PictureSize, PixelBox, PixelPoint, Timestamp, VideoFrame,
-};
+use barrelman_vocab::{DrawnSelection, PixelBox, PixelPoint, Timestamp, Track, VideoFrame};
+
+use crate::object_trackers::{MAX_OBJECTS, ObjectTrackers, PictureShift};
 
 /// Most candidates at a time.
-pub const MAX_CANDIDATES: usize = 8;
+pub const MAX_CANDIDATES: usize = MAX_OBJECTS;
 /// Time between two looks, and between a round and the next.
 const LOOK_EVERY: Duration = Duration::from_millis(150);
 /// Rounds in which an object must be found before it is shown, and may be missed before it is forgotten.
 const FOUND: u32 = 2;
-const MISSED: u32 = 2;
-/// Least IoU of the boxes of one object in two rounds, or largest distance in sizes of the object.
-const SAME_IOU: f64 = 0.2;
-const SAME_DISTANCE: f64 = 1.5;
+const MISSED: u32 = 3;
+/// Largest distance of the boxes of one object, in sizes of the object.
+const SAME_DISTANCE: f64 = 1.0;
 
 /// An object that may be the wanted one.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -48,10 +48,10 @@ impl Candidate {
     }
 }
 
-/// An object, and in how many rounds it was found, and missed since.
+/// In how many rounds an object was found, and missed since.
 #[derive(Debug, Clone, Copy)]
 struct Known {
-    candidate: Candidate,
+    number: u32,
     found: u32,
     missed: u32,
     is_in_round: bool,
@@ -68,15 +68,22 @@ pub(crate) struct Candidates {
     round: Timestamp,
     looked: Option<Timestamp>,
     known: Vec<Known>,
+    /// By the numbers of the candidates.
+    trackers: ObjectTrackers,
 }
 
 impl Candidates {
     /// The candidates that are shown, by their numbers.
     pub(crate) fn shown(&self) -> [Option<Candidate>; MAX_CANDIDATES] {
         let mut shown = [None; MAX_CANDIDATES];
-        let found = self.known.iter().filter(|known| known.found >= FOUND).map(|known| known.candidate);
-        for candidate in found {
-            shown[(candidate.number as usize - 1).min(MAX_CANDIDATES - 1)] = Some(candidate);
+        for known in self.known.iter().filter(|known| known.found >= FOUND) {
+            let object = self.trackers.iter().find(|object| object.id == known.number);
+            let seen = object.and_then(|object| object.track.localisation());
+            shown[(known.number as usize - 1).min(MAX_CANDIDATES - 1)] = seen.map(|seen| Candidate {
+                number: known.number,
+                bounds: seen.bounds,
+                captured: seen.captured,
+            });
         }
         shown
     }
@@ -95,17 +102,20 @@ impl Candidates {
     pub(crate) fn clear(&mut self) {
         self.known.clear();
         self.places.clear();
+        self.trackers.keep(|_| false);
         self.looked = None;
     }
 
-    /// Looks at the next place of the newest frame when it is due. `excluded`: boxes of what is followed.
+    /// Follows the candidates in the newest frame, and looks at the next place when that is due. `others`: the
+    /// boxes of what is followed otherwise.
     pub(crate) fn on_frame(
         &mut self,
         frame: &VideoFrame,
-        excluded: impl Iterator<Item = PixelBox> + Clone,
-        shift: &dyn Fn(Timestamp, Timestamp, PictureSize) -> MotionPrior,
+        others: impl Iterator<Item = PixelBox> + Clone,
+        shift: PictureShift<'_>,
     ) {
-        let (now, picture) = (frame.capture.at, &*frame.picture);
+        self.follow(frame, others.clone(), shift);
+        let now = frame.capture.at;
         if self.looked.is_some_and(|looked| looked <= now && now.since(looked) < LOOK_EVERY) {
             return;
         }
@@ -113,42 +123,58 @@ impl Candidates {
         let Some(place) = self.places.pop() else {
             self.end_round();
             let (saliency, _) = &mut **self.finder.get_or_insert_default();
-            self.places.extend(saliency.places(picture));
+            self.places.extend(saliency.places(&frame.picture));
             self.places.reverse();
             self.round = now;
             return;
         };
-        let size = picture.size();
-        let moved = |point: PixelPoint, since: Timestamp| {
-            if since > now {
-                return point;
-            }
-            let shift = shift(since, now, size);
-            PixelPoint { u: point.u + shift.shift_u_px, v: point.v + shift.shift_v_px }
-        };
+        let moved = shift(self.round.min(now), now, frame.picture.size());
+        let place = PixelPoint { u: place.u + moved.shift_u_px, v: place.v + moved.shift_v_px };
+        self.look(frame, place, others);
+    }
+
+    /// Follows the candidates, and forgets those that are lost, or are what is followed otherwise.
+    fn follow(
+        &mut self,
+        frame: &VideoFrame,
+        others: impl Iterator<Item = PixelBox> + Clone,
+        shift: PictureShift<'_>,
+    ) {
+        self.trackers.advance(frame, shift);
+        self.trackers.separate(None);
+        let Self { known, trackers, .. } = self;
+        known.retain(|known| {
+            let object = trackers.iter().find(|object| object.id == known.number);
+            let track = object.map_or(Track::Unseeded, |object| object.track);
+            let bounds = track.localisation().map(|seen| seen.bounds);
+            bounds.is_some_and(|bounds| others.clone().all(|other| !is_near(other, bounds)))
+        });
+        trackers.keep(|number| known.iter().any(|known| known.number == number));
+        for object in trackers.iter_mut() {
+            object.expected = object.track.localisation().map(|seen| seen.centre);
+        }
+    }
+
+    /// Looks for an object at a place that stands out.
+    fn look(&mut self, frame: &VideoFrame, place: PixelPoint, mut others: impl Iterator<Item = PixelBox>) {
         let (_, proposer) = &mut **self.finder.get_or_insert_default();
-        let sizes = ObjectSizes::in_picture_of_height(size.height);
-        let Ok(proposed) = proposer.propose(picture, moved(place, self.round), sizes) else { return };
-        let bounds = proposed.bounds;
-        if excluded.clone().any(|other| other.iou(bounds) > SAME_IOU) {
+        let sizes = ObjectSizes::in_picture_of_height(frame.picture.size().height);
+        let Ok(proposed) = proposer.propose(&frame.picture, place, sizes) else { return };
+        if others.any(|other| is_near(other, proposed.bounds)) {
             return;
         }
-        let is_same = |known: &&mut Known| {
-            let before = known.candidate.bounds;
-            let at = moved(before.centre(), known.candidate.captured);
-            let before = PixelBox { u: at.u - 0.5 * before.w, v: at.v - 0.5 * before.h, ..before };
-            let (one, other) = (before.centre(), bounds.centre());
-            let size = libm::sqrt(bounds.area().min(before.area()));
-            before.iou(bounds) > SAME_IOU
-                || libm::hypot(one.u - other.u, one.v - other.v) < SAME_DISTANCE * size
+        let is_here = |number: u32| {
+            let object = self.trackers.iter().find(|object| object.id == number);
+            let seen = object.and_then(|object| object.track.localisation());
+            seen.is_some_and(|seen| is_near(seen.bounds, proposed.bounds))
         };
-        if let Some(known) = self.known.iter_mut().find(is_same) {
+        if let Some(known) = self.known.iter_mut().find(|known| is_here(known.number)) {
             known.found += u32::from(!known.is_in_round);
-            (known.candidate.bounds, known.candidate.captured) = (bounds, now);
             (known.missed, known.is_in_round) = (0, true);
-        } else if let Some(number) = self.free_number() {
-            let candidate = Candidate { number, bounds, captured: now };
-            self.known.push(Known { candidate, found: 1, missed: 0, is_in_round: true });
+        } else if let Some(number) = self.free_number()
+            && self.trackers.add(number, proposed.bounds, frame)
+        {
+            self.known.push(Known { number, found: 1, missed: 0, is_in_round: true });
         }
     }
 
@@ -162,9 +188,15 @@ impl Candidates {
     }
 
     fn free_number(&self) -> Option<u32> {
-        (1..=MAX_CANDIDATES as u32)
-            .find(|number| self.known.iter().all(|known| known.candidate.number != *number))
+        (1..=MAX_CANDIDATES as u32).find(|number| self.known.iter().all(|known| known.number != *number))
     }
+}
+
+/// Whether two boxes may be those of one object: they overlap, or are side by side.
+fn is_near(one: PixelBox, other: PixelBox) -> bool {
+    let size = libm::sqrt(one.area().min(other.area()));
+    let (from, to) = (one.centre(), other.centre());
+    one.iou(other) > 0.0 || libm::hypot(from.u - to.u, from.v - to.v) < SAME_DISTANCE * size
 }
 
 const _: () = assert!(MAX_PLACES <= MAX_CANDIDATES, "each place of a round may be a candidate");

@@ -21,6 +21,7 @@ mod candidates;
 mod held_marks;
 mod history;
 pub mod net_yaw;
+mod object_trackers;
 pub mod on_earth;
 mod opposed_motion;
 mod proposing;

@@ -142,7 +142,7 @@ fn whole_step_with_four_marks(bencher: Bencher<'_, '_>) {
     let selection = OperatorRequest::Camera(CameraRequest::SelectNext(clip.truth(0).selection));
     pilot.step(Input::Request(selection), Timestamp::ZERO);
     let shown = Cell::new(0_u32);
-    let mut step = |pilot: &mut Pilot| {
+    let step = |pilot: &mut Pilot| {
         let count = shown.replace(shown.get() + 1);
         let place = count % (2 * FRAMES);
         let index = if place < FRAMES { place } else { 2 * FRAMES - 1 - place };

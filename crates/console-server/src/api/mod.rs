@@ -14,6 +14,7 @@ mod message;
 
 mod place;
 mod snapshot;
+mod track;
 mod vessel;
 
 mod paths;
@@ -29,7 +30,8 @@ pub use schema::api_document;
 pub use snapshot::{
     AxisPair, BoatStatus, CameraWork, CandidateStatus, ControlSeat, EncodedVideo, LinkStatus, ModeStatus,
     OtherVideoStatus, PerceptStatus, PositionStatus, ProposalStatus, RecordingStatus, RegionStatus,
-    StatusSnapshot, TrackStatus, VideoStatus, WorkFigures,
+    StatusSnapshot, VideoStatus, WorkFigures,
 };
+pub use track::TrackStatus;
 pub use vessel::{MarkStatus, ProgressStatus, VesselStatus};
 pub use video_message::{HEAD_BYTES, VideoHead, VideoKind};

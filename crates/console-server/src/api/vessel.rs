@@ -4,7 +4,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::place::PlaceStatus;
-use super::snapshot::TrackStatus;
+use super::track::TrackStatus;
 
 /// The boat that is commanded.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]

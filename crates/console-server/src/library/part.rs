@@ -22,7 +22,8 @@ use barrelman_vocab::{EncodedUnit, MarkKind, Timestamp, VideoFrame, VideoNumber,
 use serde::Serialize;
 
 use crate::api::{AxisPair, ModeStatus, PerceptStatus, RegionStatus, TrackStatus, VideoHead, VideoKind};
-use crate::status::{axes_of, mode_of, percept_of, region_of, track_of};
+use crate::status::{axes_of, mode_of, percept_of, region_of};
+use crate::track_status::track_of;
 
 /// Least length of a part.
 const LENGTH: Duration = Duration::from_secs(1);

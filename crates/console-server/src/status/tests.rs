@@ -9,7 +9,9 @@ use barrelman_video::sender_clock::VideoTiming;
 use barrelman_vocab::earth::{GeoPoint, WaterOnEarth};
 use barrelman_vocab::telemetry::{ControlState, LinkState};
 use barrelman_vocab::track::Shape;
-use barrelman_vocab::{AngularRate, HoldCause, ImagePoint, LawId, StopCause, VehicleRates, VideoNumber};
+use barrelman_vocab::{
+    AngularRate, HoldCause, ImagePoint, LawId, StopCause, Track, VehicleRates, VideoNumber,
+};
 
 use serde_json::{Value, json};
 

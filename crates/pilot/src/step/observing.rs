@@ -27,7 +27,7 @@ impl Pilot {
         let is_followed = is_selecting || track != Track::Unseeded;
         if self.are_candidates_wanted || !is_followed && self.history.is_kept() {
             let boat = track.localisation().map(|seen| seen.bounds);
-            let excluded = self.held_marks.boxes().chain(boat);
+            let excluded = self.held_marks.trackers.boxes().chain(boat);
             self.candidates.on_frame(frame, excluded, &shift);
         } else {
             self.candidates.clear();

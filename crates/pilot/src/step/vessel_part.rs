@@ -31,7 +31,7 @@ impl Pilot {
     /// Holds the mark that was set or moved by a request, and releases those that are gone.
     fn hold_marks(&mut self, request: &VesselRequest) {
         let Some(vessel) = &self.vessel else { return };
-        self.held_marks.keep(|id| vessel.marks().any(|mark| mark.id == id));
+        self.held_marks.trackers.keep(|id| vessel.marks().any(|mark| mark.id == id));
         let (id, at, captured) = match request {
             VesselRequest::Mark(DrawnMark { at, captured_ns, .. }) => (None, *at, *captured_ns),
             VesselRequest::MoveMark(MovedMark { id, at, captured_ns }) => (Some(*id), *at, *captured_ns),

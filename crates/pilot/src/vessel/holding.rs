@@ -6,8 +6,8 @@ use super::{VesselPilot, VesselView};
 use crate::held_marks::HeldMarks;
 
 impl VesselPilot {
-    /// Moves the held marks to where their trackers see them in the newest video frame. What cannot be the
-    /// marked person, by its place, is rejected.
+    /// Moves the held marks to where their trackers see them in the newest video frame. What is found after a
+    /// loss, and cannot be the marked person by its place, is not taken.
     pub(crate) fn take_sightings(
         &mut self,
         held_marks: &mut HeldMarks,
@@ -16,16 +16,16 @@ impl VesselPilot {
         view: VesselView<'_>,
     ) {
         let frame_view = self.frame_view_at(captured, picture, view, self.guide.displacement_at(captured));
-        held_marks.separate(boat.map(|seen| -> PixelBox { seen.bounds }));
-        for held in held_marks.iter_mut() {
+        held_marks.trackers.separate(boat.map(|seen| -> PixelBox { seen.bounds }));
+        for held in held_marks.trackers.iter_mut() {
             let Some(mark) = self.marks.get_mut(held.id) else { continue };
             if let Track::Tracking(seen) = held.track
                 && held.is_current
             {
-                if mark.may_be_at(seen.bounds.centre(), &frame_view, captured) {
+                if !held.is_back || mark.may_be_at(seen.bounds.centre(), &frame_view, captured) {
                     mark.hold_at(&seen, &frame_view);
                 } else {
-                    held.reject();
+                    held.lose();
                 }
             }
             mark.held = held.reported();

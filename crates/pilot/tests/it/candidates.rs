@@ -20,7 +20,7 @@ fn shown(outcome: &Outcome) -> Vec<Candidate> {
 fn candidate_at(outcome: &Outcome, point: PixelPoint) -> Candidate {
     let distance = |candidate: &Candidate| {
         let centre = candidate.bounds.centre();
-        (centre.u - point.u).hypot(centre.v - point.v)
+        libm::hypot(centre.u - point.u, centre.v - point.v)
     };
     let found = shown(outcome).into_iter().find(|candidate| distance(candidate) < 12.0);
     found.unwrap_or_else(|| panic!("{:?}", shown(outcome)))

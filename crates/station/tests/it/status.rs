@@ -36,6 +36,8 @@ fn outcome(mode: Mode, track: Track, advised: Option<CameraCommand>) -> Outcome 
         wake_at: None,
         is_confirming: false,
         proposal: None,
+        candidates: Default::default(),
+        are_candidates_wanted: false,
         net_yaw: barrelman_pilot::net_yaw::NetYawState::default(),
         unasked_motion: None,
         search_refusal: None,

@@ -110,7 +110,7 @@ impl Judge {
         let ((a, c), (b, d)) = (slope(right), slope(ahead));
         let (u, v) = (at.u - seen.u, at.v - seen.v);
         let determinant = a * d - b * c;
-        Some(((d * u - b * v) / determinant).hypot((a * v - c * u) / determinant))
+        Some(libm::hypot((d * u - b * v) / determinant, (a * v - c * u) / determinant))
     }
 
     fn judge(&mut self, taken: &Taken, mark: &Mark, frame_view: &FrameView, now: Timestamp) -> Option<()> {

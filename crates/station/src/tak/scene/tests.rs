@@ -50,6 +50,8 @@ fn outcome(track: Track, earth: Result<WaterOnEarth, NotOnEarth>) -> Outcome {
         wake_at: None,
         is_confirming: false,
         proposal: None,
+        candidates: Default::default(),
+        are_candidates_wanted: false,
         net_yaw: NetYawState::default(),
         unasked_motion: None,
         search_refusal: None,
