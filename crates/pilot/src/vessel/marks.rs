@@ -120,6 +120,7 @@ impl Marks {
             drift: water
                 .filter(|_| drawn.mark == MarkKind::Person)
                 .map(|fix| Drift::at_rest(&fix, drawn.captured_ns)),
+            scatter_m2: 0.0,
             held: None,
         });
         self.count += 1;

@@ -147,7 +147,8 @@ fn a_mark_on_a_person_moves_with_the_person() {
         let outcome = scene.see(&[Some(at)]);
         if step > 10 {
             assert!(mark(&outcome, id).is_held(), "{step}: {:?}", mark(&outcome, id).held);
-            assert!(off(&outcome, id, at) < 8.0, "{step}: {}", off(&outcome, id, at));
+            // 0.75 m/s: the mean over a second is behind until the drift is known.
+            assert!(off(&outcome, id, at) < 30.0, "{step}: {}", off(&outcome, id, at));
         }
     }
 }

@@ -15,6 +15,9 @@ const MAX_STD_DEV_M: f64 = 5.0;
 /// Radius of a forbidden area, metres.
 pub const FORBIDDEN_M: f64 = 5.0;
 
+/// Time over which the places at which a tracker sees a person are averaged, and their scatter, seconds.
+const AVERAGED_S: f64 = 1.0;
+const SCATTER_S: f64 = 5.0;
 /// Distance from its mark at which a person may be seen, beside three standard deviations, metres.
 const NEAR_M: f64 = 1.0;
 /// The same where the water is not known, and its growth with time: lines of sight, radians and rad/s.
@@ -42,6 +45,8 @@ pub struct Mark {
     pub marked: Timestamp,
     /// How the marked person drifts; `None`: no person, or no place on the water.
     pub drift: Option<Drift>,
+    /// Variance of each coordinate of the places at which a tracker saw the person, beside their mean, m².
+    pub(super) scatter_m2: f64,
     /// What the tracker of the mark answers; `None`: the mark is not held.
     pub held: Option<Track>,
 }
@@ -59,7 +64,7 @@ impl Mark {
             self.drift.map_or(0.0, |drift| libm::hypot(PERSON_DRIFT_M_PER_S, drift.std_dev_m_per_s()));
         let grown = drift * now.since(self.marked).as_secs_f64();
         let fixed = self.water?.covariance.max_std_dev_m();
-        Some(libm::sqrt(fixed * fixed + grown * grown).min(MAX_STD_DEV_M))
+        Some(libm::sqrt(fixed * fixed + grown * grown + self.scatter_m2).min(MAX_STD_DEV_M))
     }
 
     /// Velocity over the water frame along x and y, m/s.
@@ -119,10 +124,22 @@ impl Mark {
             (None, _) => {}
         }
         self.direction = direction;
-        if fix.is_some() {
-            self.water = fix;
+        if let Some(fix) = fix {
+            self.water = Some(self.averaged(fix, seen.captured));
         }
         self.marked = seen.captured;
+    }
+
+    /// A measured place, averaged with those before; their scatter is measured, too. Waves lift a person, and
+    /// the line of sight meets the water elsewhere then.
+    fn averaged(&mut self, fix: WaterFix, captured: Timestamp) -> WaterFix {
+        let Some(expected) = self.point(captured) else { return fix };
+        let since_s = captured.since(self.marked).as_secs_f64();
+        let share = |time_s: f64| 1.0 - libm::exp(-since_s / time_s);
+        let (x, y) = expected.vector_to(fix.point);
+        self.scatter_m2 += share(SCATTER_S) * (0.5 * (x * x + y * y) - self.scatter_m2);
+        let taken = share(AVERAGED_S);
+        WaterFix { point: WaterPoint { x: expected.x + taken * x, y: expected.y + taken * y }, ..fix }
     }
 
     /// Whether the boat's way leads to the mark: it is the destination, or a way-point.
