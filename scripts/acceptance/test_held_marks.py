@@ -21,7 +21,8 @@ from test_taps import iou, middle
 
 pytestmark = pytest.mark.apart
 
-WORLD = "sim:rescue?size=960x540&seed=4"
+BORDER_PX = 4.0
+WORLD = "sim:first-drive?size=960x540&seed=4"
 
 
 def boat_number(program: Program, page: Page) -> int | None:
@@ -36,11 +37,21 @@ def boat_number(program: Program, page: Page) -> int | None:
 
 
 def others(status: Any) -> list[dict[str, Any]]:
-    """The candidates that are not the boat, the farthest from it first: its wake may be one."""
-    box = status["track"]["box"]
+    """The candidates that are whole and not the boat, the farthest from it first: its wake may be one."""
+    box, (width, height) = status["track"]["box"], status["video"]["size"]
     boat = middle(box)
-    found = [candidate for candidate in status["candidates"] if iou(candidate["box"], box) == 0]
+    found = [
+        candidate
+        for candidate in status["candidates"]
+        if iou(candidate["box"], box) == 0 and is_whole(candidate["box"], width, height)
+    ]
     return sorted(found, key=lambda candidate: -math.dist(middle(candidate["box"]), boat))
+
+
+def is_whole(box: list[float], width: float, height: float) -> bool:
+    """Whether a box does not touch the border of the picture."""
+    u, v, w, h = box
+    return min(u, v, width - u - w, height - v - h) > BORDER_PX
 
 
 def people(status: Any) -> list[dict[str, Any]]:
