@@ -14,6 +14,8 @@ from process import Child, Lines, end, is_held_by_orphan, spawn
 # By how much a line may be read late, seconds: the emulator looks at its port every 10 ms at the least, and
 # two cores are shared with the decoder.
 LISTENING_JITTER = 0.015
+# Zeros that are followed by a rate sooner are no rest.
+REST_LASTS_S = 0.05
 
 
 class Row:
@@ -82,8 +84,17 @@ class Emulator:
         return next((row.rates for row in reversed(self.rows()) if row.at < at), (0.0, 0.0))
 
     def rest_at(self, at: float) -> float:
-        """The time from `at` on at which both axes rest; infinite if they never do."""
-        return next((row.at for row in self.since(at) if row.rates == (0.0, 0.0)), float("inf"))
+        """The time from `at` on at which both axes rest; infinite if they never do.
+
+        A law that changes the axis rests one before it moves the other: that is no rest.
+        """
+        rows = self.since(at)
+        moving = [row.at for row in rows if any(row.rates)]
+        at_rest = (row.at for row in rows if not any(row.rates))
+        return next(
+            (rest for rest in at_rest if not any(rest <= move < rest + REST_LASTS_S for move in moving)),
+            float("inf"),
+        )
 
     def wait_until_it_moves(self) -> None:
         """Waits until a rate has been in force for a moment, and still is."""
