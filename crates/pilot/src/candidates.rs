@@ -11,7 +11,7 @@
 use core::time::Duration;
 
 use barrelman_vision::{MAX_PLACES, ObjectSizes, Proposer, Saliency};
-use barrelman_vocab::{DrawnSelection, PixelBox, PixelPoint, Timestamp, Track, VideoFrame};
+use barrelman_vocab::{DrawnSelection, PixelBox, PixelPoint, Timestamp, VideoFrame};
 
 use crate::object_trackers::{MAX_OBJECTS, ObjectTrackers, PictureShift};
 
@@ -40,11 +40,6 @@ impl Candidate {
     /// The selection of the object.
     pub(crate) const fn selection(&self) -> DrawnSelection {
         DrawnSelection { bounds: self.bounds, captured_ns: self.captured }
-    }
-
-    fn is_hit(&self, PixelPoint { u, v }: PixelPoint) -> bool {
-        let PixelBox { u: left, v: top, w, h } = self.bounds;
-        (left..=left + w).contains(&u) && (top..=top + h).contains(&v)
     }
 }
 
@@ -77,8 +72,7 @@ impl Candidates {
     pub(crate) fn shown(&self) -> [Option<Candidate>; MAX_CANDIDATES] {
         let mut shown = [None; MAX_CANDIDATES];
         for known in self.known.iter().filter(|known| known.found >= FOUND) {
-            let object = self.trackers.iter().find(|object| object.id == known.number);
-            let seen = object.and_then(|object| object.track.localisation());
+            let seen = self.trackers.seen(known.number);
             shown[(known.number as usize - 1).min(MAX_CANDIDATES - 1)] = seen.map(|seen| Candidate {
                 number: known.number,
                 bounds: seen.bounds,
@@ -95,7 +89,7 @@ impl Candidates {
 
     /// The candidate at a point.
     pub(crate) fn at(&self, point: PixelPoint) -> Option<Candidate> {
-        self.shown().into_iter().flatten().find(|candidate| candidate.is_hit(point))
+        self.shown().into_iter().flatten().find(|candidate| candidate.bounds.contains(point))
     }
 
     /// Forgets all.
@@ -144,10 +138,8 @@ impl Candidates {
         self.trackers.separate(None);
         let Self { known, trackers, .. } = self;
         known.retain(|known| {
-            let object = trackers.iter().find(|object| object.id == known.number);
-            let track = object.map_or(Track::Unseeded, |object| object.track);
-            let bounds = track.localisation().map(|seen| seen.bounds);
-            bounds.is_some_and(|bounds| others.clone().all(|other| !is_near(other, bounds)))
+            let seen = trackers.seen(known.number);
+            seen.is_some_and(|seen| others.clone().all(|other| !is_near(other, seen.bounds)))
         });
         trackers.keep(|number| known.iter().any(|known| known.number == number));
         for object in trackers.iter_mut() {
@@ -164,9 +156,7 @@ impl Candidates {
             return;
         }
         let is_here = |number: u32| {
-            let object = self.trackers.iter().find(|object| object.id == number);
-            let seen = object.and_then(|object| object.track.localisation());
-            seen.is_some_and(|seen| is_near(seen.bounds, proposed.bounds))
+            self.trackers.seen(number).is_some_and(|seen| is_near(seen.bounds, proposed.bounds))
         };
         if let Some(known) = self.known.iter_mut().find(|known| is_here(known.number)) {
             known.found += u32::from(!known.is_in_round);

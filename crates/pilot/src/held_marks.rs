@@ -6,13 +6,13 @@
 //!                     +-- nothing: not held         +-- found there, by the rules of the boat's tracker
 //! ```
 //!
-//! What must not be here: where a mark is on the water (`vessel::holding`), and whether the boat may go there.
+//! What must not be here: where a mark is on the water (`vessel::marks`), and whether the boat may go there.
 
 use barrelman_vision::{ObjectSizes, Proposer};
-use barrelman_vocab::{PixelBox, PixelPoint, Timestamp, VideoFrame};
+use barrelman_vocab::{PixelBox, PixelPoint, Timestamp};
 
 use crate::history::FrameHistory;
-use crate::object_trackers::{ObjectTrackers, PictureShift};
+use crate::object_trackers::ObjectTrackers;
 
 /// The marks that are held.
 #[derive(Default)]
@@ -40,10 +40,5 @@ impl HeldMarks {
         if !self.trackers.are_at(proposed.bounds, boat) {
             self.trackers.add(id, proposed.bounds, frame);
         }
-    }
-
-    /// Tracks the marks whose turn it is in the newest frame.
-    pub(crate) fn advance(&mut self, frame: &VideoFrame, shift: PictureShift<'_>) {
-        self.trackers.advance(frame, shift);
     }
 }

@@ -6,7 +6,9 @@
 //! by time, so that a replay repeats it.
 
 use barrelman_vision::{FusedConfig, FusedTracker, Tracker};
-use barrelman_vocab::{MotionPrior, PictureSize, PixelBox, PixelPoint, Timestamp, Track, VideoFrame};
+use barrelman_vocab::{
+    Localisation, MotionPrior, PictureSize, PixelBox, PixelPoint, Timestamp, Track, VideoFrame,
+};
 
 /// Most objects at a time.
 pub(crate) const MAX_OBJECTS: usize = 8;
@@ -105,14 +107,14 @@ impl ObjectTrackers {
         self.objects.iter_mut()
     }
 
-    /// The same, unchanged.
-    pub(crate) fn iter(&self) -> impl Iterator<Item = &TrackedObject> + Clone {
-        self.objects.iter()
+    /// Where the tracker of an object sees it, or predicts it; `None`: nowhere, or there is none.
+    pub(crate) fn seen(&self, id: u32) -> Option<&Localisation> {
+        self.objects.iter().find(|object| object.id == id)?.track.localisation()
     }
 
     /// The boxes of the objects.
     pub(crate) fn boxes(&self) -> impl Iterator<Item = PixelBox> + Clone {
-        self.iter().filter_map(|object| object.track.localisation()).map(|seen| seen.bounds)
+        self.objects.iter().filter_map(|object| object.track.localisation()).map(|seen| seen.bounds)
     }
 
     /// Whether a box is that of an object, or of one of these others.
@@ -192,7 +194,7 @@ impl ObjectTrackers {
             let (before, rest) = self.objects.split_at_mut(index);
             let Some(object) = rest.first_mut() else { break };
             let Track::Tracking(seen) = object.track else { continue };
-            if boat.is_some_and(|boat| is_same(boat, seen.bounds) || contains(boat, seen.bounds.centre())) {
+            if boat.is_some_and(|boat| is_same(boat, seen.bounds) || boat.contains(seen.bounds.centre())) {
                 object.hide();
                 continue;
             }
@@ -209,10 +211,6 @@ impl ObjectTrackers {
             }
         }
     }
-}
-
-fn contains(PixelBox { u, v, w, h }: PixelBox, point: PixelPoint) -> bool {
-    (u..=u + w).contains(&point.u) && (v..=v + h).contains(&point.v)
 }
 
 /// Whether two boxes are those of one object.

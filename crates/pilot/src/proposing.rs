@@ -58,12 +58,8 @@ impl Proposals {
     }
 
     /// Takes the proposal that stands away if a tap lies within its box.
-    pub(crate) fn take_at(&mut self, PixelPoint { u, v }: PixelPoint) -> Option<ProposedObject> {
-        let is_hit = |object: &mut ProposedObject| {
-            let PixelBox { u: left, v: top, w, h } = object.bounds;
-            (left..=left + w).contains(&u) && (top..=top + h).contains(&v)
-        };
-        self.standing.take_if(is_hit)
+    pub(crate) fn take_at(&mut self, point: PixelPoint) -> Option<ProposedObject> {
+        self.standing.take_if(|object| object.bounds.contains(point))
     }
 
     /// Proposes the object at a tap, in place of an earlier proposal.

@@ -18,7 +18,7 @@ use barrelman_vocab::{
     VesselProfile, WaterPoint,
 };
 
-use crate::held_marks::HeldMarks;
+use crate::object_trackers::ObjectTrackers;
 use crate::vehicle::CommandPath;
 
 pub mod gate;
@@ -32,7 +32,6 @@ pub mod frame_view;
 
 pub mod unasked_speed;
 
-mod holding;
 mod requests;
 
 pub use frame_view::FrameView;
@@ -263,7 +262,7 @@ impl VesselPilot {
         &mut self,
         observed: Observed<'_>,
         newest: Option<(Timestamp, PictureSize)>,
-        held_marks: &mut HeldMarks,
+        mark_trackers: &mut ObjectTrackers,
         view: VesselView<'_>,
     ) -> VesselOutcome {
         let now = view.now;
@@ -294,11 +293,10 @@ impl VesselPilot {
         };
         if let (Observed::Boat(_) | Observed::NoBoat(_), Some((captured, picture))) = (observed, newest) {
             let below = self.guide.displacement_at(captured);
-            self.frame_view = Some(self.frame_view_at(captured, picture, view, below));
-        }
-        if let (Observed::Boat(_) | Observed::NoBoat(_), Some(newest)) = (observed, newest) {
-            let boat = if let Observed::Boat(seen) = observed { Some(seen) } else { None };
-            self.take_sightings(held_marks, boat, newest, view);
+            let frame_view = self.frame_view_at(captured, picture, view, below);
+            self.frame_view = Some(frame_view);
+            let boat = if let Observed::Boat(seen) = observed { Some(seen.bounds) } else { None };
+            self.marks.take_sightings(mark_trackers, boat, &frame_view, captured);
         }
         let decision = self.gate.decide(sight, now);
         self.guide.on_command_applied(decision.command, now);

@@ -110,6 +110,11 @@ impl PixelBox {
         PixelPoint { u: self.u + self.w / 2.0, v: self.v + self.h / 2.0 }
     }
 
+    /// Whether a point lies in the box, or on its border.
+    pub fn contains(self, PixelPoint { u, v }: PixelPoint) -> bool {
+        (self.u..=self.u + self.w).contains(&u) && (self.v..=self.v + self.h).contains(&v)
+    }
+
     /// Whether the box has no area, or one of its values is infinite or NaN.
     pub fn is_empty(self) -> bool {
         let finite = self.u.is_finite() && self.v.is_finite() && self.w.is_finite() && self.h.is_finite();

@@ -22,7 +22,7 @@ impl Pilot {
         };
         let law = &self.law;
         let shift = |from, to, size| law.motion_prior(from, to, size);
-        self.held_marks.advance(frame, &shift);
+        self.held_marks.trackers.advance(frame, &shift);
         let is_selecting = self.drawn_selection.is_some() || self.pending_selection.is_some();
         let is_followed = is_selecting || track != Track::Unseeded;
         if self.are_candidates_wanted || !is_followed && self.history.is_kept() {

@@ -63,6 +63,11 @@ impl Pilot {
             (ObservationResult::NoObservation, _) => Observed::Nothing,
         };
         let newest = self.last_capture.zip(self.picture);
-        vessel.step(observed, newest, &mut self.held_marks, VesselView { camera: self.law.camera(), now })
+        vessel.step(
+            observed,
+            newest,
+            &mut self.held_marks.trackers,
+            VesselView { camera: self.law.camera(), now },
+        )
     }
 }

@@ -17,6 +17,7 @@ use barrelman_vocab::{
 use super::frame_view::FrameView;
 
 mod drift;
+mod holding;
 mod mark;
 
 pub use drift::Drift;
@@ -77,7 +78,7 @@ impl Marks {
     }
 
     /// The mark of a number.
-    pub(super) fn get_mut(&mut self, id: u32) -> Option<&mut Mark> {
+    fn get_mut(&mut self, id: u32) -> Option<&mut Mark> {
         self.marks.iter_mut().flatten().find(|mark| mark.id == id)
     }
 

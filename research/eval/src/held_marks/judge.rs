@@ -83,13 +83,13 @@ pub(super) struct Judge {
 }
 
 impl Judge {
-    pub(super) const fn new(optics: Optics) -> Self {
+    pub(super) fn new(optics: Optics) -> Self {
         Self {
             optics,
             taken: VecDeque::new(),
             objects: Vec::new(),
             persons: BTreeMap::new(),
-            figures: Figures { marked: 0, held: 0, lost: 0, at_person: 0, at_other: 0 },
+            figures: Figures::default(),
         }
     }
 

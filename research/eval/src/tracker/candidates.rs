@@ -124,8 +124,7 @@ impl Found {
         let mut boxes: Vec<PixelBox> = Vec::new();
         let mut is_placed = false;
         for place in saliency.places(picture) {
-            is_placed |= (label.u..=label.u + label.w).contains(&place.u)
-                && (label.v..=label.v + label.h).contains(&place.v);
+            is_placed |= label.contains(place);
             if let Ok(proposed) = proposer.propose(picture, place, sizes)
                 && boxes.iter().all(|other| other.iou(proposed.bounds) <= SAME_IOU)
             {

@@ -55,11 +55,9 @@ impl Taps {
             self.refused += 1;
             return;
         };
-        let (iou, centre) = (bounds.iou(label), bounds.centre());
-        let is_inside = (label.u..=label.u + label.w).contains(&centre.u)
-            && (label.v..=label.v + label.h).contains(&centre.v);
+        let iou = bounds.iou(label);
         self.right += usize::from(iou >= RIGHT_IOU);
-        self.wrong += usize::from(!is_inside || iou < LEAST_IOU);
+        self.wrong += usize::from(!label.contains(bounds.centre()) || iou < LEAST_IOU);
     }
 
     /// Shares that are right, wrong and refused.

@@ -89,12 +89,7 @@ impl Mark {
     }
 
     /// Whether a person at a pixel of the view may be the marked one, by the place.
-    pub(in crate::vessel) fn may_be_at(
-        &self,
-        pixel: PixelPoint,
-        frame_view: &FrameView,
-        now: Timestamp,
-    ) -> bool {
+    pub(super) fn may_be_at(&self, pixel: PixelPoint, frame_view: &FrameView, now: Timestamp) -> bool {
         let unseen_s = now.since(self.marked).as_secs_f64();
         let seen = frame_view.fix(pixel);
         if let (Some(seen), Some(point), Some(std_dev_m)) = (seen, self.point(now), self.std_dev_m(now)) {
@@ -109,7 +104,7 @@ impl Mark {
     }
 
     /// The tracker sees the marked person.
-    pub(in crate::vessel) fn hold_at(&mut self, seen: &Localisation, frame_view: &FrameView) {
+    pub(super) fn hold_at(&mut self, seen: &Localisation, frame_view: &FrameView) {
         let pixel = seen.bounds.centre();
         let (Some(direction), fix) = (frame_view.view.direction_of(pixel), frame_view.fix(pixel)) else {
             return;
