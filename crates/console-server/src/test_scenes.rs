@@ -2,11 +2,10 @@
 
 use std::sync::Arc;
 
-use barrelman_pilot::net_yaw::NetYawState;
-use barrelman_pilot::{Mode, Outcome, VesselOutcome};
+use barrelman_pilot::Outcome;
 use barrelman_vocab::video::{Capture, CaptureQuality, ColourEncoding};
 use barrelman_vocab::{
-    AngularRate, CameraCommand, Localisation, Picture, PictureSize, PixelBox, Timestamp, Track, VideoFrame,
+    AngularRate, CameraCommand, Localisation, Picture, PictureSize, PixelBox, Timestamp, VideoFrame,
 };
 
 pub(crate) const PICTURE: PictureSize = PictureSize::new(640, 480);
@@ -17,27 +16,7 @@ pub(crate) fn at(ms: u64) -> Timestamp {
 
 /// The outcome of a step of a pilot that follows nothing.
 pub(crate) fn idle(at: Timestamp) -> Outcome {
-    Outcome {
-        at,
-        mode: Mode::Idle,
-        track: Track::Unseeded,
-        age: None,
-        region: None,
-        percept: None,
-        advice: None,
-        command: CameraCommand::REST,
-        wake_at: None,
-        is_confirming: false,
-        proposal: None,
-        candidates: Default::default(),
-        are_candidates_wanted: false,
-        net_yaw: NetYawState::default(),
-        unasked_motion: None,
-        search_refusal: None,
-        vessel: VesselOutcome::absent(),
-        earth: Err(barrelman_pilot::on_earth::NotOnEarth::NoPosition),
-        notice: None,
-    }
+    Outcome::idle(at)
 }
 
 /// A target of 40 x 20 pixels with its centre at (320, 240).

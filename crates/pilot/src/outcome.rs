@@ -66,6 +66,31 @@ pub struct Outcome {
 }
 
 impl Outcome {
+    /// The outcome of a pilot that has observed nothing and was asked for nothing.
+    pub fn idle(at: Timestamp) -> Self {
+        Self {
+            at,
+            mode: Mode::Idle,
+            track: Track::Unseeded,
+            age: None,
+            region: None,
+            percept: None,
+            advice: None,
+            command: CameraCommand::REST,
+            wake_at: None,
+            is_confirming: false,
+            proposal: None,
+            candidates: [None; MAX_CANDIDATES],
+            are_candidates_wanted: false,
+            net_yaw: NetYawState::default(),
+            unasked_motion: None,
+            search_refusal: None,
+            vessel: VesselOutcome::absent(),
+            earth: Err(NotOnEarth::NoPosition),
+            notice: None,
+        }
+    }
+
     /// Latest time of the next step, for camera and vessel; `None` if no deadline is pending.
     pub fn next_step_at(&self) -> Option<Timestamp> {
         let deadlines = [self.wake_at, self.vessel.renew_by];

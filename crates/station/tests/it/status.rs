@@ -25,25 +25,13 @@ fn outcome(mode: Mode, track: Track, advised: Option<CameraCommand>) -> Outcome 
     let region = Region::from_shares(VehicleProfile::fotokite_pro().region, PICTURE);
     let is_moving = mode == Mode::Servoing;
     Outcome {
-        at: at(NOW_MS),
         mode,
         track,
-        age: None,
         region: Some(region),
         percept: track.localisation().map(|_| Percept::new(ImagePoint { x: 96.0, y: 0.0 }, region)),
         advice: advised.map(|command| Advice { command, sector: None }),
         command: advised.filter(|_| is_moving).unwrap_or(CameraCommand::REST),
-        wake_at: None,
-        is_confirming: false,
-        proposal: None,
-        candidates: Default::default(),
-        are_candidates_wanted: false,
-        net_yaw: barrelman_pilot::net_yaw::NetYawState::default(),
-        unasked_motion: None,
-        search_refusal: None,
-        vessel: barrelman_pilot::VesselOutcome::absent(),
-        earth: Err(barrelman_pilot::on_earth::NotOnEarth::NoPosition),
-        notice: None,
+        ..Outcome::idle(at(NOW_MS))
     }
 }
 

@@ -1,11 +1,9 @@
 use barrelman_console_server::snapshot::{BoatOnWater, VehiclePosition};
 use barrelman_control::guidance::GuidanceState;
 use barrelman_control::guidance::input::Progress;
-use barrelman_pilot::net_yaw::NetYawState;
 use barrelman_pilot::vessel::{Guidance, GuidanceBasis};
-use barrelman_pilot::{Mode, VesselOutcome};
 use barrelman_vocab::earth::WaterOnEarth;
-use barrelman_vocab::{CameraCommand, Localisation, PictureSize, PixelBox, WaterPoint};
+use barrelman_vocab::{Localisation, PictureSize, PixelBox, WaterPoint};
 
 use super::*;
 
@@ -38,27 +36,7 @@ fn tracking(captured: Timestamp) -> Track {
 
 /// The outcome of a step at 10 s.
 fn outcome(track: Track, earth: Result<WaterOnEarth, NotOnEarth>) -> Outcome {
-    Outcome {
-        at: at(10_000),
-        mode: Mode::Idle,
-        track,
-        age: None,
-        region: None,
-        percept: None,
-        advice: None,
-        command: CameraCommand::REST,
-        wake_at: None,
-        is_confirming: false,
-        proposal: None,
-        candidates: Default::default(),
-        are_candidates_wanted: false,
-        net_yaw: NetYawState::default(),
-        unasked_motion: None,
-        search_refusal: None,
-        vessel: VesselOutcome::absent(),
-        earth,
-        notice: None,
-    }
+    Outcome { track, earth, ..Outcome::idle(at(10_000)) }
 }
 
 /// A snapshot of that outcome, in which the boat was sighted 40 m away, and the vehicle last told a position.
