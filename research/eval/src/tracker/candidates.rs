@@ -5,28 +5,20 @@
 //! *Place*: a place that stands out lies within the label. *Others*: candidates that do not touch the label; many of them
 //! are objects, too (other boats, people, the shore), which have no label.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use anyhow::Result;
 use barrelman_vision::{ObjectSizes, Proposer, Saliency};
-use barrelman_vocab::video::ColourEncoding;
 use barrelman_vocab::{Picture, PixelBox};
-use barrelman_water_scene::{SceneKind, SceneScript, WaterScene};
 
-use super::clip_sets::{TUNED_ON, UNSEEN, hidden_frames, is_on_water};
-use super::clips::{Clip, list_clips};
-use super::scoring::Label;
-use super::synthetic_scenes::{SIZE, paint_name, paint_of_scene};
+use super::clip_sets::is_on_water;
+use super::clips::Clip;
+use super::labelled_pictures::{SCENES, chosen_clips, for_scene_pictures, labelled_pictures};
 use crate::output::print_line;
 use crate::parallel;
-use crate::workspace::workspace_root;
 
 /// Least IoU of a candidate with the label.
 const FOUND_IOU: f64 = 0.5;
-/// Generated scenes: their number, length and boats.
-const SCENES: u64 = 8;
-const SCENE_S: f64 = 10.0;
-const BOATS_PX: [f64; 4] = [20.0, 45.0, 90.0, 180.0];
 /// Largest IoU of two candidates that are counted apart.
 const SAME_IOU: f64 = 0.2;
 
@@ -44,10 +36,7 @@ struct Found {
 /// # Errors
 /// If a clip cannot be used.
 pub(super) fn run(folder: Option<&Path>, names: &[String], frames: usize) -> Result<bool> {
-    let data = workspace_root()?.join("../shared/data");
-    let folders: Vec<PathBuf> =
-        folder.map_or_else(|| vec![data.join(TUNED_ON), data.join(UNSEEN)], |folder| vec![folder.to_owned()]);
-    let clips = list_clips(&folders, names)?;
+    let clips = chosen_clips(folder, names)?;
     let measured = parallel::map(&clips, |clip| Ok((clip.name.clone(), search_clip(&clip.load()?, frames))));
     let measured = measured.into_iter().collect::<Result<Vec<(String, Found)>>>()?;
     for (name, found) in &measured {
@@ -67,20 +56,12 @@ pub(super) fn run(folder: Option<&Path>, names: &[String], frames: usize) -> Res
 
 /// Frames of a generated scene: whatever is found beside the boat is water.
 fn search_scene(number: u64, frames: usize) -> (String, Found) {
-    let target = paint_of_scene(number);
-    let boat_px = BOATS_PX[number as usize % BOATS_PX.len()];
-    let script = SceneScript { kind: SceneKind::Manoeuvre, size: SIZE, boat_px, seconds: SCENE_S, target };
-    let mut scene = WaterScene::new(script, number);
-    let mut picture = Picture::black(SIZE, ColourEncoding::assumed_for(SIZE));
     let (mut found, mut saliency, mut proposer) =
         (Found::default(), Saliency::default(), Proposer::default());
-    for index in 0..frames as u64 {
-        let truth = scene.render(index * scene.frames() / frames as u64, &mut picture);
-        if !truth.bounds.is_empty() {
-            found.add(&picture, truth.bounds, &mut saliency, &mut proposer);
-        }
-    }
-    (format!("scene {number}, {} boat of {boat_px} px", paint_name(target)), found)
+    let name = for_scene_pictures(number, frames, |picture, label| {
+        found.add(picture, label, &mut saliency, &mut proposer);
+    });
+    (name, found)
 }
 
 /// The mean shares of some clips.
@@ -98,22 +79,10 @@ fn print_row(name: &str, clips: &[Found]) {
 }
 
 fn search_clip(clip: &Clip, frames: usize) -> Found {
-    let hidden = hidden_frames(&clip.name);
-    let labelled: Vec<(usize, PixelBox)> = clip
-        .labels
-        .iter()
-        .enumerate()
-        .filter_map(|(frame, label)| match label {
-            Some(Label::Visible(bounds)) if !hidden.contains(&frame) => Some((frame, *bounds)),
-            _ => None,
-        })
-        .collect();
-    let count = labelled.len().min(frames);
     let (mut found, mut saliency, mut proposer) =
         (Found::default(), Saliency::default(), Proposer::default());
-    for index in 0..count {
-        let (frame, label) = labelled[(2 * index + 1) * labelled.len() / (2 * count)];
-        found.add(&clip.frames[frame].picture, label, &mut saliency, &mut proposer);
+    for (picture, label) in labelled_pictures(clip, frames) {
+        found.add(picture, label, &mut saliency, &mut proposer);
     }
     found
 }

@@ -10,21 +10,17 @@
 //! that neither has seen. (With a ranking that was fitted to the first half alone, 80 % of the second half on water are
 //! right and 2 % wrong.)
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use anyhow::Result;
 use barrelman_vision::{NoProposal, ObjectSizes, Proposal, Proposer};
-use barrelman_vocab::video::ColourEncoding;
 use barrelman_vocab::{Picture, PixelBox, PixelPoint};
-use barrelman_water_scene::{SceneKind, SceneScript, WaterScene};
 
-use super::clip_sets::{TUNED_ON, UNSEEN, hidden_frames, is_on_water, recording_of};
-use super::clips::{Clip, list_clips};
-use super::scoring::Label;
-use super::synthetic_scenes::{SIZE, paint_name, paint_of_scene};
+use super::clip_sets::{is_on_water, recording_of};
+use super::clips::Clip;
+use super::labelled_pictures::{SCENES, chosen_clips, for_scene_pictures, labelled_pictures};
 use crate::output::print_line;
 use crate::parallel;
-use crate::workspace::workspace_root;
 
 /// Offsets of the taps from the target's centre along each axis, as shares of its sides.
 const OFFSETS: [f64; 3] = [0.0, -1.0 / 3.0, 1.0 / 3.0];
@@ -34,10 +30,6 @@ const LEAST_IOU: f64 = 0.1;
 /// Least share of right proposals, and largest share of wrong ones, that are required on water.
 const REQUIRED_RIGHT: f64 = 0.85;
 const MAX_WRONG: f64 = 0.02;
-/// Generated scenes: their number, length and boats.
-const SCENES: u64 = 8;
-const SCENE_S: f64 = 10.0;
-const BOATS_PX: [f64; 4] = [20.0, 45.0, 90.0, 180.0];
 
 /// What the taps on one recording or scene gave.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -73,11 +65,7 @@ impl Taps {
 /// # Errors
 /// If a clip cannot be used.
 pub(super) fn run(folder: Option<&Path>, names: &[String], frames: usize) -> Result<bool> {
-    let folders = match folder {
-        Some(folder) => vec![folder.to_owned()],
-        None => default_folders()?,
-    };
-    let clips = list_clips(&folders, names)?;
+    let clips = chosen_clips(folder, names)?;
     let measured = parallel::map(&clips, |clip| Ok((clip.name.clone(), tap_clip(&clip.load()?, frames))));
     let measured = measured.into_iter().collect::<Result<Vec<(String, Taps)>>>()?;
     for (name, taps) in &measured {
@@ -99,11 +87,6 @@ pub(super) fn run(folder: Option<&Path>, names: &[String], frames: usize) -> Res
     Ok(on_water[0] >= REQUIRED_RIGHT && on_water[1] <= MAX_WRONG)
 }
 
-fn default_folders() -> Result<Vec<PathBuf>> {
-    let data = workspace_root()?.join("../shared/data");
-    Ok(vec![data.join(TUNED_ON), data.join(UNSEEN)])
-}
-
 /// The mean shares over some of the clips.
 fn mean(measured: &[(String, Taps)], is_meant: impl Fn(&str) -> bool) -> [f64; 3] {
     let shares: Vec<[f64; 3]> =
@@ -120,40 +103,20 @@ fn print_row(name: &str, shares: [f64; 3]) {
 
 /// Taps on so many labelled frames of a clip, evenly spread.
 fn tap_clip(clip: &Clip, frames: usize) -> Taps {
-    let hidden = hidden_frames(&clip.name);
-    let labelled: Vec<(usize, PixelBox)> = clip
-        .labels
-        .iter()
-        .enumerate()
-        .filter_map(|(frame, label)| match label {
-            Some(Label::Visible(bounds)) if !hidden.contains(&frame) => Some((frame, *bounds)),
-            _ => None,
-        })
-        .collect();
-    let count = labelled.len().min(frames);
     let (mut taps, mut proposer) = (Taps::default(), Proposer::default());
-    for index in 0..count {
-        let (frame, label) = labelled[(2 * index + 1) * labelled.len() / (2 * count)];
-        tap_picture(&mut proposer, &clip.frames[frame].picture, label, &mut taps);
+    for (picture, label) in labelled_pictures(clip, frames) {
+        tap_picture(&mut proposer, picture, label, &mut taps);
     }
     taps
 }
 
 /// Taps on so many frames of a generated scene.
 fn tap_scene(number: u64, frames: usize) -> (String, Taps) {
-    let boat_px = BOATS_PX[number as usize % BOATS_PX.len()];
-    let target = paint_of_scene(number);
-    let script = SceneScript { kind: SceneKind::Manoeuvre, size: SIZE, boat_px, seconds: SCENE_S, target };
-    let mut scene = WaterScene::new(script, number);
-    let mut picture = Picture::black(SIZE, ColourEncoding::assumed_for(SIZE));
     let (mut taps, mut proposer) = (Taps::default(), Proposer::default());
-    for index in 0..frames as u64 {
-        let truth = scene.render(index * scene.frames() / frames as u64, &mut picture);
-        if !truth.bounds.is_empty() {
-            tap_picture(&mut proposer, &picture, truth.bounds, &mut taps);
-        }
-    }
-    (format!("scene {number}, {} boat of {boat_px} px", paint_name(target)), taps)
+    let name = for_scene_pictures(number, frames, |picture, label| {
+        tap_picture(&mut proposer, picture, label, &mut taps);
+    });
+    (name, taps)
 }
 
 /// Taps at the centre of a target and around it.
