@@ -71,7 +71,7 @@ impl<'a> TileLookup<'a> {
             quads: &tile.slopes.quads,
             n: tile.n as f32,
             texels_per_metre,
-            flat_from_m: (1_u32 << tile.flmultiversion) as f32 / texels_per_metre,
+            flat_from_m: (1_u32 << tile.flat_level) as f32 / texels_per_metre,
             along: ((cos / tile.side_m) as f32, (sin / tile.side_m) as f32),
             origin: ((u - libm::floor(u)) as f32, (v - libm::floor(v)) as f32),
             slope_step: tile.slope_step,

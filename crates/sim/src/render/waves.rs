@@ -45,7 +45,7 @@ pub(super) struct WaveTile {
     /// Variance of slope along one axis that each level has lost; flat levels have lost all.
     pub(super) lost: [f32; LEVELS],
     /// Levels from here on count as flat.
-    pub(super) flmultiversion: usize,
+    pub(super) flat_level: usize,
     spectrum: Spectrum,
     fourier: Fourier,
     maps: [Map; 2],
@@ -117,7 +117,7 @@ fn swell(sea: &Sea, n: usize) -> WaveTile {
         add_lost(&mut lost, 0.5 * a2 * k2, (wave.lattice.0, wave.lattice.1), n);
     }
     let significant = sea.state().significant_height_m();
-    let (flmultiversion, lost) = flattened(lost, 0.5 * crest2, n);
+    let (flat_level, lost) = flattened(lost, 0.5 * crest2, n);
     let foam = (sea.state().number() >= MIN_BREAKING_STATE).then(|| QuadMap::new(n));
     WaveTile {
         side_m: sea.tile_side_m(),
@@ -126,7 +126,7 @@ fn swell(sea: &Sea, n: usize) -> WaveTile {
         slopes: QuadMap::new(n),
         slope_step: (4.5 * libm::sqrt(f64::max(sx2, sy2)) / 127.0) as f32,
         lost,
-        flmultiversion,
+        flat_level,
         spectrum: Spectrum::Sea(Box::new(Swell {
             sea: sea.clone(),
             elevation: QuadMap::new(n),
@@ -220,7 +220,7 @@ fn ripples(sea: &Sea, side_m: f64, n: usize, index: u64, range: (f64, f64), vari
             all.back.2.push(all.ahead.2[opposite]);
         }
     }
-    let (flmultiversion, lost) = flattened(lost, 0.5 * (sx2 + sy2), n);
+    let (flat_level, lost) = flattened(lost, 0.5 * (sx2 + sy2), n);
     WaveTile {
         side_m,
         n,
@@ -228,7 +228,7 @@ fn ripples(sea: &Sea, side_m: f64, n: usize, index: u64, range: (f64, f64), vari
         slopes: QuadMap::new(n),
         slope_step: (4.0 * libm::sqrt(f64::max(sx2, sy2)) / 127.0) as f32,
         lost,
-        flmultiversion,
+        flat_level,
         spectrum: Spectrum::Ripples(all),
         fourier: Fourier::new(n),
         maps: [Map::zeros(n), Map::zeros(n)],
