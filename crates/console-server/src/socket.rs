@@ -24,7 +24,7 @@ use tokio_tungstenite::tungstenite::protocol::{CloseFrame, Role as SocketRole, W
 use barrelman_vocab::{OperatorRequest, Request};
 
 use super::access::Role;
-use super::api::{Answer, ClientMessage, ServerMessage, VideoPath, WantedVideo};
+use super::api::{Answer, ClientMessage, ControlSeat, ServerMessage, VideoPath, WantedVideo};
 use super::frame_counter::FrameCounter;
 use super::in_flight::InFlight;
 use super::limited_stream::LimitedStream;
@@ -182,6 +182,27 @@ impl Writer {
         self.send(Message::Text(text.into())).await
     }
 
+    /// Sends what the page is, and the events so far; returns the later ones.
+    async fn greet(
+        &mut self,
+        console: &Console,
+        id: ClientId,
+        role: Role,
+    ) -> Result<broadcast::Receiver<EventEntry>, Closed> {
+        self.send_json(&ServerMessage::Hello(Box::new(console.hello(id, role)))).await?;
+        let (events, later_events) = console.events.subscribe();
+        self.send_json(&ServerMessage::Events { events }).await?;
+        Ok(later_events)
+    }
+
+    /// Sends who has the control, or dismisses a page that lost its seat.
+    async fn send_seat(&mut self, seat: ControlSeat, id: ClientId) -> Result<(), Closed> {
+        if seat.clients.contains(&id) {
+            return self.send_json(&ServerMessage::Control(seat)).await;
+        }
+        dismiss(self, CloseCode::Again, "too many pages are open").await
+    }
+
     /// Sends what waited in the outbox. How much was sent before a pong is known only now: snapshots and video
     /// overtake what waits.
     async fn send_answer(&mut self, mut message: ServerMessage, in_flight: &InFlight) -> Result<(), Closed> {
@@ -210,9 +231,7 @@ async fn write(
     let mut snapshots = console.snapshots.clone();
     let mut seats = console.seat_changes.subscribe();
     let mut ending = console.ending.subscribe();
-    writer.send_json(&ServerMessage::Hello(Box::new(console.hello(id, role)))).await?;
-    let (events, mut later_events) = console.events.subscribe();
-    writer.send_json(&ServerMessage::Events { events }).await?;
+    let mut later_events = writer.greet(console, id, role).await?;
     seats.mark_changed();
     snapshots.mark_changed();
     let mut video = VideoFeed::None;
@@ -229,10 +248,7 @@ async fn write(
             changed = seats.changed() => {
                 changed.map_err(|_| Closed)?;
                 let seat = seats.borrow_and_update().clone();
-                if !seat.clients.contains(&id) {
-                    return dismiss(&mut writer, CloseCode::Again, "too many pages are open").await;
-                }
-                writer.send_json(&ServerMessage::Control(seat)).await?;
+                writer.send_seat(seat, id).await?;
             }
             () = ends(&mut ending) => {
                 return dismiss(&mut writer, CloseCode::Away, "the program ends").await;

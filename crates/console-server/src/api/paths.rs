@@ -103,17 +103,6 @@ fn access(sent: &mut SchemaGenerator) -> Vec<(String, Value)> {
 
 /// The recordings of the folder.
 fn recordings(sent: &mut SchemaGenerator, taken: &mut SchemaGenerator) -> Vec<(String, Value)> {
-    let name = || path_parameter("name", "The recording, such as `run-2026-05-01-1.mcap`");
-    let changed = |code: &str, text: &str| {
-        json!({
-            code: said(text),
-            "400": said("No name of a recording"),
-            "401": token_needed(),
-            "403": said("The token is for watching"),
-            "404": said("No such recording, or no folder of recordings"),
-            "409": said("The camera is engaged, the recording is being written, or the name is taken"),
-        })
-    };
     let file = "`recording.mcap`, and once the film is made `annotated.mp4`, `report.html`, `video.mp4` and `trial.csv`";
     let found = json!({
         "200": said("The file"), "206": said("A part of it, as `Range` asked"), "400": said("No name of a recording"),
@@ -124,23 +113,16 @@ fn recordings(sent: &mut SchemaGenerator, taken: &mut SchemaGenerator) -> Vec<(S
     summary["404"] = said("No such recording");
     summary["409"] = said("The recording is being written");
     summary["422"] = said("There is no summary; the text says why");
-    [
+    let read = [
         (
             "/api/v1/recordings",
             get("The recordings, the newest first", &[], &answers::<Vec<Listed>>("The recordings", sent)),
         ),
         (
-            "/api/v1/recordings/{name}",
-            json!({"delete": {
-                "summary": "Deletes a recording and its film", "parameters": [name()],
-                "responses": changed("204", "It is deleted"),
-            }}),
-        ),
-        (
             "/api/v1/recordings/{name}/part/{from_ms}",
             json!({"get": {
                 "summary": "Video and what the pilot made of it, from a moment on for a second or more; `?form=jpeg`",
-                "parameters": [name(), path_parameter("from_ms", "Milliseconds since the first step")],
+                "parameters": [recording_name(), path_parameter("from_ms", "Milliseconds since the first step")],
                 "responses": {
                     "200": said("Items: u32 length, little-endian; u8 kind (1 unit, 2 scene); content. `X-Next-Ms`: where the next part begins"),
                     "400": said("No name of a recording, or another query"), "401": token_needed(),
@@ -150,32 +132,61 @@ fn recordings(sent: &mut SchemaGenerator, taken: &mut SchemaGenerator) -> Vec<(S
             }}),
         ),
         (
+            "/api/v1/recordings/{name}/sortie.json",
+            get("The summary of a recording", &[recording_name()], &summary),
+        ),
+        (
+            "/api/v1/recordings/{name}/thumbnail.jpg",
+            get("A picture from the middle of a recording (JPEG)", &[recording_name()], &found),
+        ),
+        (
+            "/api/v1/recordings/{name}/{file}",
+            get("A file of a recording", &[recording_name(), path_parameter("file", file)], &found),
+        ),
+    ];
+    read.into_iter().chain(changes_of_recordings(taken)).map(|(path, item)| (path.to_owned(), item)).collect()
+}
+
+fn recording_name() -> Value {
+    path_parameter("name", "The recording, such as `run-2026-05-01-1.mcap`")
+}
+
+/// What renames, deletes and films.
+fn changes_of_recordings(taken: &mut SchemaGenerator) -> [(&'static str, Value); 3] {
+    let changed = |code: &str, text: &str| {
+        json!({
+            code: said(text),
+            "400": said("No name of a recording"),
+            "401": token_needed(),
+            "403": said("The token is for watching"),
+            "404": said("No such recording, or no folder of recordings"),
+            "409": said("The camera is engaged, the recording is being written, or the name is taken"),
+        })
+    };
+    [
+        (
+            "/api/v1/recordings/{name}",
+            json!({"delete": {
+                "summary": "Deletes a recording and its film", "parameters": [recording_name()],
+                "responses": changed("204", "It is deleted"),
+            }}),
+        ),
+        (
             "/api/v1/recordings/{name}/film",
             json!({"post": {
                 "summary": "Begins to make film and table; the list says `being-made`, then `ready`",
-                "parameters": [name()],
+                "parameters": [recording_name()],
                 "responses": changed("202", "They are being made"),
             }}),
         ),
         (
             "/api/v1/recordings/{name}/name",
             json!({"post": {
-                "summary": "Renames a recording", "parameters": [name()], "requestBody": body::<NewName>(taken),
-                "responses": changed("204", "It is renamed"),
+                "summary": "Renames a recording", "parameters": [recording_name()],
+                "requestBody": body::<NewName>(taken), "responses": changed("204", "It is renamed"),
             }}),
         ),
-        ("/api/v1/recordings/{name}/sortie.json", get("The summary of a recording", &[name()], &summary)),
-        (
-            "/api/v1/recordings/{name}/thumbnail.jpg",
-            get("A picture from the middle of a recording (JPEG)", &[name()], &found),
-        ),
-        (
-            "/api/v1/recordings/{name}/{file}",
-            get("A file of a recording", &[name(), path_parameter("file", file)], &found),
-        ),
     ]
-    .map(|(path, item)| (path.to_owned(), item))
-    .to_vec()
 }
 
 fn page(path: &str, summary: &str) -> Value {

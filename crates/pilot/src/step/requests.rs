@@ -35,15 +35,12 @@ impl Pilot {
         }
         match request {
             CameraRequest::SelectNext(selection) => {
-                self.forget_unconfirmed();
+                self.begin_selection();
                 self.pending_selection = Some(*selection);
-                self.begin_target();
                 None
             }
             CameraRequest::Select(selection) => {
-                self.forget_unconfirmed();
-                self.begin_target();
-                self.pending_selection = None;
+                self.begin_selection();
                 self.drawn_selection = Some(PendingSelection::new(*selection));
                 None
             }
@@ -105,6 +102,13 @@ impl Pilot {
         self.begin_target();
         self.pending_selection = None;
         self.set_unlocalised(track);
+    }
+
+    /// A selection is to be confirmed; it replaces every other one.
+    fn begin_selection(&mut self) {
+        self.forget_unconfirmed();
+        self.begin_target();
+        self.pending_selection = None;
     }
 
     /// The selection that waits for its confirmation is replaced. If the tracker follows it already, the

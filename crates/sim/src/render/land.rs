@@ -35,6 +35,29 @@ struct Wall {
     haze: f32,
 }
 
+impl Wall {
+    /// Colour at a place along the wall and a height, metres, and a share of the wall's height there; a pixel
+    /// covers `pixel` thousandths of the distance.
+    fn leaves(
+        &self,
+        light: &Lighting,
+        grain: &Texture,
+        patches: &Texture,
+        (along, height, rise): (f32, f32, f32),
+        pixel: f32,
+    ) -> Colour {
+        let per_metre = self.per_metre;
+        let near = 1.0 / (1.0 + pixel * 0.02);
+        let leaf = grain.sample(along * per_metre * 6.0, height * per_metre * 7.0) * (1.0 / 255.0) - 0.5;
+        let crown = patches.sample(along * per_metre * 2.2, height * per_metre * 2.6) * (1.0 / 255.0);
+        let tone = (0.25 + 0.85 * crown + 0.7 * leaf * near) * (0.35 + 0.75 * rise.clamp(0.0, 1.0));
+        let leaves: Colour = core::array::from_fn(|c| {
+            [0.050, 0.090, 0.026][c] * tone.max(0.05) * (1.3 * light.ambient[c] + 1.1 * light.sun[c])
+        });
+        mix(leaves, light.haze, self.haze)
+    }
+}
+
 impl Shore {
     pub(super) fn new(object: &SceneObject) -> Self {
         let (sin, cos) = libm::sincos(object.pose.heading.radians());
@@ -93,17 +116,7 @@ impl Shore {
                     continue;
                 }
                 let pixel = t * chunk.footprint[i].min(0.002) / chunk.t[i].max(1.0) * 400.0;
-                let near = 1.0 / (1.0 + pixel * 0.02);
-                let leaf =
-                    grain.sample(at * wall.per_metre * 6.0, z * wall.per_metre * 7.0) * (1.0 / 255.0) - 0.5;
-                let crown =
-                    patches.sample(at * wall.per_metre * 2.2, z * wall.per_metre * 2.6) * (1.0 / 255.0);
-                let rise = (z / top).clamp(0.0, 1.0);
-                let tone = (0.25 + 0.85 * crown + 0.7 * leaf * near) * (0.35 + 0.75 * rise);
-                let leaves: Colour = core::array::from_fn(|c| {
-                    [0.050, 0.090, 0.026][c] * tone.max(0.05) * (1.3 * light.ambient[c] + 1.1 * light.sun[c])
-                });
-                let seen = mix(leaves, light.haze, wall.haze);
+                let seen = wall.leaves(light, grain, patches, (at, z, z / top), pixel);
                 for c in 0..3 {
                     chunk.colour[c][i] = seen[c];
                 }

@@ -7,7 +7,7 @@
 
 use barrelman_simd::{Simd, multiversion};
 
-use super::chunk::{CHUNK, Chunk};
+use super::chunk::{CHUNK, Chunk, Lane};
 use super::light::{Colour, Lighting};
 use super::nodes::Nodes;
 use super::texture::Texture;
@@ -94,54 +94,23 @@ fn per_root(q: f32) -> f32 {
     first * (1.5 - 0.5 * (1.0 + q) * first * first)
 }
 
-multiversion! { simd;
-    /// Shades a chunk of water. `start` is its first column, and whether the water is bare: in full light, without
-    /// foam, wake and images of objects.
-    pub(super) fn shade_water(
-        simd: Simd,
-        light: &Lighting,
-        body: &WaterBody,
-        clouds: &Texture,
-        nodes: &Nodes,
-        start: (usize, bool),
-        chunk: &mut Chunk,
-    ) {
-        let (column, is_bare) = start;
-        let mut reflect = [[0.0_f32; CHUNK]; 3];
-        let mut fresnel = [0.0_f32; CHUNK];
-        let mut glint = [0.0_f32; CHUNK];
-        let mut thin = [0.0_f32; CHUNK];
-        let per_length = nodes.per_length.lane(column);
-        let (std_dev, lean) = (nodes.std_dev.lane(column), nodes.lean.lane(column));
-        let grazing = nodes.grazing.lane(column);
-        let (glint_x, glint_y) = (nodes.glint_x.lane(column), nodes.glint_y.lane(column));
-        let (fall, peak) = (nodes.glint_fall.lane(column), nodes.glint_peak.lane(column));
-        for i in 0..CHUNK {
-            let (vx, vy) = (-chunk.dx[i] * per_length[i], -chunk.dy[i] * per_length[i]);
-            let vz = (-chunk.dz[i] * per_length[i]).max(0.002);
-            let (sx, sy) = (chunk.sx[i] - lean[i] * vx, chunk.sy[i] - lean[i] * vy);
-            let steep = per_root(sx * sx + sy * sy);
-            let uphill = sx * vx + sy * vy;
-            let raw = (vz - uphill) * steep;
-            let cos = if raw > 0.03 { raw } else { 0.03 };
-            let away = 1.0 - cos;
-            let away2 = away * away;
-            fresnel[i] = 0.02 + grazing[i] * (away2 * away2 * away);
-            let twice = 2.0 * cos * steep;
-            let (rx, ry, rz) = (-twice * sx - vx, -twice * sy - vy, twice - vz);
-            let sky = light.sky(clouds, rx, ry, rz, 1.4 * std_dev[i]);
-            for c in 0..3 {
-                reflect[c][i] = sky[c];
-            }
-            let (ex, ey) = (glint_x[i] - sx, glint_y[i] - sy);
-            let lobe = (1.0 - (ex * ex + ey * ey) * fall[i]).max(0.0);
-            let lobe = lobe * lobe;
-            let lobe = lobe * lobe;
-            let lobe = lobe * lobe;
-            glint[i] = (peak[i] * lobe).min(9.0);
-            thin[i] = (uphill * 1.6 + 0.28).max(0.0).min(1.0);
-        }
-        let haze = nodes.haze.lane(column);
+/// What the facets of a chunk's water do to light.
+struct Facets {
+    /// The sky in them.
+    reflect: [Lane; 3],
+    /// Share of light that they reflect.
+    fresnel: Lane,
+    /// The sun's glitter.
+    glint: Lane,
+    /// Share of light that comes through crests.
+    thin: Lane,
+}
+
+impl Facets {
+    /// Composes the colours of a chunk. The pair is the share of haze at each pixel, and whether the water is bare.
+    #[inline(always)]
+    fn compose(&self, light: &Lighting, body: &WaterBody, (haze, is_bare): (&Lane, bool), chunk: &mut Chunk) {
+        let Self { reflect, fresnel, glint, thin } = self;
         for c in 0..3 {
             let (sun, ambient) = (light.sun[c], light.ambient[c]);
             let far = light.haze[c];
@@ -168,6 +137,59 @@ multiversion! { simd;
                 chunk.colour[c][i] = seen + haze[i] * (far - seen);
             }
         }
+    }
+}
+
+multiversion! { simd;
+    /// Shades a chunk of water. `start` is its first column, and whether the water is bare: in full light, without
+    /// foam, wake and images of objects.
+    pub(super) fn shade_water(
+        simd: Simd,
+        light: &Lighting,
+        body: &WaterBody,
+        clouds: &Texture,
+        nodes: &Nodes,
+        start: (usize, bool),
+        chunk: &mut Chunk,
+    ) {
+        let (column, is_bare) = start;
+        let mut facets = Facets {
+            reflect: [[0.0; CHUNK]; 3],
+            fresnel: [0.0; CHUNK],
+            glint: [0.0; CHUNK],
+            thin: [0.0; CHUNK],
+        };
+        let per_length = nodes.per_length.lane(column);
+        let (std_dev, lean) = (nodes.std_dev.lane(column), nodes.lean.lane(column));
+        let grazing = nodes.grazing.lane(column);
+        let (glint_x, glint_y) = (nodes.glint_x.lane(column), nodes.glint_y.lane(column));
+        let (fall, peak) = (nodes.glint_fall.lane(column), nodes.glint_peak.lane(column));
+        for i in 0..CHUNK {
+            let (vx, vy) = (-chunk.dx[i] * per_length[i], -chunk.dy[i] * per_length[i]);
+            let vz = (-chunk.dz[i] * per_length[i]).max(0.002);
+            let (sx, sy) = (chunk.sx[i] - lean[i] * vx, chunk.sy[i] - lean[i] * vy);
+            let steep = per_root(sx * sx + sy * sy);
+            let uphill = sx * vx + sy * vy;
+            let raw = (vz - uphill) * steep;
+            let cos = if raw > 0.03 { raw } else { 0.03 };
+            let away = 1.0 - cos;
+            let away2 = away * away;
+            facets.fresnel[i] = 0.02 + grazing[i] * (away2 * away2 * away);
+            let twice = 2.0 * cos * steep;
+            let (rx, ry, rz) = (-twice * sx - vx, -twice * sy - vy, twice - vz);
+            let sky = light.sky(clouds, rx, ry, rz, 1.4 * std_dev[i]);
+            for c in 0..3 {
+                facets.reflect[c][i] = sky[c];
+            }
+            let (ex, ey) = (glint_x[i] - sx, glint_y[i] - sy);
+            let lobe = (1.0 - (ex * ex + ey * ey) * fall[i]).max(0.0);
+            let lobe = lobe * lobe;
+            let lobe = lobe * lobe;
+            let lobe = lobe * lobe;
+            facets.glint[i] = (peak[i] * lobe).min(9.0);
+            facets.thin[i] = (uphill * 1.6 + 0.28).max(0.0).min(1.0);
+        }
+        facets.compose(light, body, (&nodes.haze.lane(column), is_bare), chunk);
     }
 }
 

@@ -225,6 +225,27 @@ multiversion! { simd;
     }
 }
 
+/// Moves the points where rays meet level water to where they meet the swell, in two steps.
+#[inline(always)]
+fn raise(water: &WaterSurface<'_>, chunk: &mut Chunk, found: &mut QuadLookup) {
+    let Some(elevation) = water.elevation else { return };
+    // No dither here: an elevation that jumps from pixel to pixel would tear the picture.
+    let footprint = chunk.footprint;
+    for _ in 0..2 {
+        water.tiles[0].find(chunk, &footprint, found);
+        found.load(elevation.quads);
+        for i in 0..CHUNK {
+            let eta = found.single(i) * elevation.step;
+            let sink = if -chunk.dz[i] > HORIZON { -chunk.dz[i] } else { HORIZON };
+            // At grazing angles the full shift would fold the picture; it is limited to what a crest hides.
+            let length = chunk.t[i] - eta / (sink + 0.10);
+            chunk.elevation[i] = eta;
+            chunk.px[i] = length * chunk.dx[i];
+            chunk.py[i] = length * chunk.dy[i];
+        }
+    }
+}
+
 multiversion! { simd;
     /// Computes slopes, elevation and whitecaps of a chunk whose rays are cast. `start` is its row and first column.
     pub(super) fn sample_surface(
@@ -243,24 +264,7 @@ multiversion! { simd;
         let (min_footprint, _) = nodes.footprint.range(column);
         let swell = &water.tiles[0];
         let mut found = QuadLookup::empty();
-        if let Some(elevation) = water.elevation {
-            // No dither here: an elevation that jumps from pixel to pixel would tear the picture.
-            let footprint = chunk.footprint;
-            for _ in 0..2 {
-                swell.find(chunk, &footprint, &mut found);
-                found.load(elevation.quads);
-                for i in 0..CHUNK {
-                    let eta = found.single(i) * elevation.step;
-                    let sink = if -chunk.dz[i] > HORIZON { -chunk.dz[i] } else { HORIZON };
-                    // At grazing angles the full shift would fold the picture; it is limited to what a crest
-                    // hides.
-                    let length = chunk.t[i] - eta / (sink + 0.10);
-                    chunk.elevation[i] = eta;
-                    chunk.px[i] = length * chunk.dx[i];
-                    chunk.py[i] = length * chunk.dy[i];
-                }
-            }
-        }
+        raise(water, chunk, &mut found);
         chunk.foam = [0.0; CHUNK];
         if min_footprint < swell.flat_from_m || water.foam.is_some() {
             swell.find(chunk, &sized, &mut found);

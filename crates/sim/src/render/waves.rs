@@ -165,6 +165,29 @@ fn flattened(lost: [f64; LEVELS], all: f64, n: usize) -> (usize, [f32; LEVELS]) 
     (flat, core::array::from_fn(flat_or_lost))
 }
 
+impl Ripples {
+    /// Gives each wave its amplitude, scaled, and what runs against it.
+    fn set_amplitudes(&mut self, amplitudes: &[f64], scale: f64, n: usize) {
+        for (at, amplitude) in amplitudes.iter().enumerate() {
+            let (i, j) = (at / n, at % n);
+            let opposite = ((n - i) % n) * n + (n - j) % n;
+            self.ahead.0.push((0.5 * (scale * amplitude)) as f32);
+            self.back.0.push((0.5 * scale * amplitudes[opposite]) as f32);
+            self.back.1.push(self.ahead.1[opposite]);
+            self.back.2.push(self.ahead.2[opposite]);
+        }
+    }
+}
+
+/// Amplitude of a ripple times the square of its wave number, by its direction from the wind's; the finer tile
+/// spreads wider.
+fn ripple_amplitude(from_wind: f64, index: u64, random: u64) -> f64 {
+    let along = libm::cos(from_wind).max(0.0);
+    let spread = along * along + 0.05 + 0.07 * index as f64;
+    let u = ((random >> 40) as f64 + 0.5) / 16_777_216.0;
+    libm::sqrt(2.0 * spread * -libm::log(u))
+}
+
 fn ripples(sea: &Sea, side_m: f64, n: usize, index: u64, range: (f64, f64), variance: f64) -> WaveTile {
     let angle = [0.0, 0.61, -0.47][index as usize % 3];
     let turn = (libm::cos(angle), libm::sin(angle));
@@ -185,14 +208,8 @@ fn ripples(sea: &Sea, side_m: f64, n: usize, index: u64, range: (f64, f64), vari
             let k = unit * waves;
             let random = rng::hash(sea.seed(), 0x1A7 + index, (i * n + j) as u64);
             let inside = waves >= range.0 && waves <= finest;
-            let amplitude = if inside {
-                let cos = libm::cos(libm::atan2(y, x) - wind);
-                let spread = cos.max(0.0) * cos.max(0.0) + 0.05 + 0.07 * index as f64;
-                let u = ((random >> 40) as f64 + 0.5) / 16_777_216.0;
-                libm::sqrt(2.0 * spread * -libm::log(u)) / (k * k)
-            } else {
-                0.0
-            };
+            let towards = libm::atan2(y, x) - wind;
+            let amplitude = if inside { ripple_amplitude(towards, index, random) / (k * k) } else { 0.0 };
             amplitudes[i * n + j] = amplitude;
             total += 0.5 * amplitude * amplitude * k * k;
             all.ahead.1.push(random as u32);
@@ -213,13 +230,9 @@ fn ripples(sea: &Sea, side_m: f64, n: usize, index: u64, range: (f64, f64), vari
                 let half = 0.25 * amplitude * amplitude * (x * x + y * y);
                 add_lost(&mut lost, half, (wrap_angle(i), wrap_angle(j)), n);
             }
-            let opposite = ((n - i) % n) * n + (n - j) % n;
-            all.ahead.0.push((0.5 * amplitude) as f32);
-            all.back.0.push((0.5 * scale * amplitudes[opposite]) as f32);
-            all.back.1.push(all.ahead.1[opposite]);
-            all.back.2.push(all.ahead.2[opposite]);
         }
     }
+    all.set_amplitudes(&amplitudes, scale, n);
     let (flat_level, lost) = flattened(lost, 0.5 * (sx2 + sy2), n);
     WaveTile {
         side_m,
