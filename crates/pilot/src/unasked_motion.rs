@@ -24,7 +24,7 @@ use core::time::Duration;
 use std::collections::VecDeque;
 
 use barrelman_vocab::acceptance::Acceptance;
-use barrelman_vocab::profile::{CameraDynamics, Protocol};
+use barrelman_vocab::profile::{CameraDynamics, MotionReports};
 use barrelman_vocab::telemetry::{ControlState, EulerAxis, FlightState, LinkState, Quaternion, Report};
 use barrelman_vocab::{AngularRate, CameraCommand, Telemetry, Timestamp, VehicleProfile};
 
@@ -57,17 +57,6 @@ pub const SWAYING: [Window; 2] = [window(400, 0.15), window(6_000, 0.05)];
 
 const fn window(ms: u64, rad_per_s: f64) -> Window {
     Window { span: Duration::from_millis(ms), rad_per_s }
-}
-
-/// Which reports show the camera's motion.
-#[derive(Debug, Clone, Copy, PartialEq)]
-enum Signal {
-    /// Pan and tilt, held by a gimbal.
-    Held,
-    /// Pan and tilt of a camera that sways.
-    Swaying,
-    /// The attitudes of a flight unit, which turns about the vertical, and of its gimbal.
-    Attitudes,
 }
 
 /// The last motion that was commanded, as far as the camera may still make it.
@@ -161,7 +150,7 @@ impl Turn {
 /// Compares what the vehicle reports with a command of zero.
 #[derive(Debug, Clone)]
 pub(crate) struct UnaskedMotion {
-    signal: Signal,
+    reports: MotionReports,
     windows: [Window; 2],
     run_out: RunOut,
     pan: Turn,
@@ -174,14 +163,10 @@ pub(crate) struct UnaskedMotion {
 
 impl UnaskedMotion {
     pub(crate) fn new(profile: &VehicleProfile) -> Self {
-        let (signal, windows) = match profile.protocol {
-            Protocol::MavlinkGimbal(_) => (Signal::Held, HELD),
-            Protocol::FotokiteSigma => (Signal::Swaying, SWAYING),
-            Protocol::FotokitePro => (Signal::Attitudes, SWAYING),
-        };
+        let reports = profile.protocol.motion_reports();
         Self {
-            signal,
-            windows,
+            reports,
+            windows: if reports == MotionReports::Held { HELD } else { SWAYING },
             run_out: RunOut::new(&profile.camera),
             pan: Turn::new(),
             tilt: Turn::new(),
@@ -212,7 +197,7 @@ impl UnaskedMotion {
     /// Takes a report.
     pub(crate) fn on_telemetry(&mut self, telemetry: &Telemetry) {
         let at = telemetry.at;
-        match (telemetry.report, self.signal) {
+        match (telemetry.report, self.reports) {
             (Report::Link(LinkState::Opening), _) => self.forget(),
             (Report::Control { control, .. } | Report::Ground { control, .. }, _) => {
                 self.excuse(control == ControlState::NotOurs);
@@ -223,18 +208,18 @@ impl UnaskedMotion {
             (Report::Flight { state, .. } | Report::FlightState { state, .. }, _) => {
                 self.is_flying = state == FlightState::Flying;
             }
-            (Report::CameraPan(pan), Signal::Held | Signal::Swaying) => {
+            (Report::CameraPan(pan), MotionReports::Held | MotionReports::Swaying) => {
                 self.on_pan(Quaternion::about(EulerAxis::Z, pan), at);
             }
-            (Report::CameraTilt(tilt), Signal::Held | Signal::Swaying) => {
+            (Report::CameraTilt(tilt), MotionReports::Held | MotionReports::Swaying) => {
                 self.on_tilt(Quaternion::about(EulerAxis::Y, tilt), at);
             }
-            (Report::VehicleAttitude(attitude), Signal::Attitudes) => {
+            (Report::VehicleAttitude(attitude), MotionReports::Attitudes) => {
                 if let Some(yaw) = attitude.angle_about(EulerAxis::Z) {
                     self.on_pan(Quaternion::about(EulerAxis::Z, yaw), at);
                 }
             }
-            (Report::GimbalAttitude(attitude), Signal::Attitudes) => self.on_tilt(attitude, at),
+            (Report::GimbalAttitude(attitude), MotionReports::Attitudes) => self.on_tilt(attitude, at),
             _ => {}
         }
     }
@@ -268,7 +253,7 @@ impl UnaskedMotion {
     }
 
     fn judge(&mut self) {
-        let is_carried = self.signal != Signal::Held && !self.is_flying;
+        let is_carried = self.reports != MotionReports::Held && !self.is_flying;
         if !self.is_rest_commanded || self.is_anothers || is_carried {
             self.turning = None;
             return;

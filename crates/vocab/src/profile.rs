@@ -134,6 +134,23 @@ impl Protocol {
         matches!(self, Self::FotokiteSigma)
     }
 
+    /// The reports that show the camera's motion.
+    pub const fn motion_reports(self) -> MotionReports {
+        match self {
+            Self::MavlinkGimbal(_) => MotionReports::Held,
+            Self::FotokiteSigma => MotionReports::Swaying,
+            Self::FotokitePro => MotionReports::Attitudes,
+        }
+    }
+
+    /// Who speaks to whom; `None`: the protocol is not MAVLink.
+    pub const fn mavlink_peers(self) -> Option<MavlinkPeers> {
+        match self {
+            Self::MavlinkGimbal(peers) => Some(peers),
+            Self::FotokitePro | Self::FotokiteSigma => None,
+        }
+    }
+
     /// The largest rates that the protocol's client ever writes, whatever a profile or a configuration says.
     ///
     /// Fotokite Pro: yaw 0.4 and gimbal pitch 0.3 rad/s, which the vehicle's known clients keep. Fotokite Sigma: 25 degrees
@@ -152,6 +169,17 @@ impl Protocol {
             Self::MavlinkGimbal(_) => MAVLINK_RATE_LIMITS,
         }
     }
+}
+
+/// Which of a vehicle's reports show its camera's motion.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum MotionReports {
+    /// Pan and tilt, held by a gimbal.
+    Held,
+    /// Pan and tilt of a camera that sways.
+    Swaying,
+    /// The attitudes of a flight unit, which turns about the vertical, and of its gimbal.
+    Attitudes,
 }
 
 /// The elliptical region as shares of the picture: the semi-axes are `half_width` x W/2 and `half_height` x H/2.

@@ -16,7 +16,7 @@ pub(super) fn between_peers(protocol: Protocol, link: &LinkSection) -> Result<Pr
         ("component_id", link.component_id),
         ("vehicle_system", link.vehicle_system),
     ];
-    let Protocol::MavlinkGimbal(MavlinkPeers { own, vehicle, device }) = protocol else {
+    let Some(MavlinkPeers { own, vehicle, device }) = protocol.mavlink_peers() else {
         let key = ids.iter().find(|(_, id)| id.is_some()).map(|(key, _)| *key);
         let key = key.or(link.signing_key_file.is_some().then_some("signing_key_file"));
         return match key {
@@ -44,40 +44,35 @@ const fn is_device(number: u8) -> bool {
 /// # Errors
 /// If the number is not one of a device, or is given for a vehicle of another protocol.
 pub(super) fn with_device(protocol: Protocol, device: Option<u8>) -> Result<Protocol> {
-    match (protocol, device) {
-        (_, None) => Ok(protocol),
-        (Protocol::MavlinkGimbal(_), Some(device)) if device != 0 && !is_device(device) => {
-            bail!(
-                "vehicle.gimbal_device is {device}: 0 chooses the first device that can pan and tilt; 1 to 6, 154 and 171 to 175 name one"
-            )
-        }
-        (Protocol::MavlinkGimbal(peers), Some(device)) => {
-            let device = Some(device).filter(|device| *device != 0);
-            Ok(Protocol::MavlinkGimbal(MavlinkPeers { device, ..peers }))
-        }
-        (Protocol::FotokitePro | Protocol::FotokiteSigma, Some(_)) => bail!(
+    let Some(device) = device else { return Ok(protocol) };
+    let Some(peers) = protocol.mavlink_peers() else {
+        bail!(
             "vehicle.gimbal_device has no effect on this vehicle: omit it, or use vehicle.profile = \"mavlink-gimbal\""
-        ),
+        )
+    };
+    if device != 0 && !is_device(device) {
+        bail!(
+            "vehicle.gimbal_device is {device}: 0 chooses the first device that can pan and tilt; 1 to 6, 154 and 171 to 175 name one"
+        )
     }
+    let device = Some(device).filter(|device| *device != 0);
+    Ok(Protocol::MavlinkGimbal(MavlinkPeers { device, ..peers }))
 }
 
 /// The number of the gimbal device of a protocol; `None`: the protocol has none.
 pub(super) fn device_of(protocol: Protocol) -> Option<u8> {
-    match protocol {
-        Protocol::FotokitePro | Protocol::FotokiteSigma => None,
-        Protocol::MavlinkGimbal(peers) => Some(peers.device.unwrap_or(0)),
-    }
+    Some(protocol.mavlink_peers()?.device.unwrap_or(0))
 }
 
 /// The keys of a protocol.
 pub(super) fn section_of(protocol: Protocol) -> LinkSection {
-    match protocol {
-        Protocol::FotokitePro | Protocol::FotokiteSigma => LinkSection::default(),
-        Protocol::MavlinkGimbal(MavlinkPeers { own, vehicle, device: _ }) => LinkSection {
-            system_id: Some(own.system.0),
-            component_id: Some(own.component.0),
-            vehicle_system: vehicle.map(|system| system.0),
-            ..LinkSection::default()
-        },
+    let Some(MavlinkPeers { own, vehicle, device: _ }) = protocol.mavlink_peers() else {
+        return LinkSection::default();
+    };
+    LinkSection {
+        system_id: Some(own.system.0),
+        component_id: Some(own.component.0),
+        vehicle_system: vehicle.map(|system| system.0),
+        ..LinkSection::default()
     }
 }
