@@ -14,6 +14,7 @@ import { Hints } from "./hints.js";
 import { listenToKeys } from "./keys.js";
 import { Layers } from "./layers.js";
 import { Link } from "./link.js";
+import { Devices } from "./devices.js";
 import { NewDrive } from "./new_drive.js";
 import { nudgeObstacle } from "./nudge_obstacle.js";
 import { Sounds } from "./sounds.js";
@@ -34,6 +35,7 @@ const stopper = new Stopper(link);
 const stage = new Stage(at("picture"));
 const video = new Video(link, (image, quarters, of) => stage.show(image, quarters, of));
 const seat = new ControlSeat(link);
+const devices = new Devices(link);
 const events = new EventList();
 const sounds = new Sounds();
 const strips = new Strips(at("strips"), words.strip);
@@ -197,6 +199,7 @@ const act = {
   "new-drive": () => newDrive.open(),
   drills: () => drills.open(),
   "hints-again": () => hints.again(),
+  devices: () => devices.open(),
   helmsman: () => request({ kind: "release-vessel" }),
   mark: () => stage.setMarking(!stage.isMarking),
   unmark,

@@ -43,6 +43,10 @@ export default {
   drillNext: "Next drill", drillAgain: "Again", drillAll: "All drills",
   thisIsTheBoat: "This is the boat: tap it, or drag a box around it.",
   hintClose: "Got it", hintsAgain: "Show the hints again",
+  devices: "Other devices", devicesHere: "This console is for this computer alone. For other devices, start the program with --listen 0.0.0.0:8480.",
+  linkControl: "To control", linkWatch: "To watch", otherPages: "Open pages", noPages: "No other page is open.", signOut: "Sign out",
+  newLinksText: "Who has a link can open it again after signing out. New links end the old ones, and sign all other pages out.",
+  newLinks: "New links", linksRenewed: "New links: all other pages are signed out.",
   hints: {
     select: "Tap the boat, and tap it again to follow it; or drag a box around it.",
     drive: "The arrow keys drive the boat; so do the buttons under Drive boat.",

@@ -91,10 +91,10 @@ def is_inside(status: Any) -> bool:
 class Program:
     """A running `demo` or `run` with its console."""
 
-    def __init__(self, barrelman: pathlib.Path, command: str, *options: Any) -> None:
-        self.child: Child = spawn(
-            [barrelman, command, "--listen", "127.0.0.1:0", *options], stdout=subprocess.PIPE
-        )
+    def __init__(
+        self, barrelman: pathlib.Path, command: str, *options: Any, listen: str = "127.0.0.1:0"
+    ) -> None:
+        self.child: Child = spawn([barrelman, command, "--listen", listen, *options], stdout=subprocess.PIPE)
         self.lines, self.errors = Lines(self.child.stdout), Lines(self.child.stderr)
         self.url = wait_until(
             self._url, lambda: f"the console of {' '.join(map(str, options))}; {self.errors.text()[-400:]}"

@@ -4,27 +4,16 @@
 //! program sends the token with each request (`Authorization: Bearer`). Tokens and cookies are never logged.
 
 use std::collections::BTreeMap;
-use std::io::{self, Write as _};
-use std::path::Path;
+use std::io;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-use anyhow::{Context, Result, bail};
 use barrelman_host::clock::Clock;
-use barrelman_host::input::{self, is_readable_by_others};
-use barrelman_host::output::OutputFile;
-use barrelman_host::random::random_bytes;
 use barrelman_vocab::Timestamp;
-use base64::Engine as _;
-use base64::engine::general_purpose::URL_SAFE_NO_PAD;
-use serde::{Deserialize, Serialize};
 
 use super::limits::{REQUESTS, RateLimit};
 use super::origin::{Origin, Scheme};
+use super::tokens::{Tokens, secret};
 
-/// Length of a token that the program makes, and of a cookie, bytes before the encoding.
-const SECRET_BYTES: usize = 16;
-/// Shortest token in a file, characters.
-const MIN_TOKEN_CHARS: usize = 16;
 /// Largest number of cookies of each role. A further one takes the place of the oldest of its role: a watcher cannot log
 /// a controller out.
 const MAX_COOKIES: usize = 256;
@@ -38,104 +27,49 @@ pub enum Role {
     Control,
 }
 
-/// The two tokens of a session.
-#[derive(Clone, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Tokens {
-    /// For control.
-    pub control: String,
-    /// For watching.
-    pub watch: String,
+/// What a client has shown, and what it permits.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct Pass {
+    /// What it permits.
+    pub(super) role: Role,
+    proof: Proof,
 }
 
-impl Tokens {
-    /// New random tokens.
-    ///
-    /// # Errors
-    /// If the system has no random numbers.
-    pub fn random() -> io::Result<Self> {
-        Ok(Self { control: secret()?, watch: secret()? })
-    }
-
-    /// The tokens of a file, which is made with new tokens, for its owner alone, where it is missing.
-    ///
-    /// # Errors
-    /// As [`Self::read`], and if the file cannot be made.
-    pub fn kept_in(path: &Path) -> Result<Self> {
-        if path.exists() {
-            return Self::read(path);
-        }
-        let context = || format!("the console's tokens cannot be kept in {}", path.display());
-        let tokens = Self::random().with_context(context)?;
-        let mut file = OutputFile::open(path, false).with_context(context)?;
-        file.write_all(tokens.lines().as_bytes()).with_context(context)?;
-        tracing::info!("the console's tokens were made, and are kept in {}", path.display());
-        Ok(tokens)
-    }
-
-    fn lines(&self) -> String {
-        format!("{}\n{}\n", self.control, self.watch)
-    }
-
-    /// Reads the tokens from a file of two lines: control, watch.
-    ///
-    /// # Errors
-    /// If the file cannot be read, or a line is no usable token. The message repeats nothing of the content.
-    pub fn read(path: &Path) -> Result<Self> {
-        if is_readable_by_others(path) {
-            let path = path.display();
-            tracing::warn!("the token file {path} can be read by others: run `chmod 600 {path}`");
-        }
-        let text = String::from_utf8(input::read(path)?).context("it is not UTF-8 text");
-        text.and_then(|text| Self::parse(&text))
-            .with_context(|| format!("the token file {} is not usable", path.display()))
-    }
-
-    fn parse(text: &str) -> Result<Self> {
-        let mut lines = text.lines().map(str::trim);
-        let mut token = |what: &str| {
-            let token = lines.next().unwrap_or_default().to_owned();
-            let is_plain = |c: char| c.is_ascii_alphanumeric() || "-_.~".contains(c);
-            if token.len() < MIN_TOKEN_CHARS || !token.chars().all(is_plain) {
-                bail!(
-                    "the {what} token must be at least {MIN_TOKEN_CHARS} letters, digits, or - _ . ~: \
-                     give two lines, the control token and the watch token"
-                );
-            }
-            Ok(token)
-        };
-        let tokens = Self { control: token("control")?, watch: token("watch")? };
-        if tokens.control == tokens.watch {
-            bail!("both tokens are the same: a watcher could control");
-        }
-        Ok(tokens)
+impl Pass {
+    /// Whether it is a cookie, that of a browser.
+    pub(super) const fn is_cookie(&self) -> bool {
+        matches!(self.proof, Proof::Cookie(_))
     }
 }
 
-/// Random text for a token or a cookie.
-fn secret() -> io::Result<String> {
-    let mut bytes = [0; SECRET_BYTES];
-    random_bytes(&mut bytes)?;
-    Ok(URL_SAFE_NO_PAD.encode(bytes))
+#[derive(Debug, Clone, PartialEq, Eq)]
+enum Proof {
+    /// Nothing is asked for.
+    NotAsked,
+    /// The token of a generation.
+    Token(u64),
+    Cookie(String),
 }
 
 /// The rule of who may use the console.
 pub struct Access {
-    /// `None`: no token is asked for, and everybody may control.
-    tokens: Option<Tokens>,
     cookie_name: String,
     /// Whether browsers may send the cookies over an encrypted connection only.
     is_encrypted: bool,
-    cookies: Mutex<Cookies>,
+    secrets: Mutex<Secrets>,
     clock: Clock,
     /// Requests over HTTP with the watch token, and with the control token. A watcher who opens many connections has one
     /// limit, which is not the operator's.
     requests: Mutex<[RateLimit; 2]>,
 }
 
-#[derive(Default)]
-struct Cookies {
-    roles: BTreeMap<String, (u64, Role)>,
+/// The tokens and the cookies in force.
+struct Secrets {
+    /// `None`: no token is asked for, and everybody may control.
+    tokens: Option<Tokens>,
+    /// How often the tokens were renewed.
+    generation: u64,
+    cookies: BTreeMap<String, (u64, Role)>,
     issued: u64,
 }
 
@@ -144,10 +78,9 @@ impl Access {
     pub(super) fn new(tokens: Option<Tokens>, origin: Origin, clock: Clock) -> Self {
         let limit = || RateLimit::new(REQUESTS, clock.now());
         Self {
-            tokens,
             cookie_name: format!("barrelman-{}", origin.address.port()),
             is_encrypted: origin.scheme == Scheme::Https,
-            cookies: Mutex::default(),
+            secrets: Mutex::new(Secrets { tokens, generation: 0, cookies: BTreeMap::new(), issued: 0 }),
             clock,
             requests: Mutex::new([limit(), limit()]),
         }
@@ -170,28 +103,63 @@ impl Access {
 
     /// What a request may do, by its `Authorization` and `Cookie` headers. `None`: nothing.
     pub fn role(&self, authorization: Option<&str>, cookies: Option<&str>) -> Option<Role> {
-        if self.tokens.is_none() {
-            return Some(Role::Control);
+        self.pass(authorization, cookies).map(|pass| pass.role)
+    }
+
+    /// What a request shows, by its `Authorization` and `Cookie` headers. `None`: nothing that permits anything.
+    pub(super) fn pass(&self, authorization: Option<&str>, cookies: Option<&str>) -> Option<Pass> {
+        let secrets = self.secrets();
+        let Some(tokens) = &secrets.tokens else {
+            return Some(Pass { role: Role::Control, proof: Proof::NotAsked });
+        };
+        if let Some(role) = authorization.and_then(|text| bearer_role(tokens, text)) {
+            return Some(Pass { role, proof: Proof::Token(secrets.generation) });
         }
-        authorization.and_then(|text| self.bearer_role(text)).or_else(|| {
-            let found = cookies?.split(';').filter_map(|pair| pair.trim().split_once('='));
-            found
-                .filter(|(name, _)| *name == self.cookie_name)
-                .find_map(|(_, value)| self.cookies().roles.get(value).map(|(_, role)| *role))
+        let found = cookies?.split(';').filter_map(|pair| pair.trim().split_once('='));
+        found.filter(|(name, _)| *name == self.cookie_name).find_map(|(_, value)| {
+            let (_, role) = secrets.cookies.get(value)?;
+            Some(Pass { role: *role, proof: Proof::Cookie(value.to_owned()) })
         })
     }
 
     /// The role of an `Authorization` header with a token.
     pub fn bearer_role(&self, authorization: &str) -> Option<Role> {
-        let given = authorization.strip_prefix("Bearer ")?.trim();
-        let tokens = self.tokens.as_ref()?;
-        if is_equal(given, &tokens.control) {
-            Some(Role::Control)
-        } else if is_equal(given, &tokens.watch) {
-            Some(Role::Watch)
-        } else {
-            None
+        bearer_role(self.secrets().tokens.as_ref()?, authorization)
+    }
+
+    /// Whether what was shown is still in force.
+    pub(super) fn holds(&self, pass: &Pass) -> bool {
+        let secrets = self.secrets();
+        match &pass.proof {
+            Proof::NotAsked => true,
+            Proof::Token(generation) => *generation == secrets.generation,
+            Proof::Cookie(value) => secrets.cookies.contains_key(value),
         }
+    }
+
+    /// Ends the cookie of a pass. Returns whether the pass has one: a token holds until it is renewed.
+    pub(super) fn revoke(&self, pass: &Pass) -> bool {
+        match &pass.proof {
+            Proof::Cookie(value) => {
+                self.secrets().cookies.remove(value);
+                true
+            }
+            Proof::Token(_) | Proof::NotAsked => false,
+        }
+    }
+
+    /// Replaces the tokens. Of the cookies, those of `kept` stay. The old tokens open nothing any more; sockets that
+    /// were opened with them stay where `kept` names one.
+    pub(super) fn renew(&self, tokens: Tokens, kept: &[Pass]) {
+        let mut secrets = self.secrets();
+        secrets.tokens = Some(tokens);
+        if !kept.iter().any(|pass| matches!(pass.proof, Proof::Token(_))) {
+            secrets.generation += 1;
+        }
+        let is_kept = |value: &String| {
+            kept.iter().any(|pass| matches!(&pass.proof, Proof::Cookie(cookie) if cookie == value))
+        };
+        secrets.cookies.retain(|value, _| is_kept(value));
     }
 
     /// The value of a `Set-Cookie` header for a page with this role.
@@ -200,28 +168,40 @@ impl Access {
     /// If the system has no random numbers.
     pub fn new_cookie(&self, role: Role) -> io::Result<String> {
         let value = secret()?;
-        let mut cookies = self.cookies();
-        let of_role = cookies.roles.iter().filter(|(_, (_, of))| *of == role);
+        let mut secrets = self.secrets();
+        let of_role = secrets.cookies.iter().filter(|(_, (_, of))| *of == role);
         if of_role.clone().count() >= MAX_COOKIES {
             let oldest = of_role.min_by_key(|(_, (issued, _))| *issued);
             if let Some(oldest) = oldest.map(|(value, _)| value.clone()) {
-                cookies.roles.remove(&oldest);
+                secrets.cookies.remove(&oldest);
             }
         }
-        let issued = cookies.issued;
-        cookies.issued += 1;
-        cookies.roles.insert(value.clone(), (issued, role));
+        let issued = secrets.issued;
+        secrets.issued += 1;
+        secrets.cookies.insert(value.clone(), (issued, role));
         let secure = if self.is_encrypted { "; Secure" } else { "" };
         Ok(format!("{}={value}; Path=/; HttpOnly; SameSite=Strict; Max-Age=604800{secure}", self.cookie_name))
     }
 
     /// The tokens, if tokens are asked for.
-    pub const fn tokens(&self) -> Option<&Tokens> {
-        self.tokens.as_ref()
+    pub fn tokens(&self) -> Option<Tokens> {
+        self.secrets().tokens.clone()
     }
 
-    fn cookies(&self) -> MutexGuard<'_, Cookies> {
-        self.cookies.lock().unwrap_or_else(PoisonError::into_inner)
+    fn secrets(&self) -> MutexGuard<'_, Secrets> {
+        self.secrets.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+/// The role of an `Authorization` header with one of these tokens.
+fn bearer_role(tokens: &Tokens, authorization: &str) -> Option<Role> {
+    let given = authorization.strip_prefix("Bearer ")?.trim();
+    if is_equal(given, &tokens.control) {
+        Some(Role::Control)
+    } else if is_equal(given, &tokens.watch) {
+        Some(Role::Watch)
+    } else {
+        None
     }
 }
 
@@ -285,7 +265,7 @@ mod tests {
         let later: Vec<_> = (0..MAX_COOKIES).map(|_| access.new_cookie(Role::Control).unwrap()).collect();
         assert_eq!(access.role(None, Some(&first)), None);
         assert_eq!(access.role(None, Some(&pair(later[MAX_COOKIES - 1].clone()))), Some(Role::Control));
-        assert_eq!(access.cookies().roles.len(), MAX_COOKIES);
+        assert_eq!(access.secrets().cookies.len(), MAX_COOKIES);
     }
 
     #[test]
@@ -302,28 +282,25 @@ mod tests {
     }
 
     #[test]
-    fn a_token_file_needs_two_different_usable_lines() {
-        assert!(Tokens::parse("control-0123456789\nwatch-0123456789\n").is_ok());
-        for text in
-            ["", "short\nwatch-0123456789", "control-0123456789", "same-0123456789ab\nsame-0123456789ab"]
-        {
-            let error = Tokens::parse(text).err().expect(text);
-            assert!(!format!("{error:#}").contains("0123"), "the content is not repeated");
-        }
-    }
-    #[test]
-    fn tokens_are_made_once_and_kept_for_their_owner_alone() {
-        let folder = std::env::temp_dir().join(format!("barrelman-kept-tokens-{}", std::process::id()));
-        std::fs::create_dir_all(&folder).unwrap();
-        let path = folder.join("tokens");
-        let first = Tokens::kept_in(&path).unwrap();
-        assert!(!is_readable_by_others(&path));
-        let again = Tokens::kept_in(&path).unwrap();
-        assert!(first == again && first.control != first.watch);
-        std::fs::write(&path, "short\n").unwrap();
-        assert!(Tokens::kept_in(&path).is_err(), "a file that is there is not replaced");
-        let nowhere = Tokens::kept_in(&folder.join("missing/tokens")).err().unwrap();
-        assert!(format!("{nowhere:#}").contains("missing/tokens"), "{nowhere:#}");
-        std::fs::remove_dir_all(&folder).unwrap();
+    fn renewed_tokens_end_the_old_ones_and_all_cookies_but_the_kept_ones() {
+        let access = access();
+        let page = || {
+            let cookie = access.new_cookie(Role::Control).unwrap();
+            let pair = cookie.split(';').next().unwrap().to_owned();
+            (access.pass(None, Some(&pair)).unwrap(), pair)
+        };
+        let ((kept, kept_pair), (other, other_pair)) = (page(), page());
+        let program = access.pass(Some("Bearer watch-0123456789"), None).unwrap();
+        assert!([&kept, &other, &program].iter().all(|pass| access.holds(pass)));
+        let tokens =
+            Tokens { control: "control-new-345678".to_owned(), watch: "watch-new-345678".to_owned() };
+        access.renew(tokens, std::slice::from_ref(&kept));
+        assert!(access.holds(&kept) && !access.holds(&other) && !access.holds(&program));
+        assert_eq!(access.role(Some("Bearer control-0123456789"), None), None);
+        assert_eq!(access.role(Some("Bearer watch-new-345678"), None), Some(Role::Watch));
+        assert_eq!(access.role(None, Some(&kept_pair)), Some(Role::Control));
+        assert_eq!(access.role(None, Some(&other_pair)), None);
+        assert!(access.revoke(&kept) && !access.revoke(&program));
+        assert!(!access.holds(&kept) && access.role(None, Some(&kept_pair)).is_none());
     }
 }

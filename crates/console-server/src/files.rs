@@ -20,6 +20,8 @@ files![
     "control_seat.js",
     "controls.js",
     "decoder.js",
+    "devices.css",
+    "devices.js",
     "dialogs.js",
     "drills.css",
     "drills.js",

@@ -14,13 +14,15 @@ use barrelman_pilot::{Input, Outcome};
 use barrelman_vocab::{self as vocab, LawId, VehicleProfile, VehicleRates, Videos};
 use tower::ServiceExt as _;
 
-use super::access::{Access, Role, Tokens};
+use super::access::{Access, Role};
 use super::entrance::Entrance;
 use super::guard::Hosts;
+use super::issued_links::IssuedLinks;
 use super::origin::{Origin, Scheme};
 use super::requests::{Reply, Requester, answer, begin_request};
 use super::seats::ClientId;
 use super::shared::Console;
+use super::tokens::{KeptTokens, Tokens};
 use super::{ConsoleParts, OnConsoleLost, SessionFacts, SessionTime, VideoOutlet, routes};
 use crate::operator::{Answer, Gateway, SessionRequest};
 use crate::snapshot::{LinkStatus, Publisher, RecordingState};
@@ -82,6 +84,7 @@ impl InMemory {
         let tokens = Tokens { control: CONTROL_TOKEN.to_owned(), watch: WATCH_TOKEN.to_owned() };
         let entrance = Entrance {
             access: Access::new(setup.asks_for_tokens.then_some(tokens), origin, clock),
+            links: IssuedLinks::new(origin, None, KeptTokens::default(), None, clock.now()),
             hosts: Hosts::new(origin, vec!["boat.example".to_owned()]),
             https: None,
         };

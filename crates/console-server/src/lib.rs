@@ -21,6 +21,7 @@ mod socket;
 mod upgrade;
 
 pub mod access;
+mod admission;
 mod entrance;
 mod frame_counter;
 mod guard;
@@ -34,6 +35,7 @@ mod places;
 mod seats;
 mod session_time;
 mod settings;
+mod tokens;
 
 pub mod api;
 mod files;
@@ -51,6 +53,8 @@ mod picture_answer;
 mod pictures;
 mod video_relay;
 
+mod issued_links;
+mod link_routes;
 mod links;
 mod links_file;
 
@@ -72,4 +76,5 @@ pub use server::ConsoleServer;
 pub use session_time::SessionTime;
 pub use settings::{ConsoleAddress, ConsoleSettings, Encryption};
 pub use shared::{ConsoleParts, SessionFacts, VideoOutlet};
+pub use tokens::KeptTokens;
 pub use video_relay::VideoRelay;

@@ -9,10 +9,10 @@ use anyhow::Result;
 use qrcode::QrCode;
 use qrcode::render::unicode::Dense1x2;
 
-use super::access::Tokens;
 use super::https::Identity;
 use super::links_file::{self, ServedConsole};
 use super::origin::Origin;
+use super::tokens::Tokens;
 
 /// Prints the links of a console. Scripts wait for the first line, which ends with the control link, or with the page's
 /// address where there are no tokens to print.
@@ -110,6 +110,14 @@ pub(super) fn fingerprint(https: Option<&Identity>) -> Option<&str> {
 pub(super) fn link_for_control(origin: Origin, tokens: Option<&Tokens>) -> String {
     match tokens {
         Some(tokens) => link(reachable(origin), &tokens.control),
+        None => format!("{}/", reachable(origin)),
+    }
+}
+
+/// The same for a page that watches.
+pub(super) fn link_to_watch(origin: Origin, tokens: Option<&Tokens>) -> String {
+    match tokens {
+        Some(tokens) => link(reachable(origin), &tokens.watch),
         None => format!("{}/", reachable(origin)),
     }
 }

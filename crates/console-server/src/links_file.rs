@@ -11,8 +11,8 @@ use barrelman_host::input;
 use barrelman_host::output::{OutputFile, is_being_written};
 use serde::{Deserialize, Serialize};
 
-use super::access::Tokens;
 use super::origin::Origin;
+use super::tokens::Tokens;
 
 /// A served console, as its file states it.
 #[derive(Serialize, Deserialize)]

@@ -29,13 +29,14 @@ use serde_json::json;
 use tokio::sync::oneshot;
 
 use super::access::{Access, Role};
+use super::admission::may_enter;
 use super::files;
 use super::guard::Hosts;
 use super::https::Identity;
 use super::https::trust;
 use super::limits::MAX_MESSAGE_BYTES;
 use super::links::{fingerprint, link_for_control, trust_lines};
-use super::routes::{guarded, json_body, may_enter};
+use super::routes::{guarded, json_body};
 use super::server::{Answering, runtime, serve};
 use super::settings::ConsoleSettings;
 
@@ -76,7 +77,7 @@ pub fn pick(
 ) -> Result<PixelBox> {
     let clock = Clock::start();
     let (origin, entrance) = (settings.origin()?, settings.entrance(clock)?);
-    let ConsoleSettings { listener, tokens, token_file, https, .. } = settings;
+    let ConsoleSettings { listener, tokens, kept, https, .. } = settings;
     listener.set_nonblocking(true)?;
     let (sender, picked) = oneshot::channel();
     let link = link_for_control(origin, tokens.as_ref());
@@ -90,7 +91,7 @@ pub fn pick(
         picked: Mutex::new(Some(sender)),
     });
     let runtime = runtime().context("the page's server cannot be started")?;
-    let shown = if token_file.is_some() { link_for_control(origin, None) } else { link };
+    let shown = if kept.file.is_some() { link_for_control(origin, None) } else { link };
     announce(&shown);
     if let Some(fingerprint) = fingerprint(https.as_deref()) {
         tracing::info!("{}", trust_lines(origin, fingerprint).trim_end());
@@ -206,6 +207,7 @@ mod tests {
     use barrelman_vocab::video::ColourEncoding;
 
     use super::super::settings::ConsoleAddress;
+    use super::super::tokens::KeptTokens;
     use super::*;
 
     /// The status and the body of an answer.
@@ -239,7 +241,7 @@ mod tests {
     fn draw_a_box(after: AfterPicking) -> (serde_json::Value, Option<String>) {
         let picture = Picture::black(PictureSize::new(64, 48), ColourEncoding::JPEG);
         let at = ConsoleAddress { listen: Some("127.0.0.1:0".parse().unwrap()), ..ConsoleAddress::default() };
-        let settings = ConsoleSettings::without_tokens_on_loopback(at, None).unwrap();
+        let settings = ConsoleSettings::without_tokens_on_loopback(at, KeptTokens::default()).unwrap();
         let address = settings.listener.local_addr().unwrap();
         let (sender, announced) = channel();
         let server = std::thread::spawn(move || {

@@ -16,19 +16,18 @@
 //! | `GET /api/v1/socket` | the socket of a page ([`super::socket`]) | token |
 //! | `GET /metrics` | metrics for Prometheus | token |
 //!
-//! Those of the recordings are in [`super::library::routes`]. Each request is judged by [`super::guard`]. No
+//! Those of the recordings are in [`super::library::routes`], those of the links in [`super::link_routes`]. Each request is judged by [`super::guard`]. No
 //! other file is served. A test compares the routes with the OpenAPI document (`super::api::schema`).
 
 use std::sync::Arc;
 use std::time::Duration;
 
 use axum::Router;
-use axum::body::Body;
 use axum::extract::{DefaultBodyLimit, FromRequest as _, Path, Request, State};
 use axum::http::{HeaderMap, HeaderName, HeaderValue, Method, StatusCode, header};
 use axum::middleware::{Next, from_fn_with_state};
 use axum::response::{IntoResponse as _, Response};
-use axum::routing::{MethodRouter, get, post};
+use axum::routing::{get, post};
 use bytes::Bytes;
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -36,12 +35,14 @@ use serde::Serialize;
 use barrelman_vocab::{self as vocab, OperatorRequest};
 
 use super::access::{Access, Role};
+use super::admission::{Route, json, may_enter, pass_of, refused, role_shown, text_of};
 use super::api::{Answer, RequestBody};
 use super::files;
 use super::guard::{Hosts, Provenance};
 use super::https::trust;
 use super::library;
 use super::limits::{BODY_TIMEOUT, MAX_MESSAGE_BYTES, SOCKET_REQUESTS};
+use super::link_routes;
 use super::manual;
 use super::metrics::metrics_text;
 use super::picture_answer;
@@ -85,9 +86,6 @@ const SECURITY_HEADERS: [(HeaderName, &str); 6] = [
     ),
 ];
 
-/// A path and what answers there.
-pub(super) type Route = (&'static str, MethodRouter<Arc<Console>>);
-
 /// All routes.
 fn routes() -> Vec<Route> {
     let mut routes = vec![
@@ -106,6 +104,7 @@ fn routes() -> Vec<Route> {
         ("/metrics", get(metrics)),
     ];
     routes.extend(trust::routes(|console: &Console| console.https.as_deref()));
+    routes.extend(link_routes::routes());
     routes.extend(library::routes::routes());
     routes
 }
@@ -209,34 +208,6 @@ fn provenance(request: &Request) -> Provenance<'_> {
 /// What a request may do; an answer with 401 where it may do nothing.
 fn role_of(console: &Console, headers: &HeaderMap) -> Result<Role, Box<Response>> {
     may_enter(&console.access, headers)
-}
-
-/// What the token or the cookie of a request permits; an answer with 401 where it permits nothing.
-pub(super) fn may_enter(access: &Access, headers: &HeaderMap) -> Result<Role, Box<Response>> {
-    role_shown(access, headers).ok_or_else(refused)
-}
-
-/// What the token or the cookie of a request permits.
-fn role_shown(access: &Access, headers: &HeaderMap) -> Option<Role> {
-    access.role(text_of(headers, header::AUTHORIZATION), text_of(headers, header::COOKIE))
-}
-
-/// The text of a header; `None` where it is missing, or no text.
-fn text_of(headers: &HeaderMap, name: impl header::AsHeaderName) -> Option<&str> {
-    headers.get(name).and_then(|value| value.to_str().ok())
-}
-
-/// The answer to a request that nothing is permitted to.
-fn refused() -> Box<Response> {
-    let body = "a token is needed: open the link that the program printed, or send `Authorization: Bearer`\n";
-    Box::new((StatusCode::UNAUTHORIZED, [(header::WWW_AUTHENTICATE, "Bearer")], body).into_response())
-}
-
-pub(super) fn json(value: &impl Serialize) -> Response {
-    match serde_json::to_vec(value) {
-        Ok(body) => ([(header::CONTENT_TYPE, "application/json")], Body::from(body)).into_response(),
-        Err(error) => (StatusCode::INTERNAL_SERVER_ERROR, format!("{error}\n")).into_response(),
-    }
 }
 
 /// What a token permits.
@@ -376,8 +347,8 @@ async fn requests(State(console): Shared, request: Request) -> Response {
 }
 
 async fn open_socket(State(console): Shared, request: Request) -> Response {
-    let role = match role_of(&console, request.headers()) {
-        Ok(role) => role,
+    let pass = match pass_of(&console.access, request.headers()) {
+        Ok(pass) => pass,
         Err(response) => return *response,
     };
     let place = request.extensions().get::<Arc<Place>>().cloned();
@@ -386,7 +357,7 @@ async fn open_socket(State(console): Shared, request: Request) -> Response {
     // The page's own name, which a reload keeps.
     let name = pairs.filter(|(key, _)| *key == "client").map(|(_, value)| value).next().unwrap_or_default();
     let name: String = name.chars().filter(char::is_ascii_hexdigit).take(32).collect();
-    upgrade(request, move |stream| socket::serve(console, stream, role, name, place))
+    upgrade(request, move |stream| socket::serve(console, stream, pass, name, place))
 }
 
 #[cfg(test)]

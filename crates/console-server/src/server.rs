@@ -26,7 +26,6 @@ use super::https::{Accepted, Identity, accept};
 use super::limited_stream::{Bytes, LimitedStream};
 use super::limits::{BYTES, HEADER_TIMEOUT, SEND_TIMEOUT};
 use super::links::{announce, fingerprint};
-use super::links_file::{LinksFile, ServedConsole};
 use super::pictures::{PictureSlot, encode_pictures};
 use super::places::{Place, Places};
 use super::routes;
@@ -35,6 +34,8 @@ use super::shared::{Console, ConsoleParts};
 
 /// Interval at which seats of lost pages are looked at.
 const SEAT_INTERVAL: Duration = Duration::from_millis(100);
+/// Interval at which the age of the tokens is looked at.
+const TOKEN_INTERVAL: Duration = Duration::from_secs(1);
 /// Send buffer of a connection, bytes: bounds how far a slow viewer's video lies behind.
 const SEND_BUFFER_BYTES: usize = 256 << 10;
 /// Bytes of a request's head, at most.
@@ -53,7 +54,6 @@ pub struct ConsoleServer {
     thread: Option<JoinHandle<()>>,
     encoders: Vec<JoinHandle<()>>,
     pictures: Vec<Arc<PictureSlot>>,
-    _links_file: Option<LinksFile>,
 }
 
 impl ConsoleServer {
@@ -69,7 +69,7 @@ impl ConsoleServer {
     ) -> Result<Self> {
         let clock = parts.time.program_clock();
         let (origin, entrance) = (settings.origin()?, settings.entrance(clock)?);
-        let ConsoleSettings { listener, tokens, token_file, links_file, on_lost, https, .. } = settings;
+        let ConsoleSettings { listener, tokens, kept, on_lost, https, .. } = settings;
         listener.set_nonblocking(true)?;
         let pictures: Vec<_> = parts.videos.iter().map(|(_, outlet)| Arc::clone(&outlet.pictures)).collect();
         let encoders = pictures.iter().map(|slot| {
@@ -78,6 +78,7 @@ impl ConsoleServer {
         });
         let encoders = encoders.collect::<std::io::Result<Vec<_>>>()?;
         let console = Arc::new(Console::new(parts, on_lost, entrance));
+        console.links.publish(tokens.clone())?;
         let runtime = runtime().context("the console's server cannot be started")?;
         let (end, ended) = oneshot::channel::<()>();
         let fingerprint = fingerprint(https.as_deref()).map(str::to_owned);
@@ -91,24 +92,14 @@ impl ConsoleServer {
                         }
                     }
                     () = watch_seats(&console) => {}
+                    () = watch_tokens(&console) => {}
                     _ = ended => console.end().await,
                 }
             });
             // Dropping the runtime closes all connections.
         })?;
-        announce(origin, tokens.as_ref(), token_file.as_deref(), fingerprint.as_deref())?;
-        let links_file = links_file
-            .zip(tokens)
-            .map(|(path, tokens)| LinksFile::write(&path, &ServedConsole { origin, tokens, fingerprint }));
-        let links_file = links_file.transpose()?;
-        Ok(Self {
-            address: origin.address,
-            end: Some(end),
-            thread: Some(thread),
-            encoders,
-            pictures,
-            _links_file: links_file,
-        })
+        announce(origin, tokens.as_ref(), kept.file.as_deref(), fingerprint.as_deref())?;
+        Ok(Self { address: origin.address, end: Some(end), thread: Some(thread), encoders, pictures })
     }
 
     /// The address that the server listens on.
@@ -132,6 +123,24 @@ async fn watch_seats(console: &Console) {
     loop {
         interval.tick().await;
         console.expire_seats();
+    }
+}
+
+/// Renews the tokens when they are too old. The pages that are connected stay.
+async fn watch_tokens(console: &Arc<Console>) {
+    let mut interval = tokio::time::interval(TOKEN_INTERVAL);
+    loop {
+        interval.tick().await;
+        if !console.links.is_due(console.access.clock().now()) {
+            continue;
+        }
+        let worker = Arc::clone(console);
+        let renewal = move || worker.links.renew(&worker.access, &worker.passes_of_pages());
+        match tokio::task::spawn_blocking(renewal).await {
+            Ok(Ok(())) => tracing::info!("the console's tokens were renewed; the pages that are open stay"),
+            Ok(Err(error)) => tracing::warn!("{error:#}"),
+            Err(error) => tracing::warn!("the console's tokens cannot be renewed: {error}"),
+        }
     }
 }
 

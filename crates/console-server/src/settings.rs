@@ -1,7 +1,7 @@
 //! How a console is served: its address, its tokens, and what happens when the controlling page is gone.
 
 use std::net::{IpAddr, Ipv4Addr, SocketAddr, TcpListener};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::SystemTime;
 
@@ -10,12 +10,15 @@ use anyhow::{Context, Result, bail};
 use barrelman_host::clock::Clock;
 use barrelman_host::state_folder::state_folder;
 
-use super::access::{Access, Tokens};
+use super::access::Access;
 use super::entrance::Entrance;
 use super::guard::Hosts;
 use super::https::{CertificateFiles, Identity};
+use super::issued_links::IssuedLinks;
+use super::links::fingerprint;
 use super::on_lost::OnConsoleLost;
 use super::origin::{Origin, Scheme};
+use super::tokens::{KeptTokens, Tokens};
 
 /// Ports that are tried where no address is given.
 const PORTS: std::ops::Range<u16> = 8480..8490;
@@ -54,8 +57,8 @@ pub struct ConsoleSettings {
     pub listener: TcpListener,
     /// The tokens; `None`: everybody who reaches the socket may control.
     pub tokens: Option<Tokens>,
-    /// The file that the tokens are from; `None`: they were made for this program's life.
-    pub token_file: Option<PathBuf>,
+    /// Where the tokens are kept.
+    pub kept: KeptTokens,
     /// Where the links are written while the console is served; `None`: nowhere.
     pub links_file: Option<PathBuf>,
     /// Further names that the server answers to, besides its addresses.
@@ -67,30 +70,24 @@ pub struct ConsoleSettings {
 }
 
 impl ConsoleSettings {
-    /// A console. `token_file`: two lines, control and watch, made where the file is missing; without it,
-    /// tokens are made for this program's life.
+    /// A console with these tokens.
     ///
     /// # Errors
     /// If the address is in use, or the tokens or the certificate cannot be read or made.
-    pub fn with_tokens(address: ConsoleAddress, token_file: Option<&Path>) -> Result<Self> {
-        let tokens = match token_file {
-            Some(path) => Tokens::kept_in(path)?,
-            None => Tokens::random().context("no random numbers for the console's tokens")?,
-        };
-        let token_file = token_file.map(Path::to_owned);
-        Ok(Self { tokens: Some(tokens), token_file, ..Self::open(address)? })
+    pub fn with_tokens(address: ConsoleAddress, kept: KeptTokens) -> Result<Self> {
+        Ok(Self { tokens: Some(kept.take()?), kept, ..Self::open(address)? })
     }
 
     /// The same, without tokens where only this machine can reach the console.
     ///
     /// # Errors
     /// As [`Self::with_tokens`].
-    pub fn without_tokens_on_loopback(address: ConsoleAddress, token_file: Option<&Path>) -> Result<Self> {
+    pub fn without_tokens_on_loopback(address: ConsoleAddress, kept: KeptTokens) -> Result<Self> {
         let is_loopback = address.listen.is_none_or(|address| address.ip().is_loopback());
-        if is_loopback && token_file.is_none() {
+        if is_loopback && kept == KeptTokens::default() {
             Self::open(address)
         } else {
-            Self::with_tokens(address, token_file)
+            Self::with_tokens(address, kept)
         }
     }
 
@@ -102,7 +99,7 @@ impl ConsoleSettings {
         Ok(Self {
             listener: self.listener.try_clone()?,
             tokens: self.tokens.clone(),
-            token_file: self.token_file.clone(),
+            kept: self.kept.clone(),
             links_file: None,
             host_names: self.host_names.clone(),
             on_lost: self.on_lost,
@@ -117,7 +114,7 @@ impl ConsoleSettings {
         Ok(Self {
             listener,
             tokens: None,
-            token_file: None,
+            kept: KeptTokens::default(),
             links_file: None,
             host_names,
             on_lost: OnConsoleLost::default(),
@@ -135,6 +132,13 @@ impl ConsoleSettings {
         let names = self.host_names.iter().chain(own_names).cloned().collect();
         Ok(Entrance {
             access: Access::new(self.tokens.clone(), origin, clock),
+            links: IssuedLinks::new(
+                origin,
+                fingerprint(self.https.as_deref()).map(str::to_owned),
+                self.kept.clone(),
+                self.links_file.clone(),
+                clock.now(),
+            ),
             hosts: Hosts::new(origin, names),
             https: self.https.clone(),
         })

@@ -1,6 +1,7 @@
 //! What all tasks of a console share: the session's facts, and the sending and receiving ends of what the
 //! loop publishes.
 
+use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
@@ -10,11 +11,12 @@ use tokio::time::timeout;
 use barrelman_experiments::scenario::ScenarioChoice;
 use barrelman_vocab::{LawId, Videos};
 
-use super::access::{Access, Role};
+use super::access::{Access, Pass, Role};
 use super::api::{ControlSeat, Hello, StatusSnapshot};
 use super::entrance::Entrance;
 use super::guard::Hosts;
 use super::https::Identity;
+use super::issued_links::IssuedLinks;
 use super::library::Library;
 use super::on_lost::OnConsoleLost;
 use super::pictures::PictureSlot;
@@ -80,6 +82,7 @@ pub(super) struct Console {
     pub(super) facts: SessionFacts,
     on_lost: OnConsoleLost,
     pub(super) access: Access,
+    pub(super) links: IssuedLinks,
     pub(super) hosts: Hosts,
     /// The certificate; `None`: the console is not encrypted.
     pub(super) https: Option<Arc<Identity>>,
@@ -90,6 +93,8 @@ pub(super) struct Console {
     pub(super) time: SessionTime,
     pub(super) library: Option<Arc<Library>>,
     pub(super) seats: Mutex<Seats>,
+    /// What each page that is connected has shown.
+    passes: Mutex<BTreeMap<ClientId, Pass>>,
     pub(super) seat_changes: watch::Sender<ControlSeat>,
     /// Whether the program ends.
     pub(super) ending: watch::Sender<bool>,
@@ -100,6 +105,7 @@ impl Console {
         Self {
             on_lost,
             access: entrance.access,
+            links: entrance.links,
             hosts: entrance.hosts,
             https: entrance.https,
             facts: parts.facts,
@@ -110,6 +116,7 @@ impl Console {
             time: parts.time,
             library: parts.library.map(Arc::new),
             seats: Mutex::default(),
+            passes: Mutex::default(),
             seat_changes: watch::Sender::new(ControlSeat::default()),
             ending: watch::Sender::new(false),
         }
@@ -143,6 +150,40 @@ impl Console {
             self.gateway.set_console_lost(false);
         }
         self.seat_changes.send_replace(state);
+    }
+
+    /// A page connects.
+    pub(super) fn join(&self, name: &str, pass: Pass) -> ClientId {
+        let id = self.with_seats(|seats| seats.join(name, pass.role, self.time.clock())).id;
+        self.with_passes(|passes| passes.insert(id, pass));
+        self.publish_seats();
+        id
+    }
+
+    /// A page is gone.
+    pub(super) fn leave(&self, id: ClientId) {
+        self.with_seats(|seats| seats.leave(id, self.time.clock()));
+        self.with_passes(|passes| passes.remove(&id));
+        self.publish_seats();
+    }
+
+    /// What a page that is connected has shown.
+    pub(super) fn pass_of_page(&self, id: ClientId) -> Option<Pass> {
+        self.with_passes(|passes| passes.get(&id).cloned())
+    }
+
+    /// What the pages that are connected have shown.
+    pub(super) fn passes_of_pages(&self) -> Vec<Pass> {
+        self.with_passes(|passes| passes.values().cloned().collect())
+    }
+
+    /// Disconnects the pages whose passes do not hold any more: each page looks at its own.
+    pub(super) fn sign_out(&self) {
+        self.publish_seats();
+    }
+
+    fn with_passes<T>(&self, f: impl FnOnce(&mut BTreeMap<ClientId, Pass>) -> T) -> T {
+        f(&mut self.passes.lock().unwrap_or_else(PoisonError::into_inner))
     }
 
     /// Tells all pages that the program ends, and waits until they are disconnected: a page that hears

@@ -23,7 +23,7 @@ use tokio_tungstenite::tungstenite::protocol::{CloseFrame, Role as SocketRole, W
 
 use barrelman_vocab::{OperatorRequest, Request};
 
-use super::access::Role;
+use super::access::{Pass, Role};
 use super::api::{Answer, ClientMessage, ControlSeat, ServerMessage, VideoPath, WantedVideo};
 use super::frame_counter::FrameCounter;
 use super::in_flight::InFlight;
@@ -50,7 +50,7 @@ type WebSocket = WebSocketStream<Stream>;
 pub(super) async fn serve(
     console: Arc<Console>,
     stream: TokioIo<Upgraded>,
-    role: Role,
+    pass: Pass,
     name: String,
     place: Option<Arc<Place>>,
 ) {
@@ -64,23 +64,20 @@ pub(super) async fn serve(
         // What is sent goes out at once: nothing is collected.
         .write_buffer_size(0);
     let socket = WebSocketStream::from_raw_socket(stream, SocketRole::Server, Some(config)).await;
-    let joined = console.with_seats(|seats| seats.join(&name, role, clock.now()));
-    console.publish_seats();
-    let id = joined.id;
+    let id = console.join(&name, pass.clone());
     let (sink, stream) = socket.split();
     let (outbox, answers) = mpsc::channel(OUTBOX);
     let (path, paths) = watch::channel(WantedVideo::NONE);
     let (handled, handled_counts) = watch::channel(None);
-    let requester = Requester { role, client: Some(id) };
+    let requester = Requester { role: pass.role, client: Some(id) };
     let reader = Reader { console: Arc::clone(&console), requester, outbox, path, handled, is_over };
     let said = Said { answers, paths, handled: handled_counts };
     tokio::select! {
         () = reader.run(stream) => {}
-        _ = write(&console, sink, (id, role), said) => {}
+        _ = write(&console, sink, (id, &pass), said) => {}
         () = gives_way(place) => {}
     }
-    console.with_seats(|seats| seats.leave(id, console.time.clock()));
-    console.publish_seats();
+    console.leave(id);
 }
 
 /// Waits until the connection has to give way to another one.
@@ -224,14 +221,14 @@ struct Said {
 async fn write(
     console: &Arc<Console>,
     sink: SplitSink<WebSocket, Message>,
-    (id, role): (ClientId, Role),
+    (id, pass): (ClientId, &Pass),
     Said { mut answers, mut paths, mut handled }: Said,
 ) -> Result<(), Closed> {
     let mut writer = Writer { sink };
     let mut snapshots = console.snapshots.clone();
     let mut seats = console.seat_changes.subscribe();
     let mut ending = console.ending.subscribe();
-    let mut later_events = writer.greet(console, id, role).await?;
+    let mut later_events = writer.greet(console, id, pass.role).await?;
     seats.mark_changed();
     snapshots.mark_changed();
     let mut video = VideoFeed::None;
@@ -248,6 +245,9 @@ async fn write(
             changed = seats.changed() => {
                 changed.map_err(|_| Closed)?;
                 let seat = seats.borrow_and_update().clone();
+                if !console.access.holds(pass) {
+                    return dismiss(&mut writer, CloseCode::Policy, "signed out").await;
+                }
                 writer.send_seat(seat, id).await?;
             }
             () = ends(&mut ending) => {

@@ -5,6 +5,7 @@ use schemars::{JsonSchema, SchemaGenerator};
 use serde_json::{Map, Value, json};
 
 use super::{Answer, ControlSeat, RequestBody, StatusSnapshot};
+use crate::issued_links::LinksBody;
 use crate::library::{Listed, NewName};
 use crate::routes::AccessBody;
 
@@ -22,7 +23,7 @@ pub(super) fn paths(sent: &mut SchemaGenerator, taken: &mut SchemaGenerator) -> 
     ];
     let mut paths: Map<String, Value> =
         pages.map(|(path, summary)| (path.to_owned(), page(path, summary))).into_iter().collect();
-    let others = [session(sent, taken), access(sent), recordings(sent, taken)];
+    let others = [session(sent, taken), access(sent), links(sent), recordings(sent, taken)];
     paths.extend(others.into_iter().flatten());
     paths
 }
@@ -99,6 +100,56 @@ fn access(sent: &mut SchemaGenerator) -> Vec<(String, Value)> {
     [("/api/v1/access", access), ("/api/v1/login", login), ("/healthz", healthz)]
         .map(|(path, item)| (path.to_owned(), item))
         .to_vec()
+}
+
+/// Links, and the pages that opened them.
+fn links(sent: &mut SchemaGenerator) -> Vec<(String, Value)> {
+    let with_refusals = |mut responses: Value, refusals: Value| {
+        for (code, text) in [("401", token_needed()), ("403", said("The token is for watching"))] {
+            responses[code] = text;
+        }
+        for (code, text) in refusals.as_object().into_iter().flatten() {
+            responses[code] = text.clone();
+        }
+        responses
+    };
+    let read = with_refusals(answers::<LinksBody>("The links", sent), json!({}));
+    let renewed = with_refusals(
+        answers::<LinksBody>("The new links", sent),
+        json!({"409": said("No token is asked for"), "500": said("The tokens cannot be kept")}),
+    );
+    let code = with_refusals(
+        json!({"200": {"description": "The picture", "content": {"image/svg+xml": {}}}}),
+        json!({"404": said("Another name")}),
+    );
+    let signed_out = with_refusals(
+        json!({"204": said("The page is signed out")}),
+        json!({"404": said("No such page"), "409": said("It has no cookie")}),
+    );
+    let name = || path_parameter("name", "`control.svg` or `watch.svg`");
+    [
+        (
+            "/api/v1/links",
+            json!({
+                "get": {"summary": "The links of the console", "responses": read},
+                "post": {
+                    "summary": "Makes new tokens; signs all other pages and programs out",
+                    "responses": renewed,
+                },
+            }),
+        ),
+        ("/api/v1/links/{name}", get("A link as a QR code", &[name()], &code)),
+        (
+            "/api/v1/pages/{id}",
+            json!({"delete": {
+                "summary": "Signs a page out, with all pages of its browser",
+                "parameters": [path_parameter("id", "The page's number, as in `/api/v1/control`")],
+                "responses": signed_out,
+            }}),
+        ),
+    ]
+    .map(|(path, item)| (path.to_owned(), item))
+    .to_vec()
 }
 
 /// The recordings of the folder.

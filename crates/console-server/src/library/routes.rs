@@ -30,8 +30,9 @@ use super::Library;
 use super::name::RecordingName;
 use super::part::{Form, Part};
 use crate::access::Role;
+use crate::admission::{Route, json, may_enter};
 use crate::files;
-use crate::routes::{Route, json, json_body, may_enter};
+use crate::routes::json_body;
 use crate::shared::Console;
 
 type Shared = State<Arc<Console>>;

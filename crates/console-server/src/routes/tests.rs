@@ -2,6 +2,7 @@
 
 use std::collections::BTreeSet;
 
+use axum::body::Body;
 use barrelman_vocab::{CameraRequest, OperatorRequest, VehicleRates};
 use tower::ServiceExt as _;
 

@@ -2,11 +2,12 @@
 
 use std::net::SocketAddr;
 use std::path::PathBuf;
+use std::time::Duration;
 
-use barrelman_console_server::{CertificateFiles, ConsoleAddress, Encryption, OnConsoleLost};
+use barrelman_console_server::{CertificateFiles, ConsoleAddress, Encryption, KeptTokens, OnConsoleLost};
 use clap::Args;
 
-use super::values::parse_listen;
+use super::values::{parse_hours, parse_listen};
 
 /// Options of the console.
 #[derive(Debug, Clone, Args, Default)]
@@ -18,6 +19,10 @@ pub struct ConsoleOptions {
     /// option, tokens are made for this run and printed as links.
     #[arg(long, value_name = "FILE")]
     pub console_token_file: Option<PathBuf>,
+    /// Renew the tokens of the file when they are so old, hours: links that were not opened by then open nothing. Pages that are
+    /// open stay.
+    #[arg(long, value_name = "HOURS", value_parser = parse_hours)]
+    pub token_ttl: Option<f64>,
     /// What happens when the controlling page is gone (closed for 2 s, or silent for 3 s): the camera goes on, or stops.
     #[arg(long, value_enum, value_name = "WHAT")]
     pub on_console_lost: Option<OnConsoleLost>,
@@ -47,6 +52,15 @@ impl ConsoleOptions {
             })),
             _ if self.tls_on_loopback => Some(Encryption::Always),
             _ => None,
+        }
+    }
+
+    /// Where the tokens are kept, with what the configuration says where there is no option.
+    pub fn kept_tokens(&self, configured: KeptTokens) -> KeptTokens {
+        let max_age = self.token_ttl.map(|hours| Duration::from_secs_f64(3600.0 * hours));
+        KeptTokens {
+            file: self.console_token_file.clone().or(configured.file),
+            max_age: max_age.or(configured.max_age),
         }
     }
 

@@ -99,6 +99,15 @@ pub(super) fn parse_seconds(text: &str) -> Result<f64, String> {
     if seconds <= 1.0e6 { Ok(seconds) } else { Err("must be at most a million seconds".to_owned()) }
 }
 
+pub(super) fn parse_hours(text: &str) -> Result<f64, String> {
+    let [hours] = numbers(text, '\0', "a number")?;
+    if (0.001..=100_000.0).contains(&hours) {
+        Ok(hours)
+    } else {
+        Err("must be from 0.001 to 100000 hours".to_owned())
+    }
+}
+
 pub(super) fn parse_clip_length(text: &str) -> Result<f64, String> {
     let seconds = parse_positive(text)?;
     if seconds <= 3600.0 { Ok(seconds) } else { Err("a clip may be at most 3600 s long".to_owned()) }

@@ -9,7 +9,7 @@ use std::process::ExitCode;
 use std::time::Duration;
 
 use anyhow::Result;
-use barrelman_console_server::{ConsoleAddress, ConsoleSettings};
+use barrelman_console_server::{ConsoleAddress, ConsoleSettings, KeptTokens};
 use barrelman_vocab::{NewDrill, NewDrive};
 
 use super::practice;
@@ -58,8 +58,8 @@ fn drive(args: &DemoArgs, files: DriveFiles, first_files: OpenFiles, clock: Cloc
     };
     let options = &args.console;
     let address = options.address(ConsoleAddress::default());
-    let mut console =
-        ConsoleSettings::without_tokens_on_loopback(address, options.console_token_file.as_deref())?;
+    let tokens = options.kept_tokens(KeptTokens::default());
+    let mut console = ConsoleSettings::without_tokens_on_loopback(address, tokens)?;
     console.on_lost = options.on_console_lost.unwrap_or_default();
     let max_duration = args.seconds.map(Duration::from_secs_f64);
     let session = DriveSession { plan, files: files.clone(), first_files, console, max_duration, clock };

@@ -58,7 +58,7 @@ fn open_browser(link: &str) {
 
 #[cfg(test)]
 mod tests {
-    use barrelman_console_server::ConsoleAddress;
+    use barrelman_console_server::{ConsoleAddress, KeptTokens};
 
     use super::*;
 
@@ -66,8 +66,10 @@ mod tests {
     fn a_link_with_a_token_is_in_no_command_line() {
         let listen = Some("127.0.0.1:0".parse().unwrap());
         let address = ConsoleAddress { listen, ..ConsoleAddress::default() };
-        let with_tokens = ConsoleSettings::with_tokens(address.clone(), None).unwrap();
+        let with_tokens = ConsoleSettings::with_tokens(address.clone(), KeptTokens::default()).unwrap();
         assert!(!may_open_browser(&with_tokens));
-        assert!(may_open_browser(&ConsoleSettings::without_tokens_on_loopback(address, None).unwrap()));
+        assert!(may_open_browser(
+            &ConsoleSettings::without_tokens_on_loopback(address, KeptTokens::default()).unwrap()
+        ));
     }
 }

@@ -185,8 +185,8 @@ fn tak(configuration: &Configuration) -> Result<Option<TakSetup>> {
 /// Opens the console's socket. A live run always asks for a token: any program of this machine could reach the socket.
 fn open_console(args: &RunArgs, config: &ConsoleConfig) -> Result<ConsoleSettings> {
     let options = &args.console;
-    let token_file = options.console_token_file.as_deref().or(config.token_file.as_deref());
-    let mut console = ConsoleSettings::with_tokens(options.address(config.address.clone()), token_file)?;
+    let tokens = options.kept_tokens(config.tokens.clone());
+    let mut console = ConsoleSettings::with_tokens(options.address(config.address.clone()), tokens)?;
     console.on_lost = options.on_console_lost.unwrap_or(config.on_lost);
     console.links_file.clone_from(&args.links_file);
     Ok(console)

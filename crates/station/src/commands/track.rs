@@ -7,7 +7,7 @@ use std::sync::atomic::Ordering;
 use std::time::Duration;
 
 use anyhow::{Context, Result, anyhow, bail};
-use barrelman_console_server::{AfterPicking, ConsoleAddress, ConsoleSettings};
+use barrelman_console_server::{AfterPicking, ConsoleAddress, ConsoleSettings, KeptTokens};
 use barrelman_vision::{Explanation, Tracker};
 use barrelman_vocab::{PixelBox, Track, VehicleProfile, VideoFrame};
 use indicatif::{ProgressBar, ProgressStyle};
@@ -159,7 +159,7 @@ fn drawn_selection(args: &TrackArgs, url: &VideoUrl) -> Result<PixelBox> {
         .into());
     }
     let address = ConsoleAddress { listen: args.listen, ..ConsoleAddress::default() };
-    let settings = ConsoleSettings::without_tokens_on_loopback(address, None)?;
+    let settings = ConsoleSettings::without_tokens_on_loopback(address, KeptTokens::default())?;
     let opens_browser = args.listen.is_none();
     draw_selection(url, args.start_frame, settings, AfterPicking::Nothing, opens_browser)
 }

@@ -2,12 +2,13 @@
 
 use std::net::SocketAddr;
 use std::path::PathBuf;
+use std::time::Duration;
 
 use anyhow::{Result, bail, ensure};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use barrelman_console_server::{CertificateFiles, ConsoleAddress, Encryption, OnConsoleLost};
+use barrelman_console_server::{CertificateFiles, ConsoleAddress, Encryption, KeptTokens, OnConsoleLost};
 
 /// The operator's console.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
@@ -26,6 +27,10 @@ pub struct ConsoleSection {
     #[schemars(example = "/etc/barrelman/console-tokens")]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub token_file: Option<PathBuf>,
+    /// Age at which the tokens of the file are renewed, hours; without it, they stay.
+    #[schemars(range(min = 0.001, max = 100_000.0), example = 720.0)]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub token_ttl_h: Option<f64>,
     /// What happens when the controlling page is gone: closed for 2 s, or silent for 3 s.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub on_lost: Option<OnConsoleLost>,
@@ -72,8 +77,8 @@ pub struct RecordingSection {
 pub struct ConsoleConfig {
     /// Where the console is served.
     pub address: ConsoleAddress,
-    /// The file with the tokens; `None`: tokens are made.
-    pub token_file: Option<PathBuf>,
+    /// Where the tokens are kept.
+    pub tokens: KeptTokens,
     /// What happens when the controlling page is gone.
     pub on_lost: OnConsoleLost,
 }
@@ -103,7 +108,10 @@ impl ConsoleSection {
                 host_names: self.hosts.clone().unwrap_or_default(),
                 encryption: self.encryption()?,
             },
-            token_file: self.token_file.clone(),
+            tokens: KeptTokens {
+                file: self.token_file.clone(),
+                max_age: self.token_ttl_h.map(|hours| Duration::from_secs_f64(3600.0 * hours)),
+            },
             on_lost: self.on_lost.unwrap_or_default(),
         })
     }
@@ -139,7 +147,8 @@ impl ConsoleSection {
         Self {
             listen,
             hosts: Some(host_names),
-            token_file: config.token_file.clone(),
+            token_file: config.tokens.file.clone(),
+            token_ttl_h: config.tokens.max_age.map(|max_age| max_age.as_secs_f64() / 3600.0),
             on_lost: Some(config.on_lost),
             tls_certificate,
             tls_key,

@@ -56,7 +56,7 @@ fn the_services_configuration_is_usable_once_it_has_a_video() {
         console.address.listen.is_some_and(|address| address.ip().is_loopback()),
         "the page is for this computer alone"
     );
-    assert!(console.token_file.is_some_and(|file| file.starts_with("/var/lib/barrelman")));
+    assert!(console.tokens.file.is_some_and(|file| file.starts_with("/var/lib/barrelman")));
     assert!(proposed.recording.folder.starts_with("/var/lib/barrelman"));
 }
 
