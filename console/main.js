@@ -16,6 +16,7 @@ import { Layers } from "./layers.js";
 import { Link } from "./link.js";
 import { Devices } from "./devices.js";
 import { NewDrive } from "./new_drive.js";
+import { setMap } from "./map_tiles.js";
 import { nudgeObstacle } from "./nudge_obstacle.js";
 import { Sounds } from "./sounds.js";
 import { Stage } from "./stage.js";
@@ -135,6 +136,7 @@ link.addEventListener("hello", ({ detail }) => {
   at("where").textContent = `${detail.command}  ${detail.source}`;
   newDrive.onHello(detail);
   twoVideos.onHello(detail);
+  setMap(detail.map);
   at("law").replaceChildren(...detail.laws.map((law) => new Option(sentence(words.laws[law]), law)));
   // The new list has not chosen the law in force.
   delete at("law").dataset.law;

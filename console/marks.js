@@ -1,5 +1,7 @@
 // The marks on the water and the way of the boat: what is drawn over the picture, and the map in its corner.
 
+import { drawTiles, hasMap, onWater } from "./map_tiles.js";
+
 const LINE = "#ffffff";
 const EDGE = "#000000";
 const COLOURS = { person: "#ff5ec4", place: "#5dd4ff", "way-point": "#5dd4ff", forbidden: "#ff6a4d", home: "#b8ff5d" };
@@ -98,11 +100,14 @@ export function drawMarks(pen, view, { vessel, track }, chosen, unit) {
 }
 
 /** The water from above: what the camera sees, the marks, and the boat with its course. Ahead is up. */
-export function drawMap(pen, view, { vessel, track }, unit) {
-  const boat = vessel?.progress;
+export function drawMap(pen, view, { vessel, track, boat: seen, water_on_earth: place }, unit) {
+  const hasTiles = hasMap(place);
+  const isSeen = hasTiles && seen?.on_earth;
+  const boat = vessel?.progress ?? (isSeen ? { boat_m: onWater(place, seen.on_earth), course_deg: null } : null);
   const points = [...(vessel?.footprint ?? []), ...(vessel?.marks ?? []).map((mark) => mark.water_m).filter(Boolean)];
   if (boat) points.push(boat.boat_m);
-  if (!vessel?.marks.some((mark) => mark.water_m) || points.length < 2) return;
+  if (!vessel || points.length < 2) return;
+  if (!hasTiles && !vessel.marks.some((mark) => mark.water_m)) return;
   const side = Math.min(MAP_PX * unit, MAP_SHARE * view.canvas[0]);
   // On the side where the boat is not.
   const isBoatRight = track.centre && view.toCanvas(track.centre)[0] > view.canvas[0] / 2;
@@ -120,6 +125,7 @@ export function drawMap(pen, view, { vessel, track }, unit) {
   pen.fill();
   stroke(pen, LINE, unit);
   pen.clip();
+  if (hasTiles) drawTiles(pen, place, to([0, 0]), scale, [left, top, side], unit);
   if (vessel.footprint) {
     polygon(pen, vessel.footprint.map(to));
     stroke(pen, "#9bb4c4", unit, [4 * unit, 4 * unit]);

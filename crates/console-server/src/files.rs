@@ -48,6 +48,7 @@ files![
     "library.js",
     "link.js",
     "main.js",
+    "map_tiles.js",
     "marks.js",
     "narrow.css",
     "new_drive.css",

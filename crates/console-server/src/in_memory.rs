@@ -88,7 +88,7 @@ impl InMemory {
             hosts: Hosts::new(origin, vec!["boat.example".to_owned()]),
             https: None,
         };
-        let console = Arc::new(Console::new(parts, setup.on_lost, entrance));
+        let console = Arc::new(Console::new(parts, None, setup.on_lost, entrance));
         Self { console, publisher, answer: Answer::ACCEPTED, taken: Vec::new() }
     }
 

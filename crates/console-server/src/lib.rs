@@ -16,6 +16,7 @@ pub mod server;
 mod shared;
 
 mod library;
+mod map;
 mod routes;
 mod socket;
 mod upgrade;
@@ -69,6 +70,7 @@ mod test_scenes;
 pub use https::CertificateFiles;
 pub use library::Library;
 pub use links::print_served;
+pub use map::Map;
 pub use on_lost::OnConsoleLost;
 pub use picker::{AfterPicking, pick};
 pub use pictures::PictureSlot;

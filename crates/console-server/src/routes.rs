@@ -16,7 +16,8 @@
 //! | `GET /api/v1/socket` | the socket of a page ([`super::socket`]) | token |
 //! | `GET /metrics` | metrics for Prometheus | token |
 //!
-//! Those of the recordings are in [`super::library::routes`], those of the links in [`super::link_routes`]. Each request is judged by [`super::guard`]. No
+//! Those of the recordings are in [`super::library::routes`], those of the links in
+//! [`super::link_routes`], those of the map in [`super::map::routes`]. Each request is judged by [`super::guard`]. No
 //! other file is served. A test compares the routes with the OpenAPI document (`super::api::schema`).
 
 use std::sync::Arc;
@@ -44,6 +45,7 @@ use super::library;
 use super::limits::{BODY_TIMEOUT, MAX_MESSAGE_BYTES, SOCKET_REQUESTS};
 use super::link_routes;
 use super::manual;
+use super::map;
 use super::metrics::metrics_text;
 use super::picture_answer;
 use super::places::Place;
@@ -106,6 +108,7 @@ fn routes() -> Vec<Route> {
     routes.extend(trust::routes(|console: &Console| console.https.as_deref()));
     routes.extend(link_routes::routes());
     routes.extend(library::routes::routes());
+    routes.extend(map::routes::routes());
     routes
 }
 

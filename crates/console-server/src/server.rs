@@ -69,7 +69,7 @@ impl ConsoleServer {
     ) -> Result<Self> {
         let clock = parts.time.program_clock();
         let (origin, entrance) = (settings.origin()?, settings.entrance(clock)?);
-        let ConsoleSettings { listener, tokens, kept, on_lost, https, .. } = settings;
+        let ConsoleSettings { listener, tokens, kept, map, on_lost, https, .. } = settings;
         listener.set_nonblocking(true)?;
         let pictures: Vec<_> = parts.videos.iter().map(|(_, outlet)| Arc::clone(&outlet.pictures)).collect();
         let encoders = pictures.iter().map(|slot| {
@@ -77,7 +77,7 @@ impl ConsoleServer {
             threads::spawn("pictures", on_panic.clone(), move || encode_pictures(&slot))
         });
         let encoders = encoders.collect::<std::io::Result<Vec<_>>>()?;
-        let console = Arc::new(Console::new(parts, on_lost, entrance));
+        let console = Arc::new(Console::new(parts, map, on_lost, entrance));
         console.links.publish(tokens.clone())?;
         let runtime = runtime().context("the console's server cannot be started")?;
         let (end, ended) = oneshot::channel::<()>();

@@ -16,6 +16,7 @@ use super::guard::Hosts;
 use super::https::{CertificateFiles, Identity};
 use super::issued_links::IssuedLinks;
 use super::links::fingerprint;
+use super::map::Map;
 use super::on_lost::OnConsoleLost;
 use super::origin::{Origin, Scheme};
 use super::tokens::{KeptTokens, Tokens};
@@ -63,6 +64,8 @@ pub struct ConsoleSettings {
     pub links_file: Option<PathBuf>,
     /// Further names that the server answers to, besides its addresses.
     pub host_names: Vec<String>,
+    /// The map under boat and marks; `None`: there is none.
+    pub map: Option<Map>,
     /// What happens when the controlling page is gone.
     pub on_lost: OnConsoleLost,
     /// The certificate; `None`: the console is not encrypted.
@@ -102,6 +105,7 @@ impl ConsoleSettings {
             kept: self.kept.clone(),
             links_file: None,
             host_names: self.host_names.clone(),
+            map: None,
             on_lost: self.on_lost,
             https: self.https.clone(),
         })
@@ -117,6 +121,7 @@ impl ConsoleSettings {
             kept: KeptTokens::default(),
             links_file: None,
             host_names,
+            map: None,
             on_lost: OnConsoleLost::default(),
             https,
         })

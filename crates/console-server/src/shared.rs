@@ -18,6 +18,7 @@ use super::guard::Hosts;
 use super::https::Identity;
 use super::issued_links::IssuedLinks;
 use super::library::Library;
+use super::map::Map;
 use super::on_lost::OnConsoleLost;
 use super::pictures::PictureSlot;
 use super::seats::{ClientId, Seats};
@@ -92,6 +93,7 @@ pub(super) struct Console {
     pub(super) videos: Videos<VideoOutlet>,
     pub(super) time: SessionTime,
     pub(super) library: Option<Arc<Library>>,
+    pub(super) map: Option<Arc<Map>>,
     pub(super) seats: Mutex<Seats>,
     /// What each page that is connected has shown.
     passes: Mutex<BTreeMap<ClientId, Pass>>,
@@ -101,8 +103,14 @@ pub(super) struct Console {
 }
 
 impl Console {
-    pub(super) fn new(parts: ConsoleParts, on_lost: OnConsoleLost, entrance: Entrance) -> Self {
+    pub(super) fn new(
+        parts: ConsoleParts,
+        map: Option<Map>,
+        on_lost: OnConsoleLost,
+        entrance: Entrance,
+    ) -> Self {
         Self {
+            map: map.map(Arc::new),
             on_lost,
             access: entrance.access,
             links: entrance.links,
@@ -244,6 +252,7 @@ impl Console {
             scenarios: self.facts.scenarios.clone(),
             laws: vec![LawId::MinimumEnergy, LawId::TimeFuel, LawId::Eco, LawId::Intermittent, LawId::Schema],
             nudge_rate: NUDGE_RATE,
+            map: self.map.as_ref().map(|map| map.about().clone()),
             on_console_lost: if self.on_lost == OnConsoleLost::Stop { "stop" } else { "stay" },
         }
     }

@@ -56,6 +56,7 @@ pub(super) fn status_of(snapshot: &Snapshot, codecs: &Videos<Option<EncodedVideo
             Some(Err(NotOnEarth::NoHeading)) => "no-heading",
             None | Some(Err(NotOnEarth::NoPosition)) => "no-position",
         },
+        water_on_earth: outcome.and_then(|outcome| outcome.earth.ok()).map(Into::into),
         vessel: vessel_of(snapshot),
         link: link_of(&snapshot.vehicle),
         recording: recording_of(&snapshot.recording),

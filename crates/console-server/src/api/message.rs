@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 use barrelman_experiments::scenario::ScenarioChoice;
 
 use super::snapshot::{ControlSeat, StatusSnapshot};
+use crate::map::About;
 use crate::snapshot::EventEntry;
 use barrelman_vocab::{LawId, Request, VideoNumber};
 
@@ -120,6 +121,8 @@ pub struct Hello {
     pub laws: Vec<LawId>,
     /// Rate of a nudge, rad/s.
     pub nudge_rate: f64,
+    /// The map under boat and marks; `null`: there is none.
+    pub map: Option<About>,
     /// What happens when the controlling page is gone: `stay` or `stop`.
     pub on_console_lost: &'static str,
 }

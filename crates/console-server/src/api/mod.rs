@@ -25,7 +25,7 @@ pub use crate::snapshot::{DriveState, EventEntry, Level};
 pub use message::{
     Answer, AnswerKind, ClientMessage, Hello, RequestBody, ServerMessage, VideoPath, WantedVideo,
 };
-pub use place::PlaceStatus;
+pub use place::{PlaceStatus, WaterOnEarthStatus};
 pub use schema::api_document;
 pub use snapshot::{
     AxisPair, BoatStatus, CameraWork, CandidateStatus, ControlSeat, EncodedVideo, LinkStatus, ModeStatus,

@@ -23,7 +23,7 @@ pub(super) fn paths(sent: &mut SchemaGenerator, taken: &mut SchemaGenerator) -> 
     ];
     let mut paths: Map<String, Value> =
         pages.map(|(path, summary)| (path.to_owned(), page(path, summary))).into_iter().collect();
-    let others = [session(sent, taken), access(sent), links(sent), recordings(sent, taken)];
+    let others = [session(sent, taken), access(sent), links(sent), vec![map()], recordings(sent, taken)];
     paths.extend(others.into_iter().flatten());
     paths
 }
@@ -150,6 +150,16 @@ fn links(sent: &mut SchemaGenerator) -> Vec<(String, Value)> {
     ]
     .map(|(path, item)| (path.to_owned(), item))
     .to_vec()
+}
+
+/// The map under boat and marks.
+fn map() -> (String, Value) {
+    let answers = json!({
+        "200": said("The tile: PNG, JPEG or WebP"), "204": said("The map has no such tile"),
+        "401": token_needed(), "404": said("The program has no map"),
+    });
+    let places = ["zoom", "x", "y"].map(|name| path_parameter(name, "Web Mercator; y counts from the north"));
+    ("/api/v1/map/{zoom}/{x}/{y}".to_owned(), get("A tile of the operator's map", &places, &answers))
 }
 
 /// The recordings of the folder.

@@ -4,7 +4,7 @@ use barrelman_experiments::drill::DrillState;
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use super::place::PlaceStatus;
+use super::place::{PlaceStatus, WaterOnEarthStatus};
 use super::track::TrackStatus;
 use super::vessel::VesselStatus;
 use crate::snapshot::{DriveState, WorldState};
@@ -68,6 +68,8 @@ pub struct StatusSnapshot {
     /// Whether latitude and longitude of places on the water can be known: `known`; `no-position`: the
     /// vehicle reports no position; `no-heading`: it does not report the direction of the camera from north.
     pub earth: &'static str,
+    /// Where the water lies on Earth, of which `water_m` and `boat_m` are points; `null`: `earth` says why.
+    pub water_on_earth: Option<WaterOnEarthStatus>,
     /// The boat that is commanded, with the marks; `null`: no boat is commanded by this program.
     pub vessel: Option<VesselStatus>,
     /// The link to the vehicle.

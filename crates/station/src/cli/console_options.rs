@@ -1,10 +1,13 @@
 //! Options of the console, for `run` and `demo`.
 
 use std::net::SocketAddr;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use barrelman_console_server::{CertificateFiles, ConsoleAddress, Encryption, KeptTokens, OnConsoleLost};
+use anyhow::Result;
+use barrelman_console_server::{
+    CertificateFiles, ConsoleAddress, Encryption, KeptTokens, Map, OnConsoleLost,
+};
 use clap::Args;
 
 use super::values::{parse_hours, parse_listen};
@@ -23,6 +26,10 @@ pub struct ConsoleOptions {
     /// open stay.
     #[arg(long, value_name = "HOURS", value_parser = parse_hours)]
     pub token_ttl: Option<f64>,
+    /// Show this map under boat and marks, where latitude and longitude are known: a folder of tiles ZOOM/X/Y.png, or an
+    /// MBTiles file. Nothing is fetched.
+    #[arg(long, value_name = "PATH")]
+    pub map: Option<PathBuf>,
     /// What happens when the controlling page is gone (closed for 2 s, or silent for 3 s): the camera goes on, or stops.
     #[arg(long, value_enum, value_name = "WHAT")]
     pub on_console_lost: Option<OnConsoleLost>,
@@ -53,6 +60,14 @@ impl ConsoleOptions {
             _ if self.tls_on_loopback => Some(Encryption::Always),
             _ => None,
         }
+    }
+
+    /// The map, or that of the configuration.
+    ///
+    /// # Errors
+    /// If it cannot be read.
+    pub fn open_map(&self, configured: Option<&Path>) -> Result<Option<Map>> {
+        self.map.as_deref().or(configured).map(Map::open).transpose()
     }
 
     /// Where the tokens are kept, with what the configuration says where there is no option.

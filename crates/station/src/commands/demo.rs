@@ -60,6 +60,7 @@ fn drive(args: &DemoArgs, files: DriveFiles, first_files: OpenFiles, clock: Cloc
     let address = options.address(ConsoleAddress::default());
     let tokens = options.kept_tokens(KeptTokens::default());
     let mut console = ConsoleSettings::without_tokens_on_loopback(address, tokens)?;
+    console.map = options.open_map(None)?;
     console.on_lost = options.on_console_lost.unwrap_or_default();
     let max_duration = args.seconds.map(Duration::from_secs_f64);
     let session = DriveSession { plan, files: files.clone(), first_files, console, max_duration, clock };

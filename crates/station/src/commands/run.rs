@@ -187,6 +187,7 @@ fn open_console(args: &RunArgs, config: &ConsoleConfig) -> Result<ConsoleSetting
     let options = &args.console;
     let tokens = options.kept_tokens(config.tokens.clone());
     let mut console = ConsoleSettings::with_tokens(options.address(config.address.clone()), tokens)?;
+    console.map = options.open_map(config.map.as_deref())?;
     console.on_lost = options.on_console_lost.unwrap_or(config.on_lost);
     console.links_file.clone_from(&args.links_file);
     Ok(console)

@@ -31,6 +31,10 @@ pub struct ConsoleSection {
     #[schemars(range(min = 0.001, max = 100_000.0), example = 720.0)]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub token_ttl_h: Option<f64>,
+    /// Map under boat and marks: a folder of tiles ZOOM/X/Y.png, or an MBTiles file.
+    #[schemars(example = "/var/lib/barrelman/harbour.mbtiles")]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub map: Option<PathBuf>,
     /// What happens when the controlling page is gone: closed for 2 s, or silent for 3 s.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub on_lost: Option<OnConsoleLost>,
@@ -79,6 +83,8 @@ pub struct ConsoleConfig {
     pub address: ConsoleAddress,
     /// Where the tokens are kept.
     pub tokens: KeptTokens,
+    /// The map; `None`: there is none.
+    pub map: Option<PathBuf>,
     /// What happens when the controlling page is gone.
     pub on_lost: OnConsoleLost,
 }
@@ -112,6 +118,7 @@ impl ConsoleSection {
                 file: self.token_file.clone(),
                 max_age: self.token_ttl_h.map(|hours| Duration::from_secs_f64(3600.0 * hours)),
             },
+            map: self.map.clone(),
             on_lost: self.on_lost.unwrap_or_default(),
         })
     }
@@ -149,6 +156,7 @@ impl ConsoleSection {
             hosts: Some(host_names),
             token_file: config.tokens.file.clone(),
             token_ttl_h: config.tokens.max_age.map(|max_age| max_age.as_secs_f64() / 3600.0),
+            map: config.map.clone(),
             on_lost: Some(config.on_lost),
             tls_certificate,
             tls_key,
