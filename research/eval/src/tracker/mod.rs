@@ -31,6 +31,7 @@ mod orientation;
 mod leave_one_out;
 
 mod candidates;
+mod empty_water;
 mod labelled_pictures;
 pub(crate) mod past_selection;
 mod taps;

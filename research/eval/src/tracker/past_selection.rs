@@ -24,7 +24,7 @@ use serde_json::json;
 use super::clip_sets::hidden_frames;
 use super::clips::{Clip, list_clips};
 use super::scoring::Label;
-use super::{candidates, taps};
+use super::{candidates, empty_water, taps};
 use crate::output::print_line;
 use crate::rng_of_name::rng_of_name;
 use crate::workspace::path_or_default;
@@ -64,6 +64,9 @@ pub(crate) struct SelectionOptions {
     /// The objects that are found in single pictures instead: on --starts labelled frames of each clip.
     #[arg(long, conflicts_with = "taps")]
     candidates: bool,
+    /// The candidates on water without any object instead, in --starts rendered seas of each sea state.
+    #[arg(long, conflicts_with_all = ["taps", "candidates"])]
+    empty_water: bool,
     /// Print each selection that was not right.
     #[arg(long)]
     each: bool,
@@ -166,6 +169,9 @@ impl Tally {
 pub(crate) fn run(options: &SelectionOptions) -> Result<bool> {
     if options.candidates {
         return candidates::run(options.clips.as_deref(), &options.clip, options.starts);
+    }
+    if options.empty_water {
+        return empty_water::run(options.starts);
     }
     if options.taps {
         return taps::run(options.clips.as_deref(), &options.clip, options.starts);
