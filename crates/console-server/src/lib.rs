@@ -62,6 +62,7 @@ mod in_memory;
 #[cfg(test)]
 mod test_scenes;
 
+pub use access::Tokens;
 pub use https::CertificateFiles;
 pub use library::Library;
 pub use links::print_served;
