@@ -12,7 +12,7 @@ use barrelman_vocab::Timestamp;
 
 use super::limits::{REQUESTS, RateLimit};
 use super::origin::{Origin, Scheme};
-use super::tokens::{Tokens, secret};
+use super::tokens::{Tokens, TokensInForce, secret};
 
 /// Largest number of cookies of each role. A further one takes the place of the oldest of its role: a watcher cannot log
 /// a controller out.
@@ -65,8 +65,8 @@ pub struct Access {
 
 /// The tokens and the cookies in force.
 struct Secrets {
-    /// `None`: no token is asked for, and everybody may control.
-    tokens: Option<Tokens>,
+    /// Without tokens everybody may control.
+    tokens: TokensInForce,
     /// How often the tokens were renewed.
     generation: u64,
     cookies: BTreeMap<String, (u64, Role)>,
@@ -75,7 +75,7 @@ struct Secrets {
 
 impl Access {
     /// The rule of a server. Cookies do not differ by port, therefore the port is part of the cookie's name.
-    pub(super) fn new(tokens: Option<Tokens>, origin: Origin, clock: Clock) -> Self {
+    pub(super) fn new(tokens: TokensInForce, origin: Origin, clock: Clock) -> Self {
         let limit = || RateLimit::new(REQUESTS, clock.now());
         Self {
             cookie_name: format!("barrelman-{}", origin.address.port()),
@@ -109,10 +109,10 @@ impl Access {
     /// What a request shows, by its `Authorization` and `Cookie` headers. `None`: nothing that permits anything.
     pub(super) fn pass(&self, authorization: Option<&str>, cookies: Option<&str>) -> Option<Pass> {
         let secrets = self.secrets();
-        let Some(tokens) = &secrets.tokens else {
+        let Some(tokens) = secrets.tokens.get() else {
             return Some(Pass { role: Role::Control, proof: Proof::NotAsked });
         };
-        if let Some(role) = authorization.and_then(|text| bearer_role(tokens, text)) {
+        if let Some(role) = authorization.and_then(|text| bearer_role(&tokens, text)) {
             return Some(Pass { role, proof: Proof::Token(secrets.generation) });
         }
         let found = cookies?.split(';').filter_map(|pair| pair.trim().split_once('='));
@@ -124,7 +124,7 @@ impl Access {
 
     /// The role of an `Authorization` header with a token.
     pub fn bearer_role(&self, authorization: &str) -> Option<Role> {
-        bearer_role(self.secrets().tokens.as_ref()?, authorization)
+        bearer_role(&self.tokens()?, authorization)
     }
 
     /// Whether what was shown is still in force.
@@ -152,7 +152,7 @@ impl Access {
     /// were opened with them stay where `kept` names one.
     pub(super) fn renew(&self, tokens: Tokens, kept: &[Pass]) {
         let mut secrets = self.secrets();
-        secrets.tokens = Some(tokens);
+        secrets.tokens.replace(tokens);
         if !kept.iter().any(|pass| matches!(pass.proof, Proof::Token(_))) {
             secrets.generation += 1;
         }
@@ -185,7 +185,7 @@ impl Access {
 
     /// The tokens, if tokens are asked for.
     pub fn tokens(&self) -> Option<Tokens> {
-        self.secrets().tokens.clone()
+        self.secrets().tokens.get()
     }
 
     fn secrets(&self) -> MutexGuard<'_, Secrets> {
@@ -222,7 +222,7 @@ mod tests {
     fn access() -> Access {
         let tokens =
             Tokens { control: "control-0123456789".to_owned(), watch: "watch-0123456789".to_owned() };
-        Access::new(Some(tokens), origin(Scheme::Http), Clock::start())
+        Access::new(TokensInForce::new(Some(tokens)), origin(Scheme::Http), Clock::start())
     }
 
     #[test]
@@ -239,7 +239,7 @@ mod tests {
             assert_eq!(access.role(Some(header), None), role, "{header}");
         }
         assert_eq!(access.role(None, None), None);
-        let open = Access::new(None, origin(Scheme::Http), Clock::start());
+        let open = Access::new(TokensInForce::default(), origin(Scheme::Http), Clock::start());
         assert_eq!(open.role(None, None), Some(Role::Control));
     }
 
@@ -248,7 +248,7 @@ mod tests {
         let access = access();
         let cookie = access.new_cookie(Role::Watch).unwrap();
         assert!(cookie.contains("HttpOnly") && cookie.contains("SameSite=Strict"));
-        let encrypted = Access::new(None, origin(Scheme::Https), Clock::start());
+        let encrypted = Access::new(TokensInForce::default(), origin(Scheme::Https), Clock::start());
         assert!(
             !cookie.contains("Secure") && encrypted.new_cookie(Role::Watch).unwrap().ends_with("; Secure")
         );

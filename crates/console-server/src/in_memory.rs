@@ -22,7 +22,7 @@ use super::origin::{Origin, Scheme};
 use super::requests::{Reply, Requester, answer, begin_request};
 use super::seats::ClientId;
 use super::shared::Console;
-use super::tokens::{KeptTokens, Tokens};
+use super::tokens::{KeptTokens, Tokens, TokensInForce};
 use super::{ConsoleParts, OnConsoleLost, SessionFacts, SessionTime, VideoOutlet, routes};
 use crate::operator::{Answer, Gateway, SessionRequest};
 use crate::snapshot::{LinkStatus, Publisher, RecordingState};
@@ -83,7 +83,7 @@ impl InMemory {
         let origin = Origin { scheme: Scheme::Http, address: setup.address.parse().unwrap() };
         let tokens = Tokens { control: CONTROL_TOKEN.to_owned(), watch: WATCH_TOKEN.to_owned() };
         let entrance = Entrance {
-            access: Access::new(setup.asks_for_tokens.then_some(tokens), origin, clock),
+            access: Access::new(TokensInForce::new(setup.asks_for_tokens.then_some(tokens)), origin, clock),
             links: IssuedLinks::new(origin, None, KeptTokens::default(), None, clock.now()),
             hosts: Hosts::new(origin, vec!["boat.example".to_owned()]),
             https: None,

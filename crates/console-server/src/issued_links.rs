@@ -118,6 +118,7 @@ mod tests {
     use super::super::access::Role;
     use super::super::links_file;
     use super::super::origin::Scheme;
+    use super::super::tokens::TokensInForce;
     use super::*;
 
     #[test]
@@ -129,7 +130,7 @@ mod tests {
         let kept = KeptTokens { file: Some(file.clone()), max_age: Some(Duration::from_secs(3600)) };
         let first = Tokens::kept_in(&file, kept.max_age).unwrap();
         let clock = Clock::start();
-        let access = Access::new(Some(first.clone()), origin, clock);
+        let access = Access::new(TokensInForce::new(Some(first.clone())), origin, clock);
         let links = IssuedLinks::new(origin, None, kept, Some(published.clone()), clock.now());
         links.publish(Some(first.clone())).unwrap();
         let later = |seconds| clock.now().plus(Duration::from_secs(seconds));

@@ -78,5 +78,5 @@ pub use server::ConsoleServer;
 pub use session_time::SessionTime;
 pub use settings::{ConsoleAddress, ConsoleSettings, Encryption};
 pub use shared::{ConsoleParts, SessionFacts, VideoOutlet};
-pub use tokens::KeptTokens;
+pub use tokens::{KeptTokens, TokensInForce};
 pub use video_relay::VideoRelay;

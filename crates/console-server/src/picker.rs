@@ -80,7 +80,7 @@ pub fn pick(
     let ConsoleSettings { listener, tokens, kept, https, .. } = settings;
     listener.set_nonblocking(true)?;
     let (sender, picked) = oneshot::channel();
-    let link = link_for_control(origin, tokens.as_ref());
+    let link = link_for_control(origin, tokens.get().as_ref());
     let picker = Arc::new(Picker {
         access: entrance.access,
         hosts: entrance.hosts,

@@ -78,7 +78,7 @@ impl ConsoleServer {
         });
         let encoders = encoders.collect::<std::io::Result<Vec<_>>>()?;
         let console = Arc::new(Console::new(parts, map, on_lost, entrance));
-        console.links.publish(tokens.clone())?;
+        console.links.publish(tokens.get())?;
         let runtime = runtime().context("the console's server cannot be started")?;
         let (end, ended) = oneshot::channel::<()>();
         let fingerprint = fingerprint(https.as_deref()).map(str::to_owned);
@@ -98,7 +98,7 @@ impl ConsoleServer {
             });
             // Dropping the runtime closes all connections.
         })?;
-        announce(origin, tokens.as_ref(), kept.file.as_deref(), fingerprint.as_deref())?;
+        announce(origin, tokens.get().as_ref(), kept.file.as_deref(), fingerprint.as_deref())?;
         Ok(Self { address: origin.address, end: Some(end), thread: Some(thread), encoders, pictures })
     }
 

@@ -38,7 +38,7 @@ impl SessionTime {
     }
 
     /// The time of day at a time of the session, such as "14:03:07.4"; `None`: the time is simulated.
-    pub(super) fn time_of_day(&self, at: Timestamp) -> Option<String> {
+    pub fn time_of_day(&self, at: Timestamp) -> Option<String> {
         if self.offset_ns.load(Ordering::Relaxed) != 0 {
             return None;
         }

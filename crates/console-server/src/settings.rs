@@ -19,7 +19,7 @@ use super::links::fingerprint;
 use super::map::Map;
 use super::on_lost::OnConsoleLost;
 use super::origin::{Origin, Scheme};
-use super::tokens::{KeptTokens, Tokens};
+use super::tokens::{KeptTokens, TokensInForce};
 
 /// Ports that are tried where no address is given.
 const PORTS: std::ops::Range<u16> = 8480..8490;
@@ -56,8 +56,8 @@ pub struct ConsoleAddress {
 pub struct ConsoleSettings {
     /// The socket.
     pub listener: TcpListener,
-    /// The tokens; `None`: everybody who reaches the socket may control.
-    pub tokens: Option<Tokens>,
+    /// The tokens; without any, everybody who reaches the socket may control.
+    pub tokens: TokensInForce,
     /// Where the tokens are kept.
     pub kept: KeptTokens,
     /// Where the links are written while the console is served; `None`: nowhere.
@@ -78,7 +78,7 @@ impl ConsoleSettings {
     /// # Errors
     /// If the address is in use, or the tokens or the certificate cannot be read or made.
     pub fn with_tokens(address: ConsoleAddress, kept: KeptTokens) -> Result<Self> {
-        Ok(Self { tokens: Some(kept.take()?), kept, ..Self::open(address)? })
+        Ok(Self { tokens: TokensInForce::new(Some(kept.take()?)), kept, ..Self::open(address)? })
     }
 
     /// The same, without tokens where only this machine can reach the console.
@@ -117,7 +117,7 @@ impl ConsoleSettings {
         let https = identity(encryption, listener.local_addr()?.ip(), &host_names)?.map(Arc::new);
         Ok(Self {
             listener,
-            tokens: None,
+            tokens: TokensInForce::default(),
             kept: KeptTokens::default(),
             links_file: None,
             host_names,

@@ -1,7 +1,9 @@
 //! The two tokens of a console, one for control and one for watching, and the file that keeps them.
 
+use std::fmt;
 use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, SystemTime};
 
 use anyhow::{Context, Result, bail};
@@ -31,7 +33,7 @@ impl KeptTokens {
     ///
     /// # Errors
     /// If the tokens cannot be read or made, or would be renewed without a file in which the new ones can be found.
-    pub(super) fn take(&self) -> Result<Tokens> {
+    pub fn take(&self) -> Result<Tokens> {
         match &self.file {
             Some(path) => Tokens::kept_in(path, self.max_age),
             None if self.max_age.is_some() => bail!(
@@ -120,6 +122,32 @@ impl Tokens {
             bail!("both tokens are the same: a watcher could control");
         }
         Ok(tokens)
+    }
+}
+
+/// The tokens in force. A renewal replaces them for all who look at them.
+#[derive(Clone, Default)]
+pub struct TokensInForce(Arc<Mutex<Option<Tokens>>>);
+
+impl TokensInForce {
+    /// `None`: no token is asked for.
+    pub fn new(tokens: Option<Tokens>) -> Self {
+        Self(Arc::new(Mutex::new(tokens)))
+    }
+
+    /// The tokens; `None`: no token is asked for.
+    pub fn get(&self) -> Option<Tokens> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).clone()
+    }
+
+    pub(super) fn replace(&self, tokens: Tokens) {
+        *self.0.lock().unwrap_or_else(PoisonError::into_inner) = Some(tokens);
+    }
+}
+
+impl fmt::Debug for TokensInForce {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str("TokensInForce")
     }
 }
 

@@ -64,6 +64,13 @@ impl<T> Latest<T> {
         }
     }
 
+    /// Waits at most so long for a value and takes it. Returns `None` at once where the slot is closed.
+    pub fn wait_for(&self, most: Duration) -> Option<T> {
+        let is_pending = |slot: &mut Slot<T>| slot.value.is_none() && !slot.closed;
+        let waited = self.changed.wait_timeout_while(self.slot(), most, is_pending);
+        waited.unwrap_or_else(PoisonError::into_inner).0.value.take()
+    }
+
     /// The number of values that were replaced before they were taken.
     pub fn replaced(&self) -> u64 {
         self.slot().replaced
@@ -105,6 +112,7 @@ mod tests {
         latest.put(1);
         latest.close();
         assert_eq!([latest.wait(), latest.wait()], [Some(1), None]);
+        assert_eq!(latest.wait_for(Duration::MAX), None, "a closed slot is not waited for");
         latest.put(2);
         assert_eq!(latest.wait_until_wanted(Duration::ZERO, || true), None, "a closed slot wants nothing");
     }

@@ -71,8 +71,8 @@ fn media() -> Command {
         .disable_version_flag(true)
         .about("Reads and decodes video for barrelman with GStreamer")
         .long_about(
-            "barrelman starts this program, in a process of its own, for each video that its built-in engine does not read or decode. \
-             It is not started by hand.",
+            "barrelman starts this program, in a process of its own, for each video that its built-in engine does not read or decode, \
+             and for the annotated video that other programs read. It is not started by hand.",
         )
 }
 

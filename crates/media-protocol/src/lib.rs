@@ -7,6 +7,10 @@
 //!
 //!              ToDecoder + encoded unit                FromDecoder + planes
 //!  barrelman ----------------------> barrelman-media (decoder) -----------------> barrelman
+//!
+//!              ToShare + encoded unit                  RTSP
+//!  barrelman ----------------------> barrelman-media (share) -------------------> readers
+//!            <---------------------- FromShare: what the readers need
 //! ```
 //! A source turns an address into encoded units. A decoder turns units into pictures, whether the units come
 //! from a source, from a recording or from a file: a replay decodes exactly what the live run decoded.
@@ -29,5 +33,7 @@ pub mod source;
 pub mod failure;
 
 pub mod decoder;
+
+pub mod share;
 
 pub mod format;

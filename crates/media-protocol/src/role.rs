@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::format::CodedFormat;
+use crate::share::ShareSettings;
 use crate::source::SourceSettings;
 
 /// The file name of the program.
@@ -30,6 +31,8 @@ pub enum Role {
     Decoder(DecoderSettings),
     /// Lists what can be decoded, then ends. See [`crate::decoder::DecoderList`].
     ListDecoders,
+    /// Serves units to readers.
+    Share(ShareSettings),
 }
 
 /// What a decoder is for.

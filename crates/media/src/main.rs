@@ -1,7 +1,7 @@
 //! `barrelman-media`: the part of Barrelman that links GStreamer.
 //!
-//! `barrelman` starts this program as a process of its own for each source, each decoder and each list of
-//! decoders ([`Role`]), and talks to it over the socket that is its standard input
+//! `barrelman` starts this program as a process of its own for each source, each decoder, each share and each
+//! list of decoders ([`Role`]), and talks to it over the socket that is its standard input
 //! (`barrelman_media_protocol`). The process reads what strangers send, so it gives up the rights that its
 //! role does not need ([`rights`]), and it ends when the socket is closed.
 //!
@@ -18,6 +18,8 @@ mod picture;
 mod decoder;
 
 mod source;
+
+mod share;
 
 use std::io::{self, IsTerminal as _};
 use std::os::fd::AsFd as _;
@@ -68,10 +70,12 @@ fn run() -> Result<(), String> {
     let ended = match start.role {
         Role::Decoder(_) if is_other_build => decoder::refuse(&mut channel, OTHER_BUILD, INSTALL_BOTH),
         Role::Source(_) if is_other_build => source::refuse(&mut channel, OTHER_BUILD, INSTALL_BOTH),
+        Role::Share(_) if is_other_build => share::refuse(&mut channel, OTHER_BUILD, INSTALL_BOTH),
         Role::ListDecoders if is_other_build => return Err(format!("{OTHER_BUILD}. {INSTALL_BOTH}")),
         Role::Decoder(settings) => decoder::serve(channel, settings),
         Role::ListDecoders => decoder::list(&mut channel),
         Role::Source(settings) => source::serve(channel, settings),
+        Role::Share(settings) => share::serve(channel, &settings),
     };
     match ended {
         Ok(()) | Err(ChannelError::Closed) => Ok(()),

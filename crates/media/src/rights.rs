@@ -3,11 +3,11 @@
 //! A video stream is a stranger's input to large C libraries. Where one of them is taken over, the process
 //! can still do what its role needs, and no more:
 //!
-//! | | decoder | source |
-//! |---|---|---|
-//! | files (Landlock) | none | reading of `/usr`, `/lib`, `/etc` and of what the address names |
-//! | sockets (seccomp) | none new | all |
-//! | other programs, other processes, the kernel's own interfaces (seccomp) | none | none |
+//! | | decoder | source | share |
+//! |---|---|---|---|
+//! | files (Landlock) | none | reading of `/usr`, `/lib`, `/etc` and of what the address names | none |
+//! | sockets (seccomp) | none new | all | connections to a socket that it was given |
+//! | other programs, other processes, the kernel's own interfaces (seccomp) | none | none | none |
 //!
 //! The seccomp filter is a list of what is denied, with everything else allowed: what GStreamer's elements
 //! and a graphics driver call differs from version to version, and a list of what is allowed would end
@@ -41,8 +41,20 @@ pub(crate) struct Kept {
     pub readable: Vec<PathBuf>,
     /// Devices that may be read, written and controlled.
     pub devices: Vec<PathBuf>,
-    /// Whether new sockets may be opened.
-    pub network: bool,
+    /// Which sockets may be opened.
+    pub network: Network,
+}
+
+/// The sockets that a role may open.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub(crate) enum Network {
+    /// None.
+    #[default]
+    None,
+    /// Connections to a socket that is open already.
+    Accepted,
+    /// All.
+    All,
 }
 
 /// No dump of the memory, which may hold a password: not at a crash, and not for another process of the user.
@@ -136,20 +148,20 @@ const DENIED: &[libc::c_long] = &[
     libc::SYS_vfork,
 ];
 
-/// Calls that open a connection.
-const NETWORK: &[libc::c_long] = &[
-    libc::SYS_socket,
-    libc::SYS_connect,
-    libc::SYS_bind,
-    libc::SYS_listen,
-    libc::SYS_accept,
-    libc::SYS_accept4,
-];
+/// Calls that open a socket.
+const OPENED: &[libc::c_long] = &[libc::SYS_socket, libc::SYS_connect, libc::SYS_bind, libc::SYS_listen];
 
-fn restrict_calls(network: bool) -> Result<(), String> {
-    let opened = if network { &[] } else { NETWORK };
+/// Calls that take a connection.
+const ACCEPTED: &[libc::c_long] = &[libc::SYS_accept, libc::SYS_accept4];
+
+fn restrict_calls(network: Network) -> Result<(), String> {
+    let (opened, accepted) = match network {
+        Network::None => (OPENED, ACCEPTED),
+        Network::Accepted => (OPENED, [].as_slice()),
+        Network::All => ([].as_slice(), [].as_slice()),
+    };
     let mut denied: BTreeMap<libc::c_long, Vec<SeccompRule>> =
-        DENIED.iter().chain(opened).map(|&call| (call, Vec::new())).collect();
+        DENIED.iter().chain(opened).chain(accepted).map(|&call| (call, Vec::new())).collect();
     // A new process. A new thread is allowed.
     let is_process = SeccompCondition::new(
         0,

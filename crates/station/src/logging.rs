@@ -27,9 +27,10 @@ pub fn start(level: LogLevel, format: LogFormat) -> WorkerGuard {
     let on_terminal = stderr().is_terminal();
     let (writer, guard) = NonBlockingBuilder::default().lossy(true).finish(LogOutput { on_terminal });
     // The RTSP library warns of each oddity of a server in many lines. What matters comes as the reason of a
-    // loss.
+    // loss. The drawing library warns of each line without length.
     let of_library = if filter > LevelFilter::INFO { filter } else { LevelFilter::ERROR.min(filter) };
-    let targets = Targets::new().with_default(filter).with_target("retina", of_library);
+    let targets =
+        Targets::new().with_default(filter).with_targets([("retina", of_library), ("tiny_skia", of_library)]);
     let lines = tracing_subscriber::fmt::layer().with_writer(writer).with_ansi(on_terminal);
     let registry = tracing_subscriber::registry().with(targets);
     match format {

@@ -51,7 +51,7 @@ use barrelman_media_protocol::source::{FromSource, SourceAddress, SourceSettings
 use gst::prelude::*;
 use gstreamer as gst;
 
-use crate::rights::{self, Kept};
+use crate::rights::{self, Kept, Network};
 use outbox::Outbox;
 use play::Play;
 
@@ -111,7 +111,7 @@ fn kept(address: &SourceAddress) -> Kept {
     let mut kept = Kept {
         readable: system.map(PathBuf::from).into(),
         devices: ["/dev/null", "/dev/dri"].map(PathBuf::from).into(),
-        network: true,
+        network: Network::All,
     };
     match address {
         SourceAddress::File(path) | SourceAddress::Sdp(path) => kept.readable.push(path.clone()),

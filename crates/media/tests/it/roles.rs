@@ -5,7 +5,8 @@ use std::process::{Command, Stdio};
 use barrelman_media_protocol::channel::ChannelError;
 use barrelman_media_protocol::decoder::{DecoderList, FromDecoder};
 use barrelman_media_protocol::format::CodedFormat;
-use barrelman_media_protocol::role::{DecoderSettings, Role};
+use barrelman_media_protocol::role::{BUILD, DecoderSettings, Role};
+use barrelman_media_protocol::share::{FromShare, ShareSettings};
 
 use crate::media::Media;
 
@@ -28,6 +29,19 @@ fn a_program_of_another_build_is_refused() {
     assert_eq!(reason, "is of another build than barrelman");
     assert_eq!(remedy, "Install both together");
     assert!(matches!(media.decoder_message(), Err(ChannelError::Closed)));
+}
+
+#[test]
+fn a_share_of_another_build_or_without_a_socket_is_refused() {
+    let settings = ShareSettings { path: "/boat".to_owned(), password: None };
+    let cases = [("0.0.0", "another build"), (BUILD, "no socket to listen on")];
+    for (build, expected) in cases {
+        let mut media = Media::of_build(build, Role::Share(settings.clone()));
+        let (message, _) = media.receive::<FromShare>().unwrap().unwrap();
+        let FromShare::Failed { reason, .. } = message else { panic!("{message:?}") };
+        assert!(reason.contains(expected), "{reason}");
+        assert!(media.end().success());
+    }
 }
 
 #[test]

@@ -23,6 +23,9 @@ pub struct CheckArgs {
     /// Check where events for TAK go: udp://host:port or tcp://host:port.
     #[arg(long, value_name = "URL")]
     pub tak: Option<String>,
+    /// Check where the annotated video is served: rtsp://IP:PORT/PATH.
+    #[arg(long, value_name = "URL")]
+    pub share: Option<String>,
     /// Print JSON.
     #[arg(long)]
     pub json: bool,

@@ -67,6 +67,11 @@ pub struct RunArgs {
     /// longitude are known: udp://host:port, also of a group as udp://239.2.3.1:6969, or tcp://host:port.
     #[arg(long, value_name = "URL")]
     pub tak: Option<String>,
+    /// Serve the annotated live video to other programs (FFmpeg, GStreamer) there, as RTSP with H.264:
+    /// rtsp://IP:PORT/PATH, as in rtsp://0.0.0.0:8554/boat. They give the user watch and the console's watch
+    /// token. Needs barrelman-media.
+    #[arg(long, value_name = "URL")]
+    pub share: Option<String>,
     /// Track what is in this box of the first picture: left, top, width, height in pixels. Without it nothing
     /// is tracked until the operator selects, except in a simulated world, where the world selects its boat.
     /// A file waits with its first picture until the box is drawn in a browser, where there is a display or

@@ -77,6 +77,7 @@ pub fn calibrate(
         console: None,
         tracking_camera: None,
         tak: None,
+        share: None,
         engage: false,
         calibration: Some(calibration.clone()),
         fault_injector: FaultInjector::default(),

@@ -14,6 +14,7 @@ use barrelman_vocab::{EncodedUnit, VideoFrame};
 use super::check_gimbal::check_gimbal;
 use super::check_over_http::check_over_http;
 use super::check_result::{CheckResult, Verdict, print};
+use super::check_share::check_share;
 use super::check_tak::check_tak;
 use super::run::override_key;
 use crate::cli::{CheckArgs, ConnectionOptions};
@@ -65,7 +66,10 @@ pub fn run(args: &CheckArgs, clock: Clock) -> Result<ExitCode> {
             results.push(CheckResult::new("link", Verdict::Warning, details));
         }
     }
-    results.extend(configuration.and_then(|found| found.tak.address).as_ref().map(check_tak));
+    if let Some(found) = configuration {
+        results.extend(found.tak.address.as_ref().map(check_tak));
+        results.extend(found.share.as_ref().map(check_share));
+    }
     print(&results, args.json)
 }
 
@@ -73,6 +77,7 @@ fn check_configuration(args: &CheckArgs, results: &mut Vec<CheckResult>) -> Opti
     let with_options = |mut file: ConfigFile| {
         override_key(&mut file.vehicle.profile, &args.profile);
         override_key(&mut file.tak.address, &args.tak);
+        override_key(&mut file.share.address, &args.share);
         Configuration::resolve(&file)
     };
     match args.connection.config_file().and_then(with_options) {

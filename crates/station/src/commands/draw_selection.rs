@@ -42,8 +42,8 @@ pub(super) fn draw_selection(
 }
 
 /// Whether the page's link may be in the command line of a browser: it then holds no token.
-const fn may_open_browser(settings: &ConsoleSettings) -> bool {
-    settings.tokens.is_none()
+fn may_open_browser(settings: &ConsoleSettings) -> bool {
+    settings.tokens.get().is_none()
 }
 
 /// Opens the page in the user's browser, where the system knows one. Without one, the link is on the terminal.

@@ -7,6 +7,7 @@ pub mod check;
 mod check_gimbal;
 mod check_over_http;
 mod check_result;
+mod check_share;
 mod check_tak;
 pub mod compare;
 pub mod config;

@@ -139,6 +139,7 @@ fn run_args(
         headless: true,
         foxglove: None,
         tak: None,
+        share: None,
         no_record: false,
         record: Some(recording.clone()),
         overlay: Some(film.clone()),

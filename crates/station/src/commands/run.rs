@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use anyhow::{Context, Result, bail};
-use barrelman_console_server::{AfterPicking, ConsoleSettings};
+use barrelman_console_server::{AfterPicking, ConsoleSettings, TokensInForce};
 use barrelman_pilot::{CommandPath, Pilot, PilotSettings};
 
 use super::draw_selection::{draw_selection, has_display};
@@ -18,6 +18,7 @@ use crate::live::run_loop::RunEnd;
 use crate::live::session::{Outputs, Session};
 use crate::live::source::Source;
 use crate::secrets;
+use crate::share::ShareSetup;
 use crate::tak::TakSetup;
 use crate::tracking_camera::{self, TrackingCameraSetup};
 use barrelman_host::clock::Clock;
@@ -67,6 +68,7 @@ pub fn run_with_outputs(
     let guard = needed_guard(&configuration, link.as_ref())?;
     let vessel_guard = needed_vessel_guard(&configuration)?;
     let console = (!args.headless).then(|| open_console(args, &configuration.console)).transpose()?;
+    let share = share(&configuration, console.as_ref())?;
     let pilot = build_pilot(&configuration, command_path(link.as_ref()))?;
     let selection = match args.select {
         None => drawn_selection(args, &source, console.as_ref())?,
@@ -88,6 +90,7 @@ pub fn run_with_outputs(
         console,
         tracking_camera,
         tak,
+        share,
         engage: args.engage,
         calibration: None,
         fault_injector,
@@ -182,6 +185,23 @@ fn tak(configuration: &Configuration) -> Result<Option<TakSetup>> {
     }))
 }
 
+/// The socket of the annotated video, where it is asked for. Readers know the watch token: the console's, or
+/// without a console that of the file of tokens, where one is named.
+///
+/// # Errors
+/// If the tokens cannot be read, or the address cannot be served.
+fn share(configuration: &Configuration, console: Option<&ConsoleSettings>) -> Result<Option<ShareSetup>> {
+    let Some(address) = &configuration.share else { return Ok(None) };
+    let kept = &configuration.console.tokens;
+    let tokens = match console {
+        Some(console) => console.tokens.clone(),
+        None if kept.file.is_some() => TokensInForce::new(Some(kept.take()?)),
+        None => TokensInForce::default(),
+    };
+    let setup = ShareSetup::open(address.clone(), tokens);
+    setup.context("--share, or share.address").map(Some)
+}
+
 /// Opens the console's socket. A live run always asks for a token: any program of this machine could reach the socket.
 fn open_console(args: &RunArgs, config: &ConsoleConfig) -> Result<ConsoleSettings> {
     let options = &args.console;
@@ -241,6 +261,7 @@ fn effective_configuration(args: &RunArgs) -> Result<(Configuration, bool)> {
     override_key(&mut file.vehicle.profile, &args.profile);
     override_key(&mut file.tracking_camera.url, &args.mavlink);
     override_key(&mut file.tak.address, &args.tak);
+    override_key(&mut file.share.address, &args.share);
     override_key(&mut file.vessel.url, &args.vessel);
     override_key(&mut file.vessel.profile, &args.vessel_profile);
     file.vessel.guidance = args.guidance.or(file.vessel.guidance);

@@ -10,6 +10,7 @@ use super::camera::{AxisSection, CameraSection};
 use super::console::{ConsoleSection, RecordingSection};
 use super::file::{ConfigFile, GimbalTiltSection, LawSection, LinkSection, VehicleSection, VideoSection};
 use super::lens::LensSection;
+use super::share::ShareSection;
 use super::tak::TakSection;
 use super::tracker::{FusedSection, TrackerSection};
 use super::tracking_camera::TrackingCameraSection;
@@ -40,6 +41,7 @@ pub(super) fn field_names() -> FieldNames {
         FusedSection,
         TrackingCameraSection,
         TakSection,
+        ShareSection,
         VesselSection,
         ConsoleSection,
         RecordingSection,

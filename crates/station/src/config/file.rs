@@ -12,6 +12,7 @@ use serde::{Deserialize, Serialize};
 
 use super::camera::CameraSection;
 use super::console::{ConsoleSection, RecordingSection};
+use super::share::ShareSection;
 use super::tak::TakSection;
 use super::tracker::TrackerSection;
 use super::tracking_camera::TrackingCameraSection;
@@ -37,6 +38,8 @@ pub struct ConfigFile {
     pub tracking_camera: TrackingCameraSection,
     /// Boat, camera and marks on the maps of TAK displays.
     pub tak: TakSection,
+    /// The annotated live video for other programs.
+    pub share: ShareSection,
     /// The boat.
     pub vessel: VesselSection,
     /// The operator's console.

@@ -10,6 +10,7 @@ pub mod file;
 pub mod camera;
 pub mod console;
 pub mod lens;
+pub mod share;
 pub mod tak;
 pub mod tracker;
 pub mod tracking_camera;

@@ -20,6 +20,7 @@ use super::tracking_camera::TrackingCameraConfig;
 use super::turning::{gimbal_tilt, net_yaw_limits};
 use super::vessel::VesselConfig;
 use crate::secrets::{LinkAccess, LoginSource, TrustFiles, VideoLogin};
+use crate::share::ShareAddress;
 use barrelman_experiments::law_choice::{GivenLaw, LawChoice, LawKeys};
 use barrelman_experiments::tracker_choice::{TrackerName, TrackerSettings};
 
@@ -71,6 +72,8 @@ pub struct Configuration {
     pub tracking_camera: TrackingCameraConfig,
     /// Events for TAK.
     pub tak: TakConfig,
+    /// Where the annotated video is served; `None`: nowhere.
+    pub share: Option<ShareAddress>,
     /// The boat that is commanded; `None`: none.
     pub vessel: Option<VesselConfig>,
     /// The operator's console.
@@ -179,6 +182,7 @@ impl Configuration {
             tracker: file.tracker.settings().validated()?,
             tracking_camera: file.tracking_camera.resolve(),
             tak: file.tak.resolve()?,
+            share: file.share.resolve()?,
             vessel: file.vessel.resolve()?,
             console: file.console.resolve()?,
             recording: file.recording.resolve(),

@@ -34,6 +34,7 @@ use super::video_sink::{LiveVideoSink, VideoReceivers};
 use crate::config::Configuration;
 use crate::link::vessel_link::Boat;
 use crate::link::{Link, LinkUrl};
+use crate::share::{ShareSetup, ShareThread};
 use crate::simulated_source::{LiveWorld, WorldSwitch};
 use crate::tak::{TakSetup, TakThread};
 use crate::tracking_camera::{CameraParts, TrackingCameraSetup, TrackingCameraThread};
@@ -65,6 +66,8 @@ pub(super) struct PartSettings {
     pub(super) tracking_camera: Option<TrackingCameraSetup>,
     /// Where events for TAK go.
     pub(super) tak: Option<TakSetup>,
+    /// Where the annotated video is served.
+    pub(super) share: Option<ShareSetup>,
     /// Whether a simulated world selects its target.
     pub(super) selects_target: bool,
 }
@@ -99,6 +102,7 @@ pub(super) struct OpenParts {
     pub(super) console: Option<ConsoleServer>,
     pub(super) tracking_camera: Option<TrackingCameraThread>,
     pub(super) tak: Option<TakThread>,
+    pub(super) share: Option<ShareThread>,
 }
 
 /// A recording and its file.
@@ -117,7 +121,7 @@ impl PartOpener<'_> {
         (link, boat): (Option<Link>, Option<Boat>),
         settings: PartSettings,
     ) -> Result<OpenRun> {
-        let PartSettings { sources, link_url, outputs, console, tracking_camera, tak, selects_target } =
+        let PartSettings { sources, link_url, outputs, console, tracking_camera, tak, share, selects_target } =
             settings;
         let Outputs { record, overlay, extras, not_recorded } = outputs;
         let worlds = sources.first.world().map(LiveWorld::switch).transpose()?;
@@ -157,7 +161,9 @@ impl PartOpener<'_> {
         let tracking_camera =
             tracking_camera.map(|setup| self.start_tracking_camera(setup, &publisher)).transpose()?;
         let tak = tak.map(|setup| self.start_tak(setup, &publisher)).transpose()?;
-        let parts = OpenParts { link, boat, recording, overlay, sources, console, tracking_camera, tak };
+        let share = share.map(|setup| self.start_share(setup)).transpose()?;
+        let parts =
+            OpenParts { link, boat, recording, overlay, sources, console, tracking_camera, tak, share };
         Ok(OpenRun { parts, publisher, latest, tracked, worlds, outlets })
     }
 
@@ -272,6 +278,10 @@ impl PartOpener<'_> {
         let context = format!("--tak {}", setup.address);
         TakThread::start(setup, publisher.subscribe(), self.clock, self.events.clone()).context(context)
     }
+
+    fn start_share(&self, setup: ShareSetup) -> Result<ShareThread> {
+        ShareThread::start(setup, self.clock, self.events.clone()).context("--share")
+    }
 }
 
 /// The state of the recording as the run begins.
@@ -297,7 +307,7 @@ impl OpenParts {
             }
         }
         drop(self.console);
-        drop((self.tracking_camera, self.tak));
+        drop((self.tracking_camera, self.tak, self.share));
         if let Some(Recording { path, recorder }) = self.recording
             && let Some(sortie) = recorder.finish()
         {

@@ -38,6 +38,7 @@ use crate::config::vessel::SIMULATED;
 use crate::link::vessel_link::{Boat, VesselLink};
 use crate::link::{Link, LinkUrl, VehicleLink};
 use crate::secrets;
+use crate::share::ShareSetup;
 use crate::tak::TakSetup;
 use crate::tracking_camera::TrackingCameraSetup;
 
@@ -74,6 +75,8 @@ pub struct Session<'a> {
     pub tracking_camera: Option<TrackingCameraSetup>,
     /// Where events for TAK go; `None`: none are sent.
     pub tak: Option<TakSetup>,
+    /// Where the annotated video is served; `None`: nowhere.
+    pub share: Option<ShareSetup>,
     /// The calibration that the run is made for; `None`: an ordinary run.
     pub calibration: Option<LiveCalibration>,
     /// Deliberate faults of the program's own threads.
@@ -168,6 +171,7 @@ impl Session<'_> {
             console: self.console,
             tracking_camera: self.tracking_camera,
             tak: self.tak,
+            share: self.share,
             selects_target: self.selection.is_none() && !self.waits_for_selection,
         };
         let OpenRun { parts, publisher, latest, tracked, worlds, outlets } = opener.open(links, settings)?;
@@ -222,6 +226,7 @@ fn observers<'a>(
 ) -> Vec<Box<dyn LiveStepObserver + 'a>> {
     let mut observers: Vec<Box<dyn LiveStepObserver + 'a>> = Vec::new();
     observers.extend(parts.overlay.as_ref().map(|overlay| observer(overlay.input())));
+    observers.extend(parts.share.as_ref().map(|share| observer(share.input())));
     if let Some(outlets) = outlets {
         observers.push(Box::new(outlets.map(|_, outlet| outlet.pictures)));
     }

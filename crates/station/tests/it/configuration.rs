@@ -233,6 +233,10 @@ fn what_cannot_be_meant_is_refused_with_its_place() {
         "[tak]\naddress = \"239.2.3.1:6969\"\n",
         "--tak, or tak.address: \"239.2.3.1:6969\" is no address",
     );
+    refused(
+        "[share]\naddress = \"rtsp://0.0.0.0:8554\"\n",
+        "--share, or share.address: \"rtsp://0.0.0.0:8554\" names no path",
+    );
     for callsign in ["", " R1", "R\\n1", "R\\u0007", "R\\uFFFE", &"R".repeat(33)] {
         refused(&format!("[tak]\ncallsign = \"{callsign}\"\n"), "use 1 to 32 characters in one line");
     }

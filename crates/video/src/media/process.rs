@@ -77,10 +77,18 @@ impl MediaProcess {
     /// # Errors
     /// The program cannot be started.
     pub(crate) fn start(program: &MediaProgram, role: Role) -> Result<Self, MediaError> {
+        Self::start_with(program, role, Stdio::null())
+    }
+
+    /// The same, with a standard output.
+    ///
+    /// # Errors
+    /// As [`Self::start`].
+    pub(crate) fn start_with(program: &MediaProgram, role: Role, output: Stdio) -> Result<Self, MediaError> {
         let not_started = |cause| MediaError::Start { program: program.0.clone(), cause };
         let (channel, far) = Channel::pair().map_err(not_started)?;
         let mut command = Command::new(&program.0);
-        command.stdin(Stdio::from(far)).stdout(Stdio::null()).stderr(Stdio::piped());
+        command.stdin(Stdio::from(far)).stdout(output).stderr(Stdio::piped());
         let mut child = command.spawn().map_err(not_started)?;
         // The far end's socket must not stay open here: its end is how the death of the process is seen.
         drop(command);

@@ -14,6 +14,7 @@ use crate::config::file::{
     ConfigFile, LawSection, LineEnding, LinkSection, SignName, VehicleSection, VideoSection,
 };
 use crate::config::mavlink;
+use crate::config::share::ShareSection;
 use crate::config::tak::TakSection;
 use crate::config::tracker::TrackerSection;
 use crate::config::tracking_camera::TrackingCameraSection;
@@ -37,6 +38,7 @@ impl Configuration {
             tracker: TrackerSection::from_settings(&self.tracker),
             tracking_camera: TrackingCameraSection::from_config(&self.tracking_camera),
             tak: TakSection::from_config(&self.tak),
+            share: ShareSection::from_config(self.share.as_ref()),
             vessel: VesselSection::from_config(self.vessel.as_ref()),
             console: ConsoleSection::from_config(&self.console),
             recording: RecordingSection::from_config(&self.recording),
