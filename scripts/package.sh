@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Builds the Debian packages barrelman and barrelman-media for the machine's own architecture.
+# Builds the Debian packages barrelman, barrelman-media and barrelman-ros2 for the machine's own architecture.
 #
 #   scripts/package.sh          into target/debian
 #   scripts/package.sh DIR      into DIR
@@ -17,11 +17,12 @@ parts=target/package
 scripts/setup.sh media
 [ "$(cargo deb --version 2>/dev/null)" = "$cargo_deb" ] || cargo install -q --locked cargo-deb --version "$cargo_deb"
 
-cargo build --release --locked -p barrelman --bins -p barrelman-media -p barrelman-manuals
+cargo build --release --locked -p barrelman --bins -p barrelman-media -p barrelman-ros2 -p barrelman-manuals
 rm -rf "$parts"
-mkdir -p "$parts" "$folder"
+mkdir -p "$parts/ros2" "$folder"
 cargo run -q --release --locked -p barrelman-manuals -- "$parts/manuals"
 cargo run -q --locked -p xtask -- licences barrelman barrelman-media > "$parts/licences-of-libraries.txt"
+cargo run -q --locked -p xtask -- licences barrelman-ros2 > "$parts/ros2/licences-of-libraries.txt"
 
 # What is new, and Debian's form of it, which names the version.
 gzip -9n < CHANGELOG.md > "$parts/changelog.gz"
@@ -32,7 +33,7 @@ printf 'barrelman (%s-1) unstable; urgency=medium\n\n  * What is new: /usr/share
   "$version" "$maintainer" "$when" > "$parts/debian-changelog"
 
 built=()
-for package in barrelman barrelman-media; do
+for package in barrelman barrelman-media barrelman-ros2; do
   built+=("$(cargo deb -q --locked --no-build -p "$package" -o "$folder/")")
 done
 

@@ -41,7 +41,7 @@ build=(g++ nasm pkg-config libsqlite3-dev)
 media=(libgstreamer1.0-dev libgstreamer-plugins-base1.0-dev libgstrtspserver-1.0-dev
   gstreamer1.0-plugins-base gstreamer1.0-plugins-good gstreamer1.0-plugins-bad gstreamer1.0-plugins-ugly gstreamer1.0-libav)
 test=(python3-venv python3-gi gir1.2-gst-rtsp-server-1.0 gstreamer1.0-tools libgl1 libglib2.0-0 ffmpeg
-  chromium chromium-driver libnss3-tools)
+  chromium chromium-driver libnss3-tools iproute2)
 
 case "${1:-build}" in
   build) need_packages "${build[@]}" ;;

@@ -23,7 +23,7 @@ else
 fi
 
 # Of the whole workspace: with the features of the tests, so that nothing is compiled again.
-cargo build --workspace --bin barrelman --bin barrelman-guard --bin barrelman-media
+cargo build --workspace --bin barrelman --bin barrelman-guard --bin barrelman-media --bin barrelman-ros2
 # One practice clip for all of them, and what they printed.
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT

@@ -19,8 +19,8 @@ for program in "${needed[@]}"; do
     exit 1
   }
 done
-packages=(target/debian/barrelman_*.deb target/debian/barrelman-media_*.deb)
-[ -e "${packages[1]}" ] || { echo "packages: build them first: scripts/package.sh" >&2; exit 1; }
+packages=(target/debian/barrelman_*.deb target/debian/barrelman-media_*.deb target/debian/barrelman-ros2_*.deb)
+[ -e "${packages[2]}" ] || { echo "packages: build them first: scripts/package.sh" >&2; exit 1; }
 
 if [ -z "${ROOTS:-}" ]; then
   ROOTS=$(mktemp -d)
@@ -55,7 +55,7 @@ try() {
   echo "== $release: a fresh system"
   [ -x "$root/usr/bin/apt-get" ] || debootstrap --variant=minbase \
     --include=ca-certificates,curl,dbus,libpam-systemd,polkitd,procps,python3,systemd,systemd-sysv,udev "$release" "$root" "$mirror" >/dev/null
-  chroot "$root" apt-get purge -y -qq barrelman barrelman-media >/dev/null 2>&1 || true
+  chroot "$root" apt-get purge -y -qq barrelman barrelman-media barrelman-ros2 >/dev/null 2>&1 || true
   rm -rf "$root/acceptance" "$root/var/lib/barrelman"
   mkdir -p "$root/acceptance/upgrade"
   cp "${packages[@]}" scripts/acceptance/packaged_service.py "$root/acceptance/"
@@ -68,6 +68,7 @@ try() {
     apt-get update -qq && apt-get install -y -qq --no-install-recommends /acceptance/*.deb' >"$root/acceptance/apt" 2>&1 ||
     { tail -20 "$root/acceptance/apt"; umount "$root/proc"; exit 1; }
   in_system "$root" barrelman --version
+  in_system "$root" barrelman-ros2 --version
   in_system "$root" barrelman check | tee "$root/acceptance/check"
   grep -q 'H.265' "$root/acceptance/check" || { echo "packages: no decoder of H.265" >&2; umount "$root/proc"; exit 1; }
   in_system "$root" sh -ec 'cd /tmp

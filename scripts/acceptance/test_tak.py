@@ -16,41 +16,18 @@ from typing import Any
 
 import pytest
 import takproto
-from pymavlink.dialects.v20 import common as mavlink
 
-from client import Program, Request
+from client import Program
 from conftest import Check
 from independent_gimbal import GimbalManager
+from located_gimbal import LATITUDE, LONGITUDE, WORLD, LocatedGimbal, distance_m, located_run, place_of
 from machine import PATIENCE_S, wait_until
 from process import run, threads_of
 
 pytestmark = pytest.mark.apart
 
 UNKNOWN = 9999999.0
-LATITUDE, LONGITUDE, HEADING_DEG, HEIGHT_M = 54.1234567, -10.7654321, 30.0, 12.5
 CALLSIGN = "R&D <1> \"two\" 'ü'"
-WORLD = "sim:rescue?size=640x360"
-
-
-class LocatedGimbal(GimbalManager):
-    """A gimbal whose vehicle reports its position and the direction of its nose.
-
-    It looks so far down that every line of sight meets the water nearby.
-    """
-
-    def __init__(self) -> None:
-        super().__init__()
-        self.angles = [0.0, -0.9]
-
-    def _attitude(self) -> Any:
-        lat, lon = round(LATITUDE * 1e7), round(LONGITUDE * 1e7)
-        height = round(HEIGHT_M * 1e3)
-        self._send(
-            mavlink.MAVLink_global_position_int_message(
-                self._ms(), lat, lon, 40_000, height, 0, 0, 0, round(HEADING_DEG * 100)
-            )
-        )
-        return super()._attitude()
 
 
 @pytest.fixture
@@ -60,47 +37,15 @@ def gimbal() -> Iterator[LocatedGimbal]:
     gimbal.close()
 
 
-def place_of(x: float, y: float) -> tuple[float, float]:
-    """Latitude and longitude (WGS 84) of a point to the right of the camera and ahead of it, metres."""
-    heading, phi = math.radians(HEADING_DEG), math.radians(LATITUDE)
-    north, east = y * math.cos(heading) - x * math.sin(heading), y * math.sin(heading) + x * math.cos(heading)
-    a, e2 = 6378137.0, 6.69437999014e-3
-    shape = 1 - e2 * math.sin(phi) ** 2
-    meridian, normal = a * (1 - e2) / shape**1.5, a / math.sqrt(shape)
-    return (
-        LATITUDE + math.degrees(north / meridian),
-        LONGITUDE + math.degrees(east / (normal * math.cos(phi))),
-    )
-
-
 def away_m(event: Any, place: tuple[float, float]) -> float:
-    metres = 111_320.0
-    return math.hypot(
-        (event.lat - place[0]) * metres, (event.lon - place[1]) * metres * math.cos(math.radians(LATITUDE))
-    )
+    return distance_m((event.lat, event.lon), place)
 
 
 def started(barrelman: pathlib.Path, folder: pathlib.Path, gimbal: GimbalManager, *options: str) -> Program:
     """A run that follows the boat, and has a place and a person marked."""
     config = folder / "barrelman.toml"
     config.write_text(f"[tak]\ncallsign = {json.dumps(CALLSIGN)}\n", encoding="utf-8")
-    program = Program(
-        barrelman,
-        "run",
-        config,
-        *("--no-record", "--video", WORLD, "--profile", "mavlink-gimbal", "--link", gimbal.url),
-        *("--vessel", "sim:", *options),
-    )
-    program.wait(lambda status: status["boat"] and status["boat"]["on_earth"], "the boat's place on Earth")
-    for kind in ("place", "person"):
-        status = program.status()
-        width, height = status["video"]["size"]
-        at = {"u": width / 4, "v": 0.75 * height}
-        answer = program.request(
-            Request("mark", mark=kind, at=at, captured_ns=status["video"]["captured_ns"])
-        )
-        assert answer["answer"] == "accepted", answer
-    return program
+    return located_run(barrelman, gimbal, config, *options)
 
 
 class Display:

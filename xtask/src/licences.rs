@@ -42,8 +42,10 @@ pub(crate) fn text(root: &Path, packages: &[String]) -> Result<String> {
             libraries_of.entry(text).or_default().insert(name.clone());
         }
     }
-    let font = std::fs::read_to_string(root.join(FONT)).context(FONT)?;
-    libraries_of.entry(font).or_default().insert("the font DejaVu".to_owned());
+    if libraries_of.values().flatten().any(|library| library.starts_with("dejavu ")) {
+        let font = std::fs::read_to_string(root.join(FONT)).context(FONT)?;
+        libraries_of.entry(font).or_default().insert("the font DejaVu".to_owned());
+    }
     let mut all = String::new();
     for (text, libraries) in libraries_of {
         let names: Vec<_> = libraries.into_iter().collect();

@@ -7,6 +7,7 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use anyhow::{Context as _, Result, bail};
+use barrelman_ros2::cli::Cli as Ros2Cli;
 use barrelman_station::cli::Cli;
 use clap::{Command, CommandFactory as _};
 use clap_complete::Shell;
@@ -14,6 +15,9 @@ use clap_complete::aot::generate_to;
 
 /// The shells that get completions.
 const SHELLS: [Shell; 3] = [Shell::Bash, Shell::Fish, Shell::Zsh];
+
+/// The node of ROS 2: its package and its program.
+const ROS2: &str = "barrelman-ros2";
 
 fn main() -> ExitCode {
     match run() {
@@ -36,15 +40,19 @@ fn run() -> Result<()> {
 /// Writes all files into a folder, which is made if it is missing.
 fn write(folder: &Path) -> Result<()> {
     let context = || format!("the manuals cannot be written into {}", folder.display());
-    for (package, program) in
-        [("barrelman", Cli::command()), ("barrelman", guard()), ("barrelman-media", media())]
-    {
+    for (package, program) in [
+        ("barrelman", Cli::command()),
+        ("barrelman", guard()),
+        ("barrelman-media", media()),
+        (ROS2, Ros2Cli::command()),
+    ] {
         let pages = folder.join(package);
         std::fs::create_dir_all(&pages).with_context(context)?;
         clap_mangen::generate_to(program, pages).with_context(context)?;
     }
     for shell in SHELLS {
         generate_to(shell, &mut Cli::command(), "barrelman", folder).with_context(context)?;
+        generate_to(shell, &mut Ros2Cli::command(), ROS2, folder).with_context(context)?;
     }
     Ok(())
 }
@@ -122,9 +130,11 @@ mod tests {
             let page = written.text(&format!("barrelman/barrelman-{command}.1"));
             assert!(page.contains(&format!("\\fBbarrelman {command}\\fR")), "{command}: {page}");
         }
-        for (page, word) in
-            [("barrelman/barrelman-guard.1", "zeros"), ("barrelman-media/barrelman-media.1", "GStreamer")]
-        {
+        for (page, word) in [
+            ("barrelman/barrelman-guard.1", "zeros"),
+            ("barrelman-media/barrelman-media.1", "GStreamer"),
+            ("barrelman-ros2/barrelman-ros2.1", "rmw_cyclonedds_cpp"),
+        ] {
             assert!(written.text(page).contains(word), "{page}");
         }
     }
@@ -132,6 +142,9 @@ mod tests {
     #[test]
     fn every_shell_completes_every_command() {
         let written = Written::new("shells");
+        for file in ["barrelman-ros2.bash", "barrelman-ros2.fish", "_barrelman-ros2"] {
+            assert!(written.text(file).contains("dds-address"), "{file}");
+        }
         for command in commands() {
             for (file, line) in [
                 ("barrelman.bash", format!("barrelman,{command})")),
