@@ -9,32 +9,30 @@
 //!
 //! The server only carries requests; who controls, and what turns until when, is decided by [`Sigma`].
 
-use std::net::{SocketAddr, TcpListener};
+use std::net::SocketAddr;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
-use std::thread::JoinHandle;
 use std::time::Duration;
 
-use anyhow::{Context, Result};
+use anyhow::Result;
 use axum::Router;
-use axum::body::{Body, Bytes};
+use axum::body::Bytes;
 use axum::extract::ws::{Message, WebSocket, WebSocketUpgrade};
 use axum::extract::{DefaultBodyLimit, State};
-use axum::http::{HeaderMap, Method, StatusCode, Uri, header};
+use axum::http::{HeaderMap, Method, Uri, header};
 use axum::response::Response;
 use axum::routing::get;
 use barrelman_host::clock::Clock;
 use barrelman_host::fault::{FaultKind, FaultPlan};
 use barrelman_host::output::OutputFile;
-use barrelman_sim::tick::TICKS_PER_SECOND;
-use barrelman_sim::{CameraMount, MountPlant};
-use barrelman_vocab::{Angle, Timestamp, VehicleProfile, VehicleRates};
+use barrelman_vocab::{Timestamp, VehicleProfile};
 use barrelman_wire::fotokite_sigma::Sigma;
 pub use barrelman_wire::fotokite_sigma::sigma::SigmaSettings;
 use barrelman_wire::fotokite_sigma::sigma::{Incoming, View};
-use tokio::sync::oneshot;
 
-use super::sigma_log::SigmaLog;
+use super::http_log::{HttpLog, LoggedRequest};
 use crate::camera_link::{CameraLink, Pointing};
+use crate::http_server::{HttpServer, response};
+use crate::moved_camera::MovedCamera;
 
 /// The path before those of the API.
 const BASE_PATH: &str = "/api";
@@ -46,10 +44,6 @@ const MESSAGE_INTERVAL: Duration = Duration::from_millis(100);
 const FAULT_DELAY: Duration = Duration::from_millis(400);
 /// Interval at which a request that hangs looks whether the fault is over.
 const FAULT_LOOK: Duration = Duration::from_millis(20);
-/// Depression of the camera at the start.
-const START_DEPRESSION: Angle = Angle::from_degrees(24.0);
-/// Height of the camera without a world, metres.
-const START_HEIGHT_M: f64 = 10.0;
 /// Largest body of a request, bytes.
 const MAX_BODY_BYTES: usize = 16 << 10;
 
@@ -83,9 +77,7 @@ pub struct EmulatedSigmaSettings {
 /// An emulated Sigma. Dropping it ends its server.
 pub struct EmulatedSigma {
     shared: Arc<Shared>,
-    address: SocketAddr,
-    end: Option<oneshot::Sender<()>>,
-    thread: Option<JoinHandle<()>>,
+    server: HttpServer,
 }
 
 struct Shared {
@@ -97,24 +89,15 @@ struct Shared {
 
 struct Emulation {
     sigma: Sigma,
-    mount: CameraMount,
-    world: Option<CameraLink>,
-    profile: VehicleProfile,
-    log: SigmaLog,
-    commanded: VehicleRates,
+    camera: MovedCamera,
+    log: HttpLog,
     is_taken: bool,
     is_restarting: bool,
 }
 
 impl Emulation {
-    fn pointing(&self) -> Pointing {
-        let (pan, tilt) = (self.mount.pan.angle(), self.mount.tilt.angle());
-        let own = Pointing { pan, tilt, height_m: START_HEIGHT_M };
-        self.world.as_ref().and_then(CameraLink::pointing).unwrap_or(own)
-    }
-
     fn view(&self) -> View {
-        let Pointing { pan, tilt, .. } = self.pointing();
+        let Pointing { pan, tilt, .. } = self.camera.pointing();
         let turns = (pan.degrees() / 360.0).round();
         View { pan_ned: pan.degrees() - turns * 360.0, tilt_ned: -tilt.degrees() }
     }
@@ -122,15 +105,7 @@ impl Emulation {
     /// Applies the rates that are in force now.
     fn apply_rates(&mut self, now: Timestamp) -> Result<()> {
         let rates = self.sigma.rates(now);
-        if rates == self.commanded {
-            return Ok(());
-        }
-        self.commanded = rates;
-        self.mount.command(self.profile.from_vehicle(rates));
-        if let Some(world) = &self.world {
-            world.send_latched(rates);
-        }
-        self.log.on_rates(now, rates)
+        if self.camera.turn(rates) { self.log.on_rates(now, rates) } else { Ok(()) }
     }
 }
 
@@ -152,50 +127,26 @@ impl EmulatedSigma {
     /// If the address cannot be used, or the system has no more threads.
     pub fn start(address: SocketAddr, settings: EmulatedSigmaSettings) -> Result<Self> {
         let EmulatedSigmaSettings { sigma, has_websocket, world, faults, log, clock } = settings;
-        let listener = TcpListener::bind(address).with_context(|| format!("cannot listen on {address}"))?;
-        let address = listener.local_addr()?;
-        listener.set_nonblocking(true)?;
         let state = Emulation {
             sigma: Sigma::new(sigma),
-            mount: CameraMount::at_rest(MountPlant::laboratory(), START_DEPRESSION),
-            world,
-            profile: VehicleProfile::fotokite_sigma(),
-            log: SigmaLog::new(log, clock),
-            commanded: VehicleRates::REST,
+            camera: MovedCamera::at_rest(VehicleProfile::fotokite_sigma(), world),
+            log: HttpLog::new(log, clock),
             is_taken: false,
             is_restarting: false,
         };
         let shared = Arc::new(Shared { state: Mutex::new(state), faults, has_websocket, clock });
-        let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
-        let (end, ended) = oneshot::channel::<()>();
-        let router = router(Arc::clone(&shared));
-        let thread = std::thread::Builder::new().name("sigma".to_owned()).spawn(move || {
-            runtime.block_on(async {
-                let served = async {
-                    let listener = tokio::net::TcpListener::from_std(listener)?;
-                    axum::serve(listener, router).await
-                };
-                tokio::select! {
-                    served = served => {
-                        if let Err(error) = served {
-                            tracing::error!("the emulated vehicle cannot be served: {error}");
-                        }
-                    }
-                    _ = ended => {}
-                }
-            });
-        })?;
-        Ok(Self { shared, address, end: Some(end), thread: Some(thread) })
+        let server = HttpServer::start(address, "sigma", |_| router(Arc::clone(&shared)))?;
+        Ok(Self { shared, server })
     }
 
     /// The base address, for `--link`.
     pub fn url(&self) -> String {
-        format!("http://{}{BASE_PATH}", self.address)
+        format!("http://{}{BASE_PATH}", self.server.address())
     }
 
     /// Whether other machines can reach the server.
     pub fn is_public(&self) -> bool {
-        !self.address.ip().is_loopback()
+        !self.server.address().ip().is_loopback()
     }
 
     /// Ends motions and applies faults until `is_ended` returns true.
@@ -223,22 +174,10 @@ impl EmulatedSigma {
             state.is_restarting = is_restarting;
             state.sigma.set_ready(!is_restarting);
             state.sigma.set_expired(has_expired);
-            let target = (now.since(started).as_secs_f64() * f64::from(TICKS_PER_SECOND)) as u64;
-            while state.mount.tick() < target {
-                state.mount.advance();
-            }
+            state.camera.advance_to(now.since(started));
             state.apply_rates(now)?;
         }
         Ok(())
-    }
-}
-
-impl Drop for EmulatedSigma {
-    fn drop(&mut self) {
-        drop(self.end.take());
-        if let Some(thread) = self.thread.take() {
-            let _ = thread.join();
-        }
     }
 }
 
@@ -270,7 +209,10 @@ async fn on_request(
         let path = uri.path().strip_prefix(BASE_PATH).unwrap_or(uri.path());
         let incoming = Incoming { method: method.as_str(), path, token: token_of(&headers), body: &body };
         let answer = state.sigma.answer(incoming, view, now);
-        let logged = state.log.on_request(now, &incoming, answer.status);
+        // A request for a token holds the API key.
+        let text = if path.contains("/token/") { "".into() } else { String::from_utf8_lossy(&body) };
+        let logged = LoggedRequest { method: method.as_str(), path, body: &text };
+        let logged = state.log.on_request(now, logged, answer.status);
         if let Err(error) = logged.and_then(|()| state.apply_rates(now)) {
             tracing::error!("the log cannot be written: {error:#}");
         }
@@ -285,10 +227,7 @@ async fn on_request(
     if shared.is_active(FaultKind::Corrupt) {
         answer.body = answer.body.replace(['"', ':'], "#");
     }
-    let status = StatusCode::from_u16(answer.status).unwrap_or(StatusCode::INTERNAL_SERVER_ERROR);
-    let mut response = Response::new(Body::from(answer.body));
-    *response.status_mut() = status;
-    response
+    response(answer.status, answer.body)
 }
 
 async fn on_subscribe(
@@ -308,9 +247,7 @@ async fn on_subscribe(
     if status == 200 {
         return upgrade.on_upgrade(|socket| send_states(shared, socket));
     }
-    let mut response = Response::new(Body::empty());
-    *response.status_mut() = StatusCode::from_u16(status).unwrap_or(StatusCode::INTERNAL_SERVER_ERROR);
-    response
+    response(status, String::new())
 }
 
 /// Sends the camera's state ten times a second, until the client is gone.

@@ -12,14 +12,18 @@ pub mod emulated_vehicle;
 pub mod fotokite_pro;
 pub mod fotokite_sigma;
 pub mod mavlink_gimbal;
+pub mod onvif;
 
+mod http_log;
 pub mod log;
-mod sigma_log;
 
+mod digest;
 pub mod emulated_port;
+mod http_server;
 mod port_link;
 mod rtp_packetiser;
 pub mod rtsp_server;
 
 pub mod camera_link;
+mod moved_camera;
 pub mod simulated_boat;

@@ -3,7 +3,7 @@
 use core::time::Duration;
 
 use barrelman_vocab::mavlink::{Address, MavlinkPeers};
-use barrelman_vocab::profile::MAVLINK_RATE_LIMITS;
+use barrelman_vocab::profile::OWN_RATE_LIMITS;
 use barrelman_vocab::telemetry::LinkState;
 use barrelman_vocab::{Angle, Timestamp, VehicleRates};
 use barrelman_wire::mavlink::frame::{FrameReader, FrameWriter};
@@ -130,7 +130,7 @@ fn check_rates(packet: &[u8], is_closing: bool) {
         assert!(frame.from == Address::new(245, 191), "{frame:?}");
         if let Some(rates) = frame.read::<mavlink::dialects::common::GIMBAL_MANAGER_SET_PITCHYAW_DATA>() {
             let (yaw, pitch) = (f64::from(rates.yaw_rate), f64::from(rates.pitch_rate));
-            let limits = MAVLINK_RATE_LIMITS;
+            let limits = OWN_RATE_LIMITS;
             assert!(yaw.abs() <= limits.pan.radians_per_second(), "{rates:?}");
             assert!(pitch.abs() <= limits.tilt.radians_per_second(), "{rates:?}");
             assert!(rates.pitch.is_nan() && rates.yaw.is_nan(), "{rates:?}");

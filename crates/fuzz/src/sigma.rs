@@ -5,7 +5,9 @@ use core::time::Duration;
 use barrelman_vocab::Timestamp;
 use barrelman_wire::fotokite_sigma::call::{STOP_DURATION, TURN_DURATION};
 use barrelman_wire::fotokite_sigma::sigma::{SigmaSettings, View};
-use barrelman_wire::fotokite_sigma::{Call, FotokiteSigmaSession, Received, Request, Sigma};
+use barrelman_wire::fotokite_sigma::{Call, FotokiteSigmaSession, Sigma};
+use barrelman_wire::http::motion::Speeds as _;
+use barrelman_wire::http::{HttpCall as _, Received, Request};
 use barrelman_wire::{NextAction, Session as _};
 
 use crate::vehicle::{check_report, rates_of};
@@ -73,7 +75,7 @@ struct Talk {
     session: FotokiteSigmaSession,
     vehicle: Sigma,
     /// Requests without an answer yet.
-    waiting: Vec<Request>,
+    waiting: Vec<Request<Call>>,
     is_closing: bool,
 }
 
@@ -133,7 +135,7 @@ impl Talk {
         }
     }
 
-    fn check(&self, request: &Request) {
+    fn check(&self, request: &Request<Call>) {
         let path = request.call.path();
         assert!(
             path.starts_with("/v1/") && !path.contains("..") && !path.contains("flight/control"),

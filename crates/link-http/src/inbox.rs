@@ -6,7 +6,7 @@ use std::os::fd::{AsFd, BorrowedFd};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use barrelman_link::Waker;
-use barrelman_wire::fotokite_sigma::Received;
+use barrelman_wire::http::Received;
 
 /// Capacity. Each lane has one answer at most; the rest are messages, of which the newest tells all.
 const CAPACITY: usize = 64;

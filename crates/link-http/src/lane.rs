@@ -3,8 +3,7 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use barrelman_wire::fotokite_sigma::Received;
-use barrelman_wire::fotokite_sigma::call::{Method, Request};
+use barrelman_wire::http::{HttpCall, Received, Request};
 use tokio::sync::mpsc::Receiver;
 use tokio::time::{Instant, timeout, timeout_at};
 
@@ -17,28 +16,26 @@ const LOOK_INTERVAL: Duration = Duration::from_millis(500);
 /// A request that waits in its lane. Its time begins when it is handed to the lane: connecting takes from it, too.
 #[derive(Debug)]
 pub(crate) struct Queued {
-    pub(crate) request: Request,
-    pub(crate) handed_over_at: Instant,
+    pub(crate) id: u64,
+    pub(crate) asked: Asked,
+    /// The end of the request's time. It must not be sent from then on.
+    pub(crate) deadline: Instant,
 }
 
 impl Queued {
-    /// The end of the request's time. It must not be sent from then on.
-    pub(crate) fn deadline(&self) -> Instant {
-        self.handed_over_at + self.request.lane.timeout()
+    /// A request that is handed over now.
+    pub(crate) fn now<C: HttpCall>(request: &Request<C>) -> Self {
+        let deadline = Instant::now() + C::timeout(request.lane);
+        Self { id: request.id, asked: Asked::from(&request.call), deadline }
     }
 
     pub(crate) fn is_overdue(&self, now: Instant) -> bool {
-        now >= self.deadline()
+        now >= self.deadline
     }
 }
 
 /// Serves a lane until there are no more requests.
-pub(crate) async fn serve(
-    connector: Connector,
-    token: Arc<str>,
-    mut requests: Receiver<Queued>,
-    inbox: Arc<Inbox>,
-) {
+pub(crate) async fn serve(connector: Connector, mut requests: Receiver<Queued>, inbox: Arc<Inbox>) {
     let mut connection = Connection::open(&connector).await.ok();
     loop {
         let queued = match timeout(LOOK_INTERVAL, requests.recv()).await {
@@ -51,13 +48,13 @@ pub(crate) async fn serve(
                 continue;
             }
         };
-        let id = queued.request.id;
+        let id = queued.id;
         if queued.is_overdue(Instant::now()) {
             inbox.put(Received::NoAnswer { id });
             continue;
         }
-        let answered = ask(&connector, &token, &mut connection, &queued);
-        match timeout_at(queued.deadline(), answered).await {
+        let answered = ask(&connector, &mut connection, &queued);
+        match timeout_at(queued.deadline, answered).await {
             Ok(Some((status, body))) => inbox.put(Received::Answer { id, status, body }),
             Ok(None) | Err(_) => {
                 // What was sent on it may come late, and must not meet the next request.
@@ -72,11 +69,9 @@ pub(crate) async fn serve(
 /// `None`: there was no answer, or the request was overdue before it could be sent.
 pub(crate) async fn ask(
     connector: &Connector,
-    token: &str,
     connection: &mut Option<Connection>,
     queued: &Queued,
 ) -> Option<(u16, Vec<u8>)> {
-    let call = &queued.request.call;
     for _ in 0..2 {
         let is_new = connection.as_ref().is_none_or(Connection::is_closed);
         if is_new {
@@ -85,15 +80,7 @@ pub(crate) async fn ask(
         if queued.is_overdue(Instant::now()) {
             return None;
         }
-        let asked = Asked {
-            method: match call.method() {
-                Method::Get => hyper::Method::GET,
-                Method::Post => hyper::Method::POST,
-            },
-            path: call.path(),
-            body: call.body(),
-        };
-        match connection.as_mut()?.ask(connector, token, asked).await {
+        match connection.as_mut()?.ask(connector, &queued.asked).await {
             Ok(answer) => return Some(answer),
             Err(_) if !is_new => *connection = None,
             Err(_) => return None,

@@ -20,20 +20,22 @@ pub mod settings;
 
 pub mod port;
 
-pub mod facts;
-pub mod inquiry;
+pub mod fotokite_sigma;
+pub mod main_video;
+pub mod onvif;
 
 pub mod tls_relay;
 
+mod authorization;
 mod connection;
 mod inbox;
+mod inquiry;
 mod lane;
 mod runtime;
 mod socket;
 mod tls;
 
-pub use facts::{CameraInfo, MainVideo};
-pub use inquiry::Inquiry;
 pub use link::open_link;
-pub use settings::{Credential, CredentialError, HttpSettings, Trust};
+pub use main_video::{MainVideo, main_video};
+pub use settings::{Credential, CredentialError, HttpProtocol, HttpSettings, Trust};
 pub use tls_relay::{RelayFailures, TlsRelay, TlsServer};

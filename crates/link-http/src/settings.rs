@@ -3,6 +3,7 @@
 use std::fmt;
 
 use barrelman_link::url::HttpAddress;
+use barrelman_wire::onvif::OnvifSettings;
 use ring::digest::{SHA256, digest};
 
 /// What a link needs to reach a vehicle.
@@ -12,8 +13,17 @@ pub struct HttpSettings {
     pub address: HttpAddress,
     /// Whose certificates are accepted, where the address is encrypted.
     pub trust: Trust,
-    /// Proves who asks.
-    pub credential: Credential,
+    /// What is spoken there.
+    pub protocol: HttpProtocol,
+}
+
+/// A protocol of vehicles that answer requests over HTTP.
+#[derive(Debug, Clone)]
+pub enum HttpProtocol {
+    /// The Fotokite Sigma's web API, with what proves who asks.
+    FotokiteSigma(Credential),
+    /// ONVIF.
+    Onvif(OnvifSettings),
 }
 
 /// Whose certificates are accepted. There is no way to accept any.

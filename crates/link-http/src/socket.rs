@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use barrelman_wire::fotokite_sigma::Received;
+use barrelman_wire::http::Received;
 use futures_util::StreamExt as _;
 use hyper::header::{AUTHORIZATION, HeaderValue};
 use tokio::sync::mpsc::Receiver;
@@ -12,6 +12,7 @@ use tokio_tungstenite::tungstenite::protocol::WebSocketConfig;
 use tokio_tungstenite::tungstenite::{Error, Message};
 use tokio_tungstenite::{WebSocketStream, client_async_with_config};
 
+use crate::authorization::Authorization;
 use crate::connection::{Connector, Stream};
 use crate::inbox::Inbox;
 use crate::lane::Queued;
@@ -22,21 +23,14 @@ const MAX_MESSAGE_BYTES: usize = 64 << 10;
 const MAX_UNSENT_BYTES: usize = 256 << 10;
 
 /// Opens a WebSocket for each request, and passes its messages on until it ends.
-pub(crate) async fn serve(
-    connector: Connector,
-    token: Arc<str>,
-    mut requests: Receiver<Queued>,
-    inbox: Arc<Inbox>,
-) {
+pub(crate) async fn serve(connector: Connector, mut requests: Receiver<Queued>, inbox: Arc<Inbox>) {
     while let Some(queued) = requests.recv().await {
-        let id = queued.request.id;
+        let id = queued.id;
         if queued.is_overdue(Instant::now()) {
             inbox.put(Received::NoAnswer { id });
             continue;
         }
-        let path = queued.request.call.path();
-        let opening = open(&connector, &token, &path);
-        match timeout_at(queued.deadline(), opening).await {
+        match timeout_at(queued.deadline, open(&connector, &queued.asked.path)).await {
             Ok(Ok(socket)) => {
                 inbox.put(Received::Answer { id, status: 101, body: Vec::new() });
                 pass_on(socket, &inbox).await;
@@ -52,17 +46,15 @@ pub(crate) async fn serve(
     }
 }
 
-async fn open(
-    connector: &Connector,
-    token: &str,
-    path: &str,
-) -> Result<WebSocketStream<Box<dyn Stream>>, Error> {
+async fn open(connector: &Connector, path: &str) -> Result<WebSocketStream<Box<dyn Stream>>, Error> {
     let stream = connector.connect().await?;
     // The scheme names no encryption here: the stream has it.
     let address = format!("ws://{}{}", connector.authority(), connector.path(path));
     let mut request = address.into_client_request()?;
-    let value = HeaderValue::from_str(&format!("Bearer {token}")).map_err(hyper::http::Error::from)?;
-    request.headers_mut().insert(AUTHORIZATION, value);
+    if let Authorization::Bearer(token) = connector.authorization() {
+        let value = HeaderValue::from_str(&format!("Bearer {token}")).map_err(hyper::http::Error::from)?;
+        request.headers_mut().insert(AUTHORIZATION, value);
+    }
     let config = WebSocketConfig::default()
         .max_message_size(Some(MAX_MESSAGE_BYTES))
         .max_frame_size(Some(MAX_MESSAGE_BYTES))

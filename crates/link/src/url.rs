@@ -45,11 +45,61 @@ pub enum Endpoint {
     Http(HttpAddress),
 }
 
+/// A scheme of addresses of vehicles that answer requests over HTTP.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum HttpScheme {
+    /// Without encryption.
+    Http,
+    /// With encryption.
+    Https,
+    /// A camera with ONVIF's services, without encryption.
+    Onvif,
+    /// The same with encryption.
+    Onvifs,
+}
+
+impl HttpScheme {
+    const ALL: [(Self, &'static str); 4] = [
+        (Self::Http, "http://"),
+        (Self::Https, "https://"),
+        (Self::Onvif, "onvif://"),
+        (Self::Onvifs, "onvifs://"),
+    ];
+
+    /// Whether the connection is encrypted.
+    pub const fn is_encrypted(self) -> bool {
+        matches!(self, Self::Https | Self::Onvifs)
+    }
+
+    /// Whether it is that of ONVIF's cameras.
+    pub const fn is_onvif(self) -> bool {
+        matches!(self, Self::Onvif | Self::Onvifs)
+    }
+
+    /// The scheme of an address, and what follows it; `None`: another one.
+    fn of(address: &str) -> Option<(Self, &str)> {
+        Self::ALL.into_iter().find_map(|(scheme, start)| Some((scheme, address.strip_prefix(start)?)))
+    }
+}
+
+impl fmt::Display for HttpScheme {
+    /// As an address begins.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        Self::ALL
+            .into_iter()
+            .find(|(scheme, _)| scheme == self)
+            .map_or(Ok(()), |(_, start)| f.write_str(start))
+    }
+}
+
+/// The path of ONVIF's first service, which the standard states.
+const ONVIF_PATH: &str = "/onvif/device_service";
+
 /// The base address of a vehicle that answers requests over HTTP.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct HttpAddress {
-    /// Whether the connection is encrypted: `https://`.
-    pub is_encrypted: bool,
+    /// What is spoken there, and whether it is encrypted.
+    pub scheme: HttpScheme,
     /// The host: a name or an address, without brackets.
     pub host: String,
     /// The port.
@@ -59,8 +109,8 @@ pub struct HttpAddress {
 }
 
 impl HttpAddress {
-    /// Parses the part after `http://` or `https://`; `None`: it names no host.
-    fn parse(is_encrypted: bool, text: &str) -> Option<Self> {
+    /// Parses the part after the scheme; `None`: it names no host.
+    fn parse(scheme: HttpScheme, text: &str) -> Option<Self> {
         let (authority, path) = text.find('/').map_or((text, ""), |at| text.split_at(at));
         let (host, rest) = match authority.strip_prefix('[') {
             Some(literal) => literal.split_once(']')?,
@@ -69,7 +119,7 @@ impl HttpAddress {
         let port = match rest.strip_prefix(':') {
             Some(port) => port.parse().ok()?,
             None if rest.is_empty() => {
-                if is_encrypted {
+                if scheme.is_encrypted() {
                     443
                 } else {
                     80
@@ -79,11 +129,14 @@ impl HttpAddress {
         };
         let is_plain = |c: char| c.is_ascii_alphanumeric() || matches!(c, '-' | '_' | '.' | ':' | '/');
         let is_usable = !host.is_empty() && host.chars().chain(path.chars()).all(is_plain);
-        is_usable.then(|| Self {
-            is_encrypted,
+        let path = path.trim_end_matches('/');
+        let path = if scheme.is_onvif() { path.strip_suffix(ONVIF_PATH).unwrap_or(path) } else { path };
+        let is_path_usable = path.is_empty() || !scheme.is_onvif();
+        (is_usable && is_path_usable).then(|| Self {
+            scheme,
             host: host.to_owned(),
             port,
-            path: path.trim_end_matches('/').to_owned(),
+            path: path.to_owned(),
         })
     }
 
@@ -99,8 +152,7 @@ impl HttpAddress {
 
 impl fmt::Display for HttpAddress {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let scheme = if self.is_encrypted { "https" } else { "http" };
-        write!(f, "{scheme}://{}{}", self.authority(), self.path)
+        write!(f, "{}{}{}", self.scheme, self.authority(), self.path)
     }
 }
 
@@ -109,12 +161,12 @@ impl fmt::Display for HttpAddress {
 pub enum LinkUrlError {
     /// The scheme is unknown.
     #[error(
-        "{0:?} is not the address of a link: use serial:/dev/ttyACM0?baud=115200, tcp://host:port or udp://host:port, http://host:port/api or https://host/api, or sim: with --video sim:SCENARIO"
+        "{0:?} is not the address of a link: use serial:/dev/ttyACM0?baud=115200, tcp://host:port or udp://host:port, http://host:port/api, https://host/api or onvif://host, or sim: with --video sim:SCENARIO"
     )]
     UnknownScheme(String),
     /// The scheme is followed by no port.
     #[error(
-        "the link {0:?} names no port: use serial:/dev/ttyACM0?baud=115200, tcp://host:port, udp://host:port or http://host:port/api"
+        "the link {0:?} names no usable port or path: use serial:/dev/ttyACM0?baud=115200, tcp://host:port, udp://host:port, http://host:port/api or onvif://host"
     )]
     MissingPort(String),
     /// The address contains a login, but no link uses one.
@@ -164,11 +216,11 @@ impl LinkUrl {
             }
             let address = address.to_owned();
             if is_datagrams { Endpoint::Udp { address } } else { Endpoint::Tcp { address } }
-        } else if let Some((is_encrypted, rest)) = http_address(address) {
+        } else if let Some((scheme, rest)) = HttpScheme::of(address) {
             if rest.split('/').next().is_some_and(|authority| authority.contains('@')) {
                 return Err(LinkUrlError::Login(without_logins(text)));
             }
-            Endpoint::Http(HttpAddress::parse(is_encrypted, rest).ok_or_else(missing_port)?)
+            Endpoint::Http(HttpAddress::parse(scheme, rest).ok_or_else(missing_port)?)
         } else if address == "sim:" {
             Endpoint::SimulatedCamera
         } else {
@@ -215,12 +267,6 @@ fn network_address(address: &str) -> Option<(bool, &str)> {
     stream.or_else(|| address.strip_prefix("udp://").map(|address| (true, address)))
 }
 
-/// Whether an address is that of an encrypted connection over HTTP, and what follows its scheme; `None`: another scheme.
-fn http_address(address: &str) -> Option<(bool, &str)> {
-    let plain = address.strip_prefix("http://").map(|rest| (false, rest));
-    plain.or_else(|| address.strip_prefix("https://").map(|rest| (true, rest)))
-}
-
 impl fmt::Display for LinkUrl {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match &self.endpoint {
@@ -253,21 +299,26 @@ mod tests {
         check("tcp://station.example:5000", Ok("tcp://station.example:5000"));
         check("tcp://[::1]:5000?fault=stall@3s", Ok("tcp://[::1]:5000"));
         check("udp://127.0.0.1:14550", Ok("udp://127.0.0.1:14550"));
-        check("udp://127.0.0.1", Err("names no port"));
+        check("udp://127.0.0.1", Err("no usable port"));
         check("udp://127.0.0.1:1?baud=9600", Err("baud=9600"));
         check("http://sigma.example:3128/api", Ok("http://sigma.example:3128/api"));
         check("https://sigma.local/api/", Ok("https://sigma.local:443/api"));
         check("http://[::1]:80", Ok("http://[::1]:80"));
-        check("https://", Err("names no port"));
-        check("http://host:port/api", Err("names no port"));
-        check("http://host/a b", Err("names no port"));
+        check("onvif://camera.example", Ok("onvif://camera.example:80"));
+        check("onvif://192.0.2.7:8000/onvif/device_service", Ok("onvif://192.0.2.7:8000"));
+        check("onvifs://camera.example", Ok("onvifs://camera.example:443"));
+        check("onvif://camera.example/elsewhere", Err("onvif://host"));
+        check("onvif://user:password@host", Err("has a login"));
+        check("https://", Err("no usable port"));
+        check("http://host:port/api", Err("no usable port"));
+        check("http://host/a b", Err("no usable port"));
         check("http://user:password@host/api", Err("has a login"));
         check("sim:", Ok("sim:"));
         check("sim:arena1", Err("use serial:"));
-        check("serial:", Err("names no port"));
+        check("serial:", Err("no usable port"));
         check("tcp://user:password@host:1", Err("tcp://***@host:1\" has a login"));
-        check("tcp://host", Err("names no port"));
-        check("tcp://host:port", Err("names no port"));
+        check("tcp://host", Err("no usable port"));
+        check("tcp://host:port", Err("no usable port"));
         check("/dev/ttyACM0", Err("use serial:"));
         check("serial:/dev/ttyACM0?baud=fast", Err("baud=fast"));
         check("tcp://host:1?baud=9600", Err("baud=9600"));

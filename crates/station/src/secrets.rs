@@ -9,10 +9,11 @@ use barrelman_host::clock::Clock;
 use barrelman_host::input;
 use barrelman_link::url::HttpAddress;
 use barrelman_link_http::settings::Fingerprint;
-use barrelman_link_http::{Credential, HttpSettings, Trust};
+use barrelman_link_http::{Credential, HttpProtocol, HttpSettings, Trust};
 use barrelman_video::VideoUrl;
 use barrelman_video::url::Login;
-use barrelman_vocab::Timestamp;
+use barrelman_vocab::{Timestamp, VehicleProfile};
+use barrelman_wire::onvif::{self, OnvifSettings};
 use barrelman_wire::{Signing, SigningKey};
 
 use crate::source_url::SourceUrl;
@@ -47,6 +48,8 @@ struct StoredLogin {
 pub struct LinkAccess {
     /// The file of the token.
     pub token_file: Option<PathBuf>,
+    /// The file of the login.
+    pub login_file: Option<PathBuf>,
     /// Which certificate is accepted.
     pub trust: TrustFiles,
 }
@@ -96,11 +99,22 @@ pub fn source_url(address: &str, login: &VideoLogin) -> Result<SourceUrl> {
 }
 
 /// Adds the login to an address that the vehicle named: only a login that is stored for that host and port, as a vehicle chooses
-/// nobody whom a password is shown to.
+/// nobody whom a password is shown to; or, without one, the link's own for the link's own host.
 ///
 /// # Errors
 /// If the login cannot be read, or is for another server.
-pub fn named_source_url(url: VideoUrl, login: &VideoLogin) -> Result<SourceUrl> {
+pub fn named_source_url(url: VideoUrl, login: &VideoLogin, link: Option<&HttpSettings>) -> Result<SourceUrl> {
+    let HttpSettings { address, protocol, .. } = match link {
+        Some(link) if login.source.is_none() => link,
+        _ => return with_login(url, login, Recipient::NamedByVehicle).map(SourceUrl::Video),
+    };
+    if let HttpProtocol::Onvif(OnvifSettings { login: Some(own), .. }) = protocol
+        && url.server().is_some_and(|(host, _)| host.eq_ignore_ascii_case(&address.host))
+    {
+        let (user, password) = (own.user().to_owned(), own.password().to_owned());
+        let own = Login { user, password, permits_basic: false };
+        return Ok(SourceUrl::Video(url.with_login(own)?));
+    }
     with_login(url, login, Recipient::NamedByVehicle).map(SourceUrl::Video)
 }
 
@@ -161,18 +175,39 @@ fn is_server(text: &str, host: &str, port: u16, url: &VideoUrl) -> bool {
     stated.is_some_and(|(stated, at)| stated.eq_ignore_ascii_case(host) && at == port)
 }
 
-/// What a link over HTTP needs, with the token of its file. If others may read the file, a warning is logged.
+/// What a link over HTTP needs, with the token or the login of its file. If others may read the file, a warning is logged.
 ///
 /// # Errors
-/// If no token file is named, or a file or the fingerprint is not usable. The message repeats nothing of a secret.
-pub fn http_settings(address: &HttpAddress, access: &LinkAccess) -> Result<HttpSettings> {
+/// If a Sigma's token file is not named, or a file or the fingerprint is not usable. The message repeats nothing of a secret.
+pub fn http_settings(
+    address: &HttpAddress,
+    access: &LinkAccess,
+    profile: &VehicleProfile,
+) -> Result<HttpSettings> {
+    let protocol = if address.scheme.is_onvif() {
+        let login = access.login_file.as_deref().map(camera_login).transpose()?;
+        HttpProtocol::Onvif(OnvifSettings { login, speeds: profile.speeds.clone() })
+    } else {
+        HttpProtocol::FotokiteSigma(sigma_credential(address, access)?)
+    };
+    Ok(HttpSettings { address: address.clone(), trust: trust(&access.trust)?, protocol })
+}
+
+/// The login of an ONVIF camera in its file. If others may read the file, a warning is logged.
+///
+/// # Errors
+/// If the file is not usable. The message repeats nothing of its content.
+pub fn camera_login(path: &Path) -> Result<onvif::Login> {
+    let StoredLogin { login, .. } = read_file(path)?;
+    Ok(onvif::Login::new(login.user, login.password))
+}
+
+fn sigma_credential(address: &HttpAddress, access: &LinkAccess) -> Result<Credential> {
     let path = access.token_file.as_deref().with_context(|| {
         format!("the vehicle at {address} asks for a token: give --link-token-file FILE, or link.token_file")
     })?;
     let content = read_secret(path, "token")?;
-    let credential = Credential::parse(&content)
-        .with_context(|| format!("the token file {} is not usable", path.display()))?;
-    Ok(HttpSettings { address: address.clone(), trust: trust(&access.trust)?, credential })
+    Credential::parse(&content).with_context(|| format!("the token file {} is not usable", path.display()))
 }
 
 /// Which certificate of a server is accepted, with the authorities of their file.

@@ -24,6 +24,10 @@ pub enum Acceptance {
     NoCamera,
     /// The vehicle does not know the token, or the token does not permit control.
     TokenRefused,
+    /// The vehicle refuses the user or the password, or the user may not move the camera.
+    LoginRefused,
+    /// How fast the camera turns at its speeds was not measured.
+    NotCalibrated,
     /// The vehicle refuses the commands as unusable.
     Unusable,
     /// The vehicle does not answer commands.
@@ -60,6 +64,12 @@ impl Named for Acceptance {
             Self::NoCamera => "the vehicle's camera is not mounted, or off line",
             Self::TokenRefused => {
                 "the vehicle refuses the token: put a valid one with the scopes read and control into the token file"
+            }
+            Self::LoginRefused => {
+                "the camera refuses the login, or its user may not move it: give the right one by --link-login-file"
+            }
+            Self::NotCalibrated => {
+                "how fast the camera turns at its speeds is not known: measure it with `barrelman calibrate axes`"
             }
             Self::Unusable => {
                 "the vehicle refuses the commands as unusable: compare its camera's limits with the profile's"

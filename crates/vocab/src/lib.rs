@@ -29,6 +29,7 @@ pub mod mavlink;
 pub mod named;
 pub mod profile;
 pub mod request;
+pub mod speed_curve;
 pub mod stop_cause;
 pub mod telemetry;
 pub mod vehicle_text;
@@ -50,8 +51,8 @@ pub use named::Named;
 pub use profile::{VehicleProfile, VehicleRates};
 pub use request::{
     CameraRequest, DrawnMark, DrawnSelection, MarkKind, MovedMark, NewDrill, NewDrive, Note, NoteRequest,
-    NoteText, Nudge, OperatorRequest, Request, SeatRequest, Tap, VesselRequest, VesselStopper, VideoRequest,
-    WorldRequest,
+    NoteText, Nudge, OperatorRequest, Request, SeatRequest, Tap, TestMotions, VesselRequest, VesselStopper,
+    VideoRequest, WorldRequest,
 };
 pub use stop_cause::StopCause;
 pub use telemetry::Telemetry;

@@ -10,6 +10,7 @@ use crate::angle::{Angle, AngularRate};
 use crate::command::CameraCommand;
 use crate::lens::Lens;
 use crate::mavlink::MavlinkPeers;
+use crate::speed_curve::AxisSpeeds;
 use crate::telemetry::{EulerAxis, Quaternion};
 
 mod built_in;
@@ -61,6 +62,8 @@ pub struct VehicleProfile {
     pub gimbal_tilt: Option<GimbalTilt>,
     /// The sense of the yaw in the reported attitude of the vehicle; `None`: not known, and the reports are not used.
     pub attitude_yaw: Option<Sign>,
+    /// The rates at the vehicle's speeds, where those have no unit; `None`: they have one, or were not measured.
+    pub speeds: Option<AxisSpeeds>,
 }
 
 /// Limits of the net yaw: every turn of the vehicle twists its tether.
@@ -100,9 +103,8 @@ impl GimbalTilt {
     }
 }
 
-/// The largest rates that are sent to a MAVLink gimbal, rad/s. The limit is our own: the protocol states none, and ArduPilot
-/// carries out 7 rad/s.
-pub const MAVLINK_RATE_LIMITS: AxisRates = AxisRates {
+/// The largest rates of a vehicle whose protocol states none. The limit is our own: ArduPilot carries out 7 rad/s.
+pub const OWN_RATE_LIMITS: AxisRates = AxisRates {
     pan: AngularRate::from_radians_per_second(0.5),
     tilt: AngularRate::from_radians_per_second(0.5),
 };
@@ -116,6 +118,8 @@ pub enum Protocol {
     FotokiteSigma,
     /// A MAVLink gimbal manager, between these peers.
     MavlinkGimbal(MavlinkPeers),
+    /// The PTZ service of an ONVIF camera.
+    OnvifPtz,
 }
 
 impl Protocol {
@@ -125,19 +129,32 @@ impl Protocol {
             // ArduPilot's gimbal manager turns to its end stops.
             Self::FotokitePro | Self::MavlinkGimbal(_) => true,
             // Each command to turn names its duration.
-            Self::FotokiteSigma => false,
+            Self::FotokiteSigma | Self::OnvifPtz => false,
         }
     }
 
-    /// Whether the vehicle answers requests over HTTP, and takes no bytes on a line.
-    pub const fn is_over_http(self) -> bool {
-        matches!(self, Self::FotokiteSigma)
+    /// How the vehicle's link is addressed.
+    pub const fn addressing(self) -> Addressing {
+        match self {
+            Self::FotokitePro | Self::MavlinkGimbal(_) => Addressing::Line,
+            Self::FotokiteSigma => Addressing::HttpApi,
+            Self::OnvifPtz => Addressing::Onvif,
+        }
+    }
+
+    /// Whether the speeds that the vehicle takes are rates. Otherwise they are shares of its largest ones
+    /// ([`VehicleProfile::speeds`]).
+    pub const fn speeds_are_rates(self) -> bool {
+        match self {
+            Self::FotokitePro | Self::FotokiteSigma | Self::MavlinkGimbal(_) => true,
+            Self::OnvifPtz => false,
+        }
     }
 
     /// The reports that show the camera's motion.
     pub const fn motion_reports(self) -> MotionReports {
         match self {
-            Self::MavlinkGimbal(_) => MotionReports::Held,
+            Self::MavlinkGimbal(_) | Self::OnvifPtz => MotionReports::Held,
             Self::FotokiteSigma => MotionReports::Swaying,
             Self::FotokitePro => MotionReports::Attitudes,
         }
@@ -147,7 +164,7 @@ impl Protocol {
     pub const fn mavlink_peers(self) -> Option<MavlinkPeers> {
         match self {
             Self::MavlinkGimbal(peers) => Some(peers),
-            Self::FotokitePro | Self::FotokiteSigma => None,
+            Self::FotokitePro | Self::FotokiteSigma | Self::OnvifPtz => None,
         }
     }
 
@@ -155,7 +172,7 @@ impl Protocol {
     ///
     /// Fotokite Pro: yaw 0.4 and gimbal pitch 0.3 rad/s, which the vehicle's known clients keep. Fotokite Sigma: 25 degrees
     /// per second on both axes, the example of its API document; what the vehicle itself states, if less, holds too. MAVLink
-    /// gimbal: [`MAVLINK_RATE_LIMITS`].
+    /// gimbal, ONVIF camera: [`OWN_RATE_LIMITS`].
     pub const fn rate_limits(self) -> AxisRates {
         match self {
             Self::FotokitePro => AxisRates {
@@ -166,9 +183,20 @@ impl Protocol {
                 pan: AngularRate::from_radians_per_second(25.0 * DEGREE),
                 tilt: AngularRate::from_radians_per_second(25.0 * DEGREE),
             },
-            Self::MavlinkGimbal(_) => MAVLINK_RATE_LIMITS,
+            Self::MavlinkGimbal(_) | Self::OnvifPtz => OWN_RATE_LIMITS,
         }
     }
+}
+
+/// How a vehicle's link is addressed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Addressing {
+    /// A serial line, or a network in its place, that carries bytes.
+    Line,
+    /// The base address of an API over HTTP.
+    HttpApi,
+    /// The address of a camera with ONVIF's services.
+    Onvif,
 }
 
 /// Which of a vehicle's reports show its camera's motion.
@@ -290,6 +318,22 @@ impl VehicleProfile {
     /// Whether the vehicle keeps the last rate for ever when the program is gone. Its port then belongs to a guard.
     pub const fn keeps_last_rate(&self) -> bool {
         self.protocol.keeps_last_rate()
+    }
+
+    /// The same vehicle with measured speeds: its limits are at most the largest rates, and its least rates those of the curves.
+    #[must_use]
+    pub fn with_speeds(mut self, speeds: AxisSpeeds) -> Self {
+        self.limits = AxisRates {
+            pan: self.limits.pan.clamped(speeds.pan.largest()),
+            tilt: self.limits.tilt.clamped(speeds.tilt.largest()),
+        };
+        self.motor_schema_rates = AxisRates {
+            pan: self.motor_schema_rates.pan.clamped(self.limits.pan),
+            tilt: self.motor_schema_rates.tilt.clamped(self.limits.tilt),
+        };
+        (self.camera.pan.min_rate, self.camera.tilt.min_rate) = (speeds.pan.least(), speeds.tilt.least());
+        self.speeds = Some(speeds);
+        self
     }
 
     /// The same vehicle with another motor schema rate on both axes. Limits below that rate are raised to it, so that

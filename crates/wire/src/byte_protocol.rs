@@ -48,7 +48,7 @@ impl ByteProtocolName {
     pub const fn of(protocol: Protocol) -> Option<Self> {
         match protocol {
             Protocol::FotokitePro => Some(Self::FotokitePro),
-            Protocol::FotokiteSigma => None,
+            Protocol::FotokiteSigma | Protocol::OnvifPtz => None,
             Protocol::MavlinkGimbal(peers) => Some(Self::MavlinkGimbal { peers, signing: None }),
         }
     }

@@ -10,10 +10,13 @@ pub mod session;
 
 pub mod byte_protocol;
 
+pub mod http;
+
 pub mod fotokite_pro;
 pub mod fotokite_sigma;
 pub mod lab_udp;
 pub mod mavlink;
+pub mod onvif;
 
 pub mod vessel_protocol;
 

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 
 mod emulated_port;
 mod gimbal;
+mod onvif;
 mod sigma;
 
 /// An empty folder for one test. The name must differ from those of all other tests.

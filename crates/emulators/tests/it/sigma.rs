@@ -10,7 +10,8 @@ use barrelman_host::clock::Clock;
 use barrelman_host::fault::FaultPlan;
 use barrelman_link::url::Endpoint;
 use barrelman_link::{LinkReport, LinkUrl};
-use barrelman_link_http::{Credential, HttpSettings, Inquiry, Trust, open_link};
+use barrelman_link_http::fotokite_sigma::Sigma;
+use barrelman_link_http::{Credential, HttpProtocol, HttpSettings, Trust, open_link};
 use barrelman_vocab::acceptance::Acceptance;
 use barrelman_vocab::telemetry::{FlightState, LinkState, Report};
 use barrelman_vocab::{Angle, AngularRate, Timestamp, VehicleRates};
@@ -34,7 +35,7 @@ fn settings(sigma: &EmulatedSigma, credential: Credential) -> HttpSettings {
     let Endpoint::Http(address) = LinkUrl::parse(&sigma.url()).unwrap().endpoint else {
         panic!("{}", sigma.url());
     };
-    HttpSettings { address, trust: Trust::WellKnown, credential }
+    HttpSettings { address, trust: Trust::WellKnown, protocol: HttpProtocol::FotokiteSigma(credential) }
 }
 
 /// The first report that fulfils the condition.
@@ -85,12 +86,13 @@ fn the_link_takes_the_control_and_turns_the_emulated_camera() {
 #[test]
 fn a_vehicle_says_what_check_asks() {
     let sigma = emulated("", true);
-    let vehicle = Inquiry::open(&settings(&sigma, Credential::Token("token".to_owned()))).unwrap();
+    let reach = |credential: Credential| Sigma::reach(&settings(&sigma, credential.clone()), &credential);
+    let vehicle = reach(Credential::Token("token".to_owned())).unwrap();
     assert_eq!(vehicle.camera_info().map(|info| info.pan_speed_min), Ok(2.0));
     assert_eq!(vehicle.is_camera_online(), Ok(true));
     assert_eq!(vehicle.controller(), Ok(None));
-    let wrong = Inquiry::open(&settings(&sigma, Credential::Token("wrong".to_owned()))).unwrap();
+    let wrong = reach(Credential::Token("wrong".to_owned())).unwrap();
     assert_eq!(wrong.camera_info(), Err(Acceptance::TokenRefused));
-    let refused = Inquiry::open(&settings(&sigma, Credential::ApiKey("wrong".to_owned())));
+    let refused = reach(Credential::ApiKey("wrong".to_owned()));
     assert!(refused.map(drop).unwrap_err().to_string().contains("API key is not known"));
 }

@@ -7,10 +7,13 @@ use std::sync::{Mutex, mpsc};
 use barrelman_link::url::{Endpoint, LinkUrl};
 use barrelman_wire::fotokite_sigma::Call;
 
+use tokio::time::Instant;
+
 use super::*;
+use crate::authorization::Authorization;
 use crate::connection::Connector;
 use crate::runtime::LinkRuntime;
-use crate::settings::{Credential, Trust};
+use crate::settings::{Credential, HttpProtocol, Trust};
 
 /// What the server does with each request, in the order of their arrival.
 #[derive(Debug, Clone, Copy)]
@@ -42,7 +45,10 @@ fn serve(does: &'static [Does]) -> (HttpSettings, mpsc::Receiver<Got>) {
         }
     });
     let credential = Credential::Token("t0ken".to_owned());
-    (HttpSettings { address, trust: Trust::WellKnown, credential }, queue)
+    (
+        HttpSettings { address, trust: Trust::WellKnown, protocol: HttpProtocol::FotokiteSigma(credential) },
+        queue,
+    )
 }
 
 fn serve_connection(
@@ -92,7 +98,7 @@ fn serve_connection(
     }
 }
 
-fn request(id: u64, lane: Lane, call: Call) -> Request {
+fn request(id: u64, lane: Lane, call: Call) -> Request<Call> {
     Request { id, lane, call }
 }
 
@@ -110,7 +116,7 @@ fn next_packet(port: &HttpPort) -> Received {
 #[test]
 fn a_request_bears_the_token_and_its_answer_comes_back() {
     let (settings, got) = serve(&[Does::Answers(201, r#"{"a": 1}"#)]);
-    let port = HttpPort::open(&settings).unwrap();
+    let port = open(&settings).unwrap();
     port.send(&request(7, Lane::Control, Call::RequestControl));
     let body = br#"{"a": 1}"#.to_vec();
     assert_eq!(next_packet(&port), Received::Answer { id: 7, status: 201, body });
@@ -123,7 +129,7 @@ fn a_request_bears_the_token_and_its_answer_comes_back() {
 #[test]
 fn a_request_that_hangs_is_given_up_and_the_next_one_has_another_connection() {
     let (settings, got) = serve(&[Does::Hangs, Does::Answers(202, "")]);
-    let port = HttpPort::open(&settings).unwrap();
+    let port = open(&settings).unwrap();
     port.send(&request(1, Lane::Turn, Call::CameraState));
     assert_eq!(next_packet(&port), Received::NoAnswer { id: 1 });
     port.send(&request(2, Lane::Turn, Call::CameraState));
@@ -134,7 +140,7 @@ fn a_request_that_hangs_is_given_up_and_the_next_one_has_another_connection() {
 #[test]
 fn a_lane_that_hangs_holds_up_no_other() {
     let (settings, got) = serve(&[Does::Hangs, Does::Answers(202, "")]);
-    let port = HttpPort::open(&settings).unwrap();
+    let port = open(&settings).unwrap();
     port.send(&request(1, Lane::State, Call::FlightState));
     let first = got.recv().unwrap();
     port.send(&request(2, Lane::Stop, Call::CameraState));
@@ -145,7 +151,7 @@ fn a_lane_that_hangs_holds_up_no_other() {
 #[test]
 fn a_connection_that_the_vehicle_closed_is_replaced() {
     let (settings, got) = serve(&[Does::Answers(200, ""), Does::Closes, Does::Answers(200, "")]);
-    let port = HttpPort::open(&settings).unwrap();
+    let port = open(&settings).unwrap();
     for id in 1..=2 {
         port.send(&request(id, Lane::Camera, Call::CameraState));
         assert!(matches!(next_packet(&port), Received::Answer { id: answered, .. } if answered == id));
@@ -161,16 +167,24 @@ fn a_vehicle_that_is_not_there_is_named() {
         address: barrelman_link::url::HttpAddress { port: unused.port(), ..settings.address.clone() },
         ..settings
     };
-    let error = HttpPort::open(&settings).map(drop).unwrap_err().to_string();
+    let error = open(&settings).map(drop).unwrap_err().to_string();
     assert!(error.contains(&unused.port().to_string()), "{error}");
 }
 
-/// A request with this much of its lane's time left; `None`: it is over.
+/// A request with this much of its time left; `None`: it is over.
 fn queued(id: u64, left: Option<Duration>) -> Queued {
-    let request = request(id, Lane::Turn, Call::STOP);
-    let now = Instant::now();
-    let handed_over_at = left.map_or_else(|| now - request.lane.timeout(), |left| now + left);
-    Queued { request, handed_over_at }
+    let queued = Queued::now(&request(id, Lane::Turn, Call::STOP));
+    Queued { deadline: Instant::now() + left.unwrap_or_default(), ..queued }
+}
+
+fn open(settings: &HttpSettings) -> Result<HttpPort, PortError> {
+    let HttpProtocol::FotokiteSigma(credential) = settings.protocol.clone() else { panic!() };
+    let reach = move |settings: &HttpSettings| crate::fotokite_sigma::reach(settings, &credential);
+    HttpPort::open(settings, reach, Call::LANES)
+}
+
+fn connector(settings: &HttpSettings) -> Connector {
+    Connector::new(settings, Authorization::Bearer("t0ken".into())).unwrap()
 }
 
 fn block_on<T>(future: impl Future<Output = T>) -> T {
@@ -185,8 +199,8 @@ fn a_request_that_waited_longer_than_its_time_is_never_sent() {
     requests.try_send(queued(1, None)).unwrap();
     requests.try_send(queued(2, Some(Duration::from_secs(60)))).unwrap();
     drop(requests);
-    let connector = Connector::new(&settings).unwrap();
-    block_on(lane::serve(connector, "t0ken".into(), queue, Arc::clone(&inbox)));
+    let connector = connector(&settings);
+    block_on(lane::serve(connector, queue, Arc::clone(&inbox)));
     let answers = [Received::NoAnswer { id: 1 }, Received::Answer { id: 2, status: 202, body: Vec::new() }];
     assert_eq!(inbox.take(), answers);
     assert_eq!(got.try_iter().count(), 1);
@@ -195,14 +209,14 @@ fn a_request_that_waited_longer_than_its_time_is_never_sent() {
 #[test]
 fn a_request_whose_time_ends_while_the_lane_connects_is_not_sent() {
     let (settings, got) = serve(&[Does::Answers(202, "")]);
-    let connector = Connector::new(&settings).unwrap();
+    let connector = connector(&settings);
     let (mut connection, overdue) = (None, queued(1, None));
     let answer = block_on(async {
-        let answer = lane::ask(&connector, "t0ken", &mut connection, &overdue).await;
+        let answer = lane::ask(&connector, &mut connection, &overdue).await;
         assert!(connection.is_some(), "the lane connected");
         // The next request on the same connection is the first that the vehicle gets.
         let next = queued(2, Some(Duration::from_secs(60)));
-        assert!(lane::ask(&connector, "t0ken", &mut connection, &next).await.is_some());
+        assert!(lane::ask(&connector, &mut connection, &next).await.is_some());
         answer
     });
     assert_eq!(answer, None);

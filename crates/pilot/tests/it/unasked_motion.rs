@@ -81,7 +81,7 @@ impl Bench {
     }
 }
 
-fn all() -> [VehicleProfile; 3] {
+fn all() -> [VehicleProfile; 4] {
     VehicleProfile::NAMES.map(|name| VehicleProfile::named(name).unwrap())
 }
 

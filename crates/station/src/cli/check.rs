@@ -1,5 +1,8 @@
 //! The arguments of `check`.
 
+use std::net::SocketAddr;
+
+use barrelman_wire::onvif::discovery::MULTICAST;
 use clap::Args;
 
 use super::connection_options::ConnectionOptions;
@@ -26,6 +29,9 @@ pub struct CheckArgs {
     /// Check where the annotated video is served: rtsp://IP:PORT/PATH.
     #[arg(long, value_name = "URL")]
     pub share: Option<String>,
+    /// Ask the network for ONVIF cameras (WS-Discovery), at this address of a camera or of a group.
+    #[arg(long, value_name = "ADDR", num_args = 0..=1, default_missing_value = MULTICAST)]
+    pub discover: Option<SocketAddr>,
     /// Print JSON.
     #[arg(long)]
     pub json: bool,

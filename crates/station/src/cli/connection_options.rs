@@ -27,17 +27,20 @@ pub struct ConnectionOptions {
     #[arg(long, value_name = "FILE")]
     pub video_ca_file: Option<PathBuf>,
     /// The vehicle's link: serial:/dev/ttyACM0?baud=115200, tcp://host:port, udp://host:port (Fotokite Pro, MAVLink gimbal),
-    /// http://host:port/api or https://host/api (Fotokite Sigma), or sim: for the
+    /// http://host:port/api or https://host/api (Fotokite Sigma), onvif://host or onvifs://host (ONVIF), or sim: for the
     /// simulated world's camera. Without a link: a dry run.
     #[arg(long, value_name = "URL")]
     pub link: Option<String>,
     /// File whose first line is the access token of a vehicle at http:// or https://, or `api-key ` and an API key.
     #[arg(long, value_name = "FILE")]
     pub link_token_file: Option<PathBuf>,
-    /// SHA-256 fingerprint of the certificate of a vehicle at https://: no other certificate is accepted.
+    /// File whose first line is user:password of a camera at onvif:// or onvifs://.
+    #[arg(long, value_name = "FILE")]
+    pub link_login_file: Option<PathBuf>,
+    /// SHA-256 fingerprint of the certificate of a vehicle at https:// or onvifs://: no other certificate is accepted.
     #[arg(long, value_name = "HEX", conflicts_with = "link_ca_file")]
     pub link_certificate_sha256: Option<String>,
-    /// File of authorities (PEM) that sign the certificate of a vehicle at https://; default: the well-known ones.
+    /// File of authorities (PEM) that sign the certificate of a vehicle at https:// or onvifs://; default: the well-known ones.
     #[arg(long, value_name = "FILE")]
     pub link_ca_file: Option<PathBuf>,
     /// File whose first line is the key of a MAVLink vehicle that signs its packets: 64 hexadecimal digits, or a passphrase.
@@ -81,6 +84,9 @@ impl ConnectionOptions {
         }
         if self.link_token_file.is_some() {
             file.link.token_file.clone_from(&self.link_token_file);
+        }
+        if self.link_login_file.is_some() {
+            file.link.login_file.clone_from(&self.link_login_file);
         }
         if self.link_signing_key_file.is_some() {
             file.link.signing_key_file.clone_from(&self.link_signing_key_file);

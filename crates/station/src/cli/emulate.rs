@@ -25,6 +25,8 @@ pub enum StationName {
     FotokiteSigma(EmulateFotokiteSigmaArgs),
     /// An autopilot with a MAVLink gimbal.
     Gimbal(EmulateGimbalArgs),
+    /// A PTZ camera with ONVIF's services.
+    Onvif(EmulateOnvifArgs),
     /// A boat: that of the paper's laboratory, or one with an ArduPilot autopilot.
     Vessel(EmulateVesselArgs),
 }
@@ -102,6 +104,61 @@ pub struct EmulateFotokiteSigmaArgs {
     /// (status 503, and the control is forgotten), hang (requests wait until the end of the fault), silence (requests are
     /// carried out and not answered), delay (answers come 0.4 s late), corrupt (answers are damaged) or expire (the tokens
     /// have expired). Times count from the program's start.
+    #[arg(long, value_name = "SPEC")]
+    pub fault: Option<String>,
+    /// Overwrite an existing log.
+    #[arg(long)]
+    pub force: bool,
+}
+
+/// `emulate onvif`.
+#[derive(Debug, Args)]
+#[command(after_help = "Example, with the camera of a simulated world:
+  echo admin:emulated > login && chmod 600 login
+  barrelman emulate onvif --login-file login --world sim:rescue
+and in another terminal
+  barrelman run --profile onvif-ptz --link onvif://127.0.0.1:8000 \\
+    --link-login-file login")]
+pub struct EmulateOnvifArgs {
+    /// Listen on this address (HTTP).
+    #[arg(long, value_name = "ADDR", value_parser = parse_listen, default_value = "127.0.0.1:8000")]
+    pub listen: SocketAddr,
+    /// File whose first line is the user:password that the camera asks for; default: it asks for none.
+    #[arg(long, value_name = "FILE")]
+    pub login_file: Option<PathBuf>,
+    /// Ask for HTTP's digest, as profile T does; default: the digest in the message (WS-Security).
+    #[arg(long, requires = "login_file")]
+    pub http_digest: bool,
+    /// Know GetCapabilities and not GetServices, as old cameras do.
+    #[arg(long)]
+    pub old: bool,
+    /// Tell no position.
+    #[arg(long)]
+    pub no_position: bool,
+    /// Turn in proportion to the speed, 1 rad/s at the speed 1; default: with a dead zone, and faster at higher speeds.
+    #[arg(long)]
+    pub linear: bool,
+    /// The least and the largest time-out of a motion, seconds.
+    #[arg(long, value_name = "MIN,MAX", value_delimiter = ',', num_args = 2, default_value = "0.1,60")]
+    pub timeouts: Vec<f64>,
+    /// End no motion by its time-out.
+    #[arg(long)]
+    pub ignore_timeouts: bool,
+    /// Answer Stop, and go on.
+    #[arg(long)]
+    pub ignore_stops: bool,
+    /// The camera's clock is ahead by this many seconds.
+    #[arg(long, value_name = "S", allow_negative_numbers = true, default_value_t = 0)]
+    pub clock_ahead: i64,
+    /// The simulated world, if there is one.
+    #[command(flatten)]
+    pub world: WorldArgs,
+    /// Log every request and every change of the rates to this file, one JSON object per line.
+    #[arg(long, value_name = "FILE.jsonl")]
+    pub log: Option<PathBuf>,
+    /// Inject faults: KIND@SECONDS[+DURATION], several with commas. KIND: reboot (status 503, and the motion ends), hang
+    /// (requests wait until the end of the fault), silence (requests are carried out and not answered), delay (answers come 0.4
+    /// s late), corrupt (answers are damaged) or expire (the login is refused). Times count from the program's start.
     #[arg(long, value_name = "SPEC")]
     pub fault: Option<String>,
     /// Overwrite an existing log.

@@ -44,7 +44,7 @@ pub use console_options::ConsoleOptions;
 pub use demo::DemoArgs;
 pub use emulate::{
     BoatName, EmulateArgs, EmulateFotokiteProArgs, EmulateFotokiteSigmaArgs, EmulateGimbalArgs,
-    EmulateVesselArgs, HabitsName, StationName, WorldArgs,
+    EmulateOnvifArgs, EmulateVesselArgs, HabitsName, StationName, WorldArgs,
 };
 pub use law_options::LawOptions;
 pub use links::LinksArgs;

@@ -11,6 +11,7 @@ use std::time::{Duration, Instant};
 use anyhow::Result;
 use barrelman_vocab::{EncodedUnit, VideoFrame};
 
+use super::check_discover::check_discover;
 use super::check_gimbal::check_gimbal;
 use super::check_over_http::check_over_http;
 use super::check_result::{CheckResult, Verdict, print};
@@ -54,6 +55,7 @@ pub fn run(args: &CheckArgs, clock: Clock) -> Result<ExitCode> {
     };
     let link = link.clone().or_else(|| configuration.as_ref().and_then(|found| found.link.clone()));
     results.push(check_decoders());
+    results.extend(args.discover.into_iter().flat_map(check_discover));
     if videos.is_empty() {
         let details = "none configured: give --video or video.url";
         results.push(CheckResult::new("video", Verdict::Warning, details));

@@ -1,13 +1,19 @@
 //! `barrelman check` of a vehicle that is asked over HTTP: it reads states, and asks for neither control nor motion.
 
 use barrelman_link::url::HttpAddress;
-use barrelman_link_http::{CameraInfo, Inquiry, MainVideo};
-use barrelman_vocab::Named as _;
+use barrelman_link_http::fotokite_sigma::Sigma;
+use barrelman_link_http::onvif::Camera;
+use barrelman_link_http::{HttpProtocol, MainVideo};
 use barrelman_vocab::acceptance::Acceptance;
 use barrelman_vocab::profile::AxisDynamics;
+use barrelman_vocab::speed_curve::{AxisSpeeds, SpeedCurve};
+use barrelman_vocab::{AngularRate, Named as _};
+use barrelman_wire::fotokite_sigma::json::CameraInfo;
+use barrelman_wire::onvif::OnvifSettings;
 
 use super::check_result::{CheckResult, Verdict};
 use crate::config::Configuration;
+use crate::link::ensure_spoken_at;
 use crate::link::named_video::{PermittedHosts, named_video};
 use crate::secrets;
 
@@ -19,22 +25,35 @@ pub(super) fn check_over_http(
 ) {
     let subject = format!("link {address}");
     let Some(configuration) = configuration else { return };
-    let profile = &configuration.profile;
-    if !profile.protocol.is_over_http() {
-        let details =
-            format!("the vehicle {} is not asked over HTTP: give --profile fotokite-sigma", profile.name);
-        results.push(CheckResult::new(subject, Verdict::Failed, details));
-        return;
-    }
-    let opened = secrets::http_settings(address, &configuration.link_access)
-        .and_then(|settings| Inquiry::open(&settings).map_err(anyhow::Error::from));
-    let vehicle = match opened {
-        Ok(vehicle) => vehicle,
+    let settings = ensure_spoken_at(address, &configuration.profile)
+        .and_then(|()| secrets::http_settings(address, &configuration.link_access, &configuration.profile));
+    let settings = match settings {
+        Ok(settings) => settings,
         Err(error) => {
             results.push(CheckResult::new(subject, Verdict::Failed, format!("{error:#}")));
             return;
         }
     };
+    let hosts = PermittedHosts { link: &address.host, configured: configuration.link_video_host.as_deref() };
+    match &settings.protocol {
+        HttpProtocol::FotokiteSigma(credential) => match Sigma::reach(&settings, credential) {
+            Ok(vehicle) => check_sigma(&vehicle, subject, configuration, hosts, results),
+            Err(error) => results.push(CheckResult::new(subject, Verdict::Failed, error.to_string())),
+        },
+        HttpProtocol::Onvif(onvif) => match Camera::reach(&settings, onvif) {
+            Ok(camera) => check_onvif(camera, subject, onvif, hosts, results),
+            Err(error) => results.push(CheckResult::new(subject, Verdict::Failed, error.to_string())),
+        },
+    }
+}
+
+fn check_sigma(
+    vehicle: &Sigma,
+    subject: String,
+    configuration: &Configuration,
+    hosts: PermittedHosts<'_>,
+    results: &mut Vec<CheckResult>,
+) {
     results.push(CheckResult::new(subject, Verdict::Ok, "the vehicle answers"));
     let info = match vehicle.camera_info() {
         Ok(info) => info,
@@ -61,8 +80,36 @@ pub(super) fn check_over_http(
         Ok(None) => CheckResult::new("control", Verdict::Ok, "nobody controls the vehicle"),
         Err(said) => CheckResult::new("control", Verdict::Failed, said.text()),
     });
-    let hosts = PermittedHosts { link: &address.host, configured: configuration.link_video_host.as_deref() };
-    results.push(check_video(vehicle.main_video(), hosts));
+    let main = vehicle.main_video().map_err(|said| said.text().to_owned());
+    results.push(check_video(main, hosts));
+}
+
+fn check_onvif(
+    camera: Camera,
+    subject: String,
+    settings: &OnvifSettings,
+    hosts: PermittedHosts<'_>,
+    results: &mut Vec<CheckResult>,
+) {
+    let joined = camera.joined();
+    let details = format!(
+        "the camera answers, and its profile {} moves; a motion ends by itself after {} s",
+        joined.profile,
+        joined.timeout.as_secs_f64()
+    );
+    results.push(CheckResult::new(subject, Verdict::Ok, details));
+    results.push(match &settings.speeds {
+        Some(AxisSpeeds { pan, tilt }) => {
+            let degrees = |curve: &SpeedCurve| {
+                let degrees = |rate: AngularRate| rate.radians_per_second().to_degrees();
+                format!("{:.1} to {:.0} deg/s", degrees(curve.least()), degrees(curve.largest()))
+            };
+            let details = format!("pan {}, tilt {}", degrees(pan), degrees(tilt));
+            CheckResult::new("speeds", Verdict::Ok, details)
+        }
+        None => CheckResult::new("speeds", Verdict::Warning, Acceptance::NotCalibrated.text()),
+    });
+    results.push(check_video(camera.main_video().map(Some).map_err(|error| error.to_string()), hosts));
 }
 
 /// Compares the speeds that the vehicle takes with those of the profile.
@@ -89,9 +136,9 @@ fn check_speeds(info: &CameraInfo, configuration: &Configuration) -> CheckResult
     CheckResult::new("speeds", Verdict::Warning, details)
 }
 
-fn check_video(main: Result<Option<MainVideo>, Acceptance>, hosts: PermittedHosts<'_>) -> CheckResult {
+fn check_video(main: Result<Option<MainVideo>, String>, hosts: PermittedHosts<'_>) -> CheckResult {
     let (verdict, details) = match main {
-        Err(said) => (Verdict::Failed, said.text().to_owned()),
+        Err(said) => (Verdict::Failed, said),
         Ok(None) => (Verdict::Warning, "the vehicle has no video".to_owned()),
         Ok(Some(MainVideo { name, address: Some(address) })) => match named_video(&address, hosts) {
             Ok(url) => {

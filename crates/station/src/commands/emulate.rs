@@ -7,7 +7,7 @@ use std::process::ExitCode;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
-use anyhow::{Result, bail};
+use anyhow::{Context as _, Result, bail};
 use barrelman_emulators::boat::{EmulatedBoat, Helm};
 use barrelman_emulators::camera_link::CameraLink;
 use barrelman_emulators::emulated_port::EmulatedPort;
@@ -19,12 +19,15 @@ use barrelman_emulators::fotokite_sigma::{
 };
 use barrelman_emulators::log::StationLog;
 use barrelman_emulators::mavlink_gimbal::{GimbalManagerSettings, Habits, MavlinkGimbal};
+use barrelman_emulators::onvif::{
+    CameraFaults, CameraSettings, EmulatedCamera, EmulatedCameraSettings, ONVIF_FAULTS, example_speeds,
+};
 use barrelman_emulators::rtsp_server::RtspServer;
 use barrelman_emulators::simulated_boat::SimulatedBoat;
 
 use crate::cli::{
     BoatName, EmulateArgs, EmulateFotokiteProArgs, EmulateFotokiteSigmaArgs, EmulateGimbalArgs,
-    EmulateVesselArgs, HabitsName, StationName, WorldArgs,
+    EmulateOnvifArgs, EmulateVesselArgs, HabitsName, StationName, WorldArgs,
 };
 use crate::interruption::flag_of_signals;
 use crate::secrets;
@@ -34,7 +37,9 @@ use barrelman_host::clock::Clock;
 use barrelman_host::fault::FaultPlan;
 use barrelman_host::output;
 use barrelman_video::VideoHandle;
-use barrelman_vocab::VehicleProfile;
+use barrelman_vocab::speed_curve::{AxisSpeeds, SpeedCurve};
+use barrelman_vocab::{AngularRate, Timestamp, VehicleProfile};
+use jiff::SignedDuration;
 
 /// Runs the command.
 ///
@@ -45,6 +50,7 @@ pub fn run(args: &EmulateArgs, clock: Clock) -> Result<ExitCode> {
         StationName::FotokitePro(args) => fotokite_pro(args, clock),
         StationName::FotokiteSigma(args) => fotokite_sigma(args, clock),
         StationName::Gimbal(args) => gimbal(args, clock),
+        StationName::Onvif(args) => onvif(args, clock),
         StationName::Vessel(args) => vessel(args, clock),
     }
 }
@@ -186,6 +192,49 @@ fn fotokite_sigma(args: &EmulateFotokiteSigmaArgs, clock: Clock) -> Result<ExitC
         tracing::warn!("other machines can move the emulated camera: the token is on the command line");
     }
     let answers = format!("an emulated Fotokite Sigma answers at {}", emulator.url());
+    serve(&answers, world, &ended, clock, |is_over| emulator.run(is_over))
+}
+
+fn onvif(args: &EmulateOnvifArgs, clock: Clock) -> Result<ExitCode> {
+    let world = ServedWorld::open(&args.world, &VehicleProfile::onvif_ptz())?;
+    let log = args.log.as_ref().map(|path| output::create(path, args.force)).transpose()?;
+    let faults = FaultPlan::parse(args.fault.as_deref().unwrap_or_default())?;
+    faults.require_effect("the emulator", &ONVIF_FAULTS)?;
+    let &[least, most] = args.timeouts.as_slice() else { bail!("--timeouts takes two numbers") };
+    let seconds = |value: f64| Duration::try_from_secs_f64(value).context("--timeouts is unusable");
+    let example = CameraSettings::example();
+    let camera = CameraSettings {
+        login: args.login_file.as_deref().map(secrets::camera_login).transpose()?,
+        video: world.as_ref().map_or(example.video, |world| world.server.url()),
+        timeouts: (seconds(least)?, seconds(most)?),
+        tells_position: !args.no_position,
+        knows_services: !args.old,
+        clock: jiff::Timestamp::now()
+            .checked_sub(SignedDuration::try_from(clock.now().since(Timestamp::ZERO))?)?,
+        ..example
+    };
+    let linear = SpeedCurve::linear(AngularRate::from_radians_per_second(1.0));
+    let settings = EmulatedCameraSettings {
+        camera,
+        habits: CameraFaults {
+            ignores_timeouts: args.ignore_timeouts,
+            ignores_stops: args.ignore_stops,
+            clock_ahead_s: args.clock_ahead,
+            ..CameraFaults::default()
+        },
+        speeds: if args.linear { AxisSpeeds { pan: linear.clone(), tilt: linear } } else { example_speeds() },
+        wants_http_digest: args.http_digest,
+        world: world.as_ref().map(|world| world.link.clone()),
+        faults,
+        log,
+        clock,
+    };
+    let ended = flag_of_signals()?;
+    let emulator = EmulatedCamera::start(args.listen, settings)?;
+    if emulator.is_public() {
+        tracing::warn!("other machines can move the emulated camera");
+    }
+    let answers = format!("an emulated ONVIF camera answers at {}", emulator.url());
     serve(&answers, world, &ended, clock, |is_over| emulator.run(is_over))
 }
 

@@ -11,6 +11,7 @@ use super::console::{ConsoleSection, RecordingSection};
 use super::file::{ConfigFile, GimbalTiltSection, LawSection, LinkSection, VehicleSection, VideoSection};
 use super::lens::LensSection;
 use super::share::ShareSection;
+use super::speeds::SpeedsSection;
 use super::tak::TakSection;
 use super::tracker::{FusedSection, TrackerSection};
 use super::tracking_camera::TrackingCameraSection;
@@ -33,6 +34,7 @@ pub(super) fn field_names() -> FieldNames {
         LinkSection,
         VehicleSection,
         GimbalTiltSection,
+        SpeedsSection,
         CameraSection,
         LensSection,
         AxisSection,

@@ -13,6 +13,7 @@ use serde::{Deserialize, Serialize};
 use super::camera::CameraSection;
 use super::console::{ConsoleSection, RecordingSection};
 use super::share::ShareSection;
+use super::speeds::SpeedsSection;
 use super::tak::TakSection;
 use super::tracker::TrackerSection;
 use super::tracking_camera::TrackingCameraSection;
@@ -121,7 +122,7 @@ pub struct VideoSection {
 #[serde(deny_unknown_fields, default)]
 pub struct LinkSection {
     /// Address: `serial:/dev/ttyACM0?baud=115200`, `tcp://host:port`, `udp://host:port`,
-    /// `http://host:port/api` or `https://host/api`; without an address: a dry run.
+    /// `http://host:port/api`, `https://host/api` or `onvif://host`; without an address: a dry run.
     #[schemars(example = "serial:/dev/ttyACM0?baud=115200")]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub url: Option<String>,
@@ -138,8 +139,13 @@ pub struct LinkSection {
     #[schemars(example = "/etc/barrelman/sigma-token")]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub token_file: Option<PathBuf>,
-    /// SHA-256 fingerprint of the certificate of a vehicle at `https://`, 64 hexadecimal digits: no other one
-    /// is accepted.
+    /// File whose first line is the `user:password` of a camera at `onvif://` or `onvifs://`; default: the
+    /// camera asks for none.
+    #[schemars(example = "/etc/barrelman/camera-login")]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub login_file: Option<PathBuf>,
+    /// SHA-256 fingerprint of the certificate of a vehicle at `https://` or `onvifs://`, 64 hexadecimal digits:
+    /// no other one is accepted.
     #[schemars(example = "0123456789abcdef0123456789abcdef0123456789abcdef0123456789abcdef")]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub certificate_sha256: Option<String>,
@@ -221,11 +227,11 @@ pub struct VehicleSection {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub schema_tilt_rad_per_s: Option<f64>,
     /// The largest pan rate that may be sent, rad/s, 0 to 0.4 (Fotokite Pro), 0.436 (Fotokite Sigma) or 0.5
-    /// (MAVLink gimbal).
+    /// (others).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub limit_pan_rad_per_s: Option<f64>,
     /// The largest tilt rate that may be sent, rad/s, 0 to 0.3 (Fotokite Pro), 0.436 (Fotokite Sigma) or 0.5
-    /// (MAVLink gimbal).
+    /// (others).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub limit_tilt_rad_per_s: Option<f64>,
     /// Sign of the vehicle's yaw rate relative to pan.
@@ -269,6 +275,9 @@ pub struct VehicleSection {
     /// `barrelman calibrate axes` finds it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub gimbal_tilt: Option<GimbalTiltSection>,
+    /// How fast the camera turns at its speeds, where those have no unit (ONVIF).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub speeds: Option<SpeedsSection>,
 }
 
 /// The tilt in the reported attitude of a gimbal.

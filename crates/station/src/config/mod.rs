@@ -11,6 +11,7 @@ pub mod camera;
 pub mod console;
 pub mod lens;
 pub mod share;
+pub mod speeds;
 pub mod tak;
 pub mod tracker;
 pub mod tracking_camera;

@@ -137,6 +137,10 @@ impl Configuration {
         let base = profile_named(vehicle.profile.as_deref().unwrap_or(VehicleProfile::NAMES[0]))
             .context("vehicle.profile")?;
         let max_rates = rate_limits(&base);
+        let base = match &vehicle.speeds {
+            Some(speeds) => speeds.apply_to(base)?,
+            None => base,
+        };
         let mut profile = overridden(base, vehicle, max_rates)?;
         profile.protocol = mavlink::between_peers(profile.protocol, &file.link)?;
         profile.protocol = mavlink::with_device(profile.protocol, file.vehicle.gimbal_device)?;
@@ -202,6 +206,7 @@ impl Configuration {
 fn link_access(link: &LinkSection) -> Result<LinkAccess> {
     Ok(LinkAccess {
         token_file: link.token_file.clone(),
+        login_file: link.login_file.clone(),
         trust: trust_files("link", &link.certificate_sha256, &link.ca_file)?,
     })
 }

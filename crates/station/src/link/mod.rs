@@ -15,4 +15,4 @@ pub use barrelman_link::guarded::{GuardedLinkSettings, find_guard};
 pub use barrelman_link::{GuardedLink, LinkHandle, LinkReport, LinkUrl, LinkUrlError, port, url};
 pub use command_path::command_path;
 pub use vehicle_link::{Link, VehicleLink};
-pub use vehicle_over_http::{vehicle_over_http, video_of_vehicle};
+pub use vehicle_over_http::{ensure_spoken_at, vehicle_over_http, video_of_vehicle};

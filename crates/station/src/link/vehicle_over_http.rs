@@ -2,10 +2,11 @@
 
 use anyhow::{Result, anyhow, bail};
 use barrelman_link::LinkUrl;
-use barrelman_link::url::Endpoint;
-use barrelman_link_http::{HttpSettings, Inquiry, MainVideo};
+use barrelman_link::url::{Endpoint, HttpAddress};
+use barrelman_link_http::{HttpSettings, MainVideo, main_video};
 use barrelman_video::VideoUrl;
-use barrelman_vocab::Named as _;
+use barrelman_vocab::VehicleProfile;
+use barrelman_vocab::profile::Addressing;
 
 use crate::config::Configuration;
 use crate::link::named_video::{PermittedHosts, named_video};
@@ -20,21 +21,46 @@ pub fn vehicle_over_http(
     link: Option<&LinkUrl>,
 ) -> Result<Option<HttpSettings>> {
     let profile = &configuration.profile;
-    let is_over_http = profile.protocol.is_over_http();
     match link.map(|link| &link.endpoint) {
         None | Some(Endpoint::SimulatedCamera) => Ok(None),
-        Some(Endpoint::Http(address)) if is_over_http => {
-            secrets::http_settings(address, &configuration.link_access).map(Some)
+        Some(Endpoint::Http(address)) => {
+            ensure_spoken_at(address, profile)?;
+            secrets::http_settings(address, &configuration.link_access, profile).map(Some)
         }
-        Some(Endpoint::Http(address)) => bail!(
-            "the link {address} is for a vehicle that is asked over HTTP, and {} is none: give --profile fotokite-sigma",
-            profile.name
-        ),
-        Some(_) if is_over_http => bail!(
-            "the vehicle {} is asked over HTTP: give --link http://sigma.example:3128/api or --link https://HOST/api",
-            profile.name
-        ),
-        Some(_) => Ok(None),
+        Some(_) => match profile.protocol.addressing() {
+            Addressing::Line => Ok(None),
+            own => bail!("the vehicle {} is asked over HTTP: give {}", profile.name, example_link(own)),
+        },
+    }
+}
+
+/// Checks that the profile's protocol is that of the address.
+///
+/// # Errors
+/// If it is not; the message names the remedy.
+pub fn ensure_spoken_at(address: &HttpAddress, profile: &VehicleProfile) -> Result<()> {
+    let wanted = if address.scheme.is_onvif() { Addressing::Onvif } else { Addressing::HttpApi };
+    let own = profile.protocol.addressing();
+    if own == wanted {
+        return Ok(());
+    }
+    let mut profiles = VehicleProfile::NAMES.iter().filter_map(|name| VehicleProfile::named(name));
+    let suitable =
+        profiles.find(|profile| profile.protocol.addressing() == wanted).map(|profile| profile.name);
+    bail!(
+        "the link {address} is not for the vehicle {}: give --profile {}, or {}",
+        profile.name,
+        suitable.unwrap_or_default(),
+        example_link(own)
+    )
+}
+
+/// A link that is addressed so.
+const fn example_link(addressing: Addressing) -> &'static str {
+    match addressing {
+        Addressing::Line => "--link serial:/dev/ttyACM0 or --link tcp://HOST:PORT",
+        Addressing::HttpApi => "--link http://sigma.example:3128/api or --link https://HOST/api",
+        Addressing::Onvif => "--link onvif://HOST",
     }
 }
 
@@ -45,8 +71,8 @@ pub fn vehicle_over_http(
 pub fn video_of_vehicle(settings: &HttpSettings, permitted: Option<&str>) -> Result<VideoUrl> {
     let HttpSettings { address, .. } = settings;
     let remedy = "give the address of the video with --video rtsp://...";
-    let main = Inquiry::open(settings)?.main_video();
-    match main.map_err(|said| anyhow!("{address} does not tell its video: {}. Or {remedy}", said.text()))? {
+    let main = main_video(settings);
+    match main.map_err(|error| anyhow!("the vehicle does not tell its video: {error}. Or {remedy}"))? {
         Some(MainVideo { address: Some(url), .. }) => {
             let hosts = PermittedHosts { link: &address.host, configured: permitted };
             named_video(&url, hosts).map_err(|error| anyhow!("{error}. Or {remedy}"))

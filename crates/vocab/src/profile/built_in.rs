@@ -33,7 +33,7 @@ impl CameraDynamics {
 
 impl VehicleProfile {
     /// Names of the built-in profiles; the first is the default.
-    pub const NAMES: [&str; 3] = ["fotokite-pro", "fotokite-sigma", "mavlink-gimbal"];
+    pub const NAMES: [&str; 4] = ["fotokite-pro", "fotokite-sigma", "mavlink-gimbal", "onvif-ptz"];
 
     /// The built-in profile of a name.
     pub fn named(name: &str) -> Option<Self> {
@@ -41,6 +41,7 @@ impl VehicleProfile {
             "fotokite-pro" => Some(Self::fotokite_pro()),
             "fotokite-sigma" => Some(Self::fotokite_sigma()),
             "mavlink-gimbal" => Some(Self::mavlink_gimbal()),
+            "onvif-ptz" => Some(Self::onvif_ptz()),
             _ => None,
         }
     }
@@ -64,6 +65,7 @@ impl VehicleProfile {
             net_yaw: NetYawLimits::DEFAULT,
             gimbal_tilt: None,
             attitude_yaw: None,
+            speeds: None,
         }
     }
 
@@ -78,6 +80,20 @@ impl VehicleProfile {
             protocol,
             limits: protocol.rate_limits(),
             signs: AxisSigns { yaw: Sign::Same, pitch: Sign::Same },
+            ..Self::fotokite_pro()
+        }
+    }
+
+    /// Any PTZ camera with ONVIF's PTZ service. Positive pan turns the view right, positive tilt turns it up. How fast it turns
+    /// at which speed is not known until `barrelman calibrate axes` has measured it; the camera is not moved before. The other
+    /// dynamics are those of the laboratory's camera until then. The end stops are those of a dome that looks straight down.
+    pub fn onvif_ptz() -> Self {
+        Self {
+            name: "onvif-ptz".to_owned(),
+            protocol: Protocol::OnvifPtz,
+            limits: Protocol::OnvifPtz.rate_limits(),
+            signs: AxisSigns { yaw: Sign::Same, pitch: Sign::Same },
+            video_latency: Duration::from_millis(300),
             ..Self::fotokite_pro()
         }
     }

@@ -6,6 +6,8 @@ use core::time::Duration;
 use serde_json::json;
 
 use super::speeds::Speeds;
+use crate::http::motion::Speeds as _;
+use crate::http::{HttpCall, Lane, Method};
 
 /// How long a command to turn lasts at most: its end is the vehicle's own dead-man's switch.
 pub const TURN_DURATION: Duration = Duration::from_millis(450);
@@ -15,17 +17,6 @@ pub const STOP_DURATION: Duration = Duration::from_millis(100);
 pub const OPERATOR_NAME: &str = "Barrelman";
 /// Longest text on the vehicle's tablet, characters.
 pub const MAX_STATUS_CHARACTERS: usize = 160;
-
-/// A call with the number that its answer bears.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Request {
-    /// The number, unique in a session.
-    pub id: u64,
-    /// The lane on which it is sent.
-    pub lane: Lane,
-    /// What is asked.
-    pub call: Call,
-}
 
 /// A call of the API.
 #[derive(Debug, Clone, PartialEq)]
@@ -93,64 +84,26 @@ pub enum SelfStatus {
     Warning,
 }
 
-/// A method of HTTP.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Method {
-    /// Reads.
-    Get,
-    /// Changes.
-    Post,
-}
-
-impl Method {
-    /// The name in a request.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Get => "GET",
-            Self::Post => "POST",
-        }
-    }
-}
-
-/// What may be under way at the same time: one call of each lane. A port keeps a connection for each, so that a call that
-/// hangs holds up no call of another lane.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Lane {
-    /// Commands that end the motion.
-    Stop,
-    /// Commands to turn.
-    Turn,
-    /// Who controls.
-    Control,
-    /// Where the camera points.
-    Camera,
-    /// All other states, and the tablet.
-    State,
-    /// The WebSocket.
-    Socket,
-}
-
-impl Lane {
-    /// All lanes.
-    pub const ALL: [Self; 6] =
-        [Self::Stop, Self::Turn, Self::Control, Self::Camera, Self::State, Self::Socket];
-
-    /// The longest time until the answer. Commands have the shortest: what is late has expired.
-    pub const fn timeout(self) -> Duration {
-        match self {
-            Self::Stop | Self::Turn => Duration::from_millis(250),
-            Self::Control | Self::Camera => Duration::from_secs(1),
-            Self::State | Self::Socket => Duration::from_secs(2),
-        }
-    }
-}
-
 impl Call {
     /// A command that ends the motion.
     pub const STOP: Self = Self::Turn { speeds: Speeds::REST, duration: STOP_DURATION };
+}
 
-    /// The method.
-    pub const fn method(&self) -> Method {
+impl HttpCall for Call {
+    const LANES: &'static [Lane] =
+        &[Lane::Stop, Lane::Turn, Lane::Control, Lane::Camera, Lane::State, Lane::Socket];
+    const CONTENT_TYPE: &'static str = "application/json";
+
+    /// Commands have the shortest time: what is late has expired.
+    fn timeout(lane: Lane) -> Duration {
+        match lane {
+            Lane::Stop | Lane::Turn => Duration::from_millis(250),
+            Lane::Control | Lane::Camera => Duration::from_secs(1),
+            Lane::State | Lane::Socket => Duration::from_secs(2),
+        }
+    }
+
+    fn method(&self) -> Method {
         match self {
             Self::CameraInfo
             | Self::CameraState
@@ -166,8 +119,7 @@ impl Call {
         }
     }
 
-    /// The path below the base address.
-    pub fn path(&self) -> String {
+    fn path(&self) -> String {
         match self {
             Self::CameraInfo => "/v1/camera/info",
             Self::CameraState => "/v1/camera/state",
@@ -185,8 +137,7 @@ impl Call {
         .to_owned()
     }
 
-    /// The body, JSON.
-    pub fn body(&self) -> Option<String> {
+    fn body(&self) -> Option<String> {
         let body = match self {
             Self::RequestControl => json!({ "operator_name": OPERATOR_NAME }),
             Self::ReleaseControl => json!({}),

@@ -5,19 +5,15 @@
 
 pub mod call;
 pub mod json;
-pub mod received;
 pub mod speeds;
 
 pub mod control;
-pub mod lanes;
-pub mod motion;
 pub mod reports;
 pub mod schedule;
 pub mod session;
 
 pub mod sigma;
 
-pub use call::{Call, Lane, Method, Request};
-pub use received::Received;
+pub use call::Call;
 pub use session::FotokiteSigmaSession;
 pub use sigma::Sigma;

@@ -11,7 +11,7 @@
 //!
 //! Motion needs the control: the first command after it was granted is a zero. Commands expire by themselves after 0.45 s, or
 //! 0.15 s after the rates should have been renewed
-//! ([`super::motion`]); therefore no guard is needed, and nothing turns for longer than that after the last request, whatever
+//! ([`crate::http::motion`]); therefore no guard is needed, and nothing turns for longer than that after the last request, whatever
 //! becomes of this program. [`FotokiteSigmaSession`] is the [`Session`] of this protocol: requests and the time out, answers
 //! and the time in.
 
@@ -21,15 +21,14 @@ use barrelman_vocab::acceptance::Acceptance;
 use barrelman_vocab::telemetry::LinkState;
 use barrelman_vocab::{Named as _, Telemetry, Timestamp, VehicleRates};
 
-use super::call::{Call, Lane, Request, STOP_DURATION, SelfStatus, TURN_DURATION};
+use super::call::{Call, STOP_DURATION, SelfStatus, TURN_DURATION};
 use super::control::Control;
 use super::json;
-use super::lanes::Lanes;
-use super::motion::{Motion, Surroundings};
-use super::received::Received;
 use super::reports::{CameraWatch, Flight};
 use super::schedule::Schedule;
 use super::speeds::Speeds;
+use crate::http::motion::{Motion, Speeds as _, Surroundings};
+use crate::http::{Lane, Lanes, Received, Request};
 use crate::session::{NextAction, RestEvidence, Session, WillStep};
 
 /// A vehicle that was silent for this time is silent.
@@ -67,14 +66,14 @@ mod answers;
 #[derive(Debug, Clone)]
 pub struct FotokiteSigmaSession {
     state: State,
-    lanes: Lanes,
+    lanes: Lanes<Call>,
     info: Option<json::CameraInfo>,
     info_at: Timestamp,
     rates: VehicleRates,
     /// When the rates have to be renewed.
     renew_by: Option<Timestamp>,
     control: Control,
-    motion: Motion,
+    motion: Motion<Speeds>,
     camera: CameraWatch,
     flight: Flight,
     schedule: Schedule,
@@ -128,7 +127,7 @@ impl FotokiteSigmaSession {
         matches!(self.state, State::Looking | State::Joining | State::Up)
     }
 
-    fn send(&mut self, lane: Lane, call: Call, now: Timestamp, out: &mut Vec<Request>) {
+    fn send(&mut self, lane: Lane, call: Call, now: Timestamp, out: &mut Vec<Request<Call>>) {
         self.lanes.send(lane, call, now, out);
     }
 
@@ -142,7 +141,7 @@ impl FotokiteSigmaSession {
     }
 
     /// Sends the commands that are due.
-    fn poll_motion(&mut self, now: Timestamp, out: &mut Vec<Request>) {
+    fn poll_motion(&mut self, now: Timestamp, out: &mut Vec<Request<Call>>) {
         if !self.control.is_ours() {
             return;
         }
@@ -165,7 +164,7 @@ impl FotokiteSigmaSession {
         (until_renewal + AFTER_RENEWAL).min(TURN_DURATION)
     }
 
-    fn poll_states(&mut self, now: Timestamp, out: &mut Vec<Request>) {
+    fn poll_states(&mut self, now: Timestamp, out: &mut Vec<Request<Call>>) {
         if self.lanes.is_free(Lane::Control)
             && let Some(call) = self.control.due(now)
         {
@@ -213,7 +212,7 @@ impl FotokiteSigmaSession {
         since: Timestamp,
         has_released: bool,
         now: Timestamp,
-        out: &mut Vec<Request>,
+        out: &mut Vec<Request<Call>>,
     ) -> NextAction {
         self.rates = VehicleRates::REST;
         self.poll_motion(now, out);
@@ -268,11 +267,11 @@ impl FotokiteSigmaSession {
 }
 
 impl Session for FotokiteSigmaSession {
-    type Sent = Request;
+    type Sent = Request<Call>;
     type Received = Received;
     type Command = VehicleRates;
 
-    fn poll(&mut self, now: Timestamp, out: &mut Vec<Request>) -> NextAction {
+    fn poll(&mut self, now: Timestamp, out: &mut Vec<Request<Call>>) -> NextAction {
         for id in self.lanes.overdue(now) {
             self.on_answer(id, None, now, &mut |_| {});
         }
@@ -372,7 +371,7 @@ impl Session for FotokiteSigmaSession {
     }
 
     /// A zero on each of the lanes of the commands. Where another client controls, the vehicle refuses it.
-    fn last_will(&self, _: Timestamp) -> Vec<WillStep<Request>> {
+    fn last_will(&self, _: Timestamp) -> Vec<WillStep<Request<Call>>> {
         let zero = |id, lane| Request { id, lane, call: Call::STOP };
         [(1, Lane::Stop), (2, Lane::Turn)]
             .map(|(id, lane)| WillStep { packet: zero(id, lane), pause: Duration::from_millis(100) })

@@ -8,6 +8,7 @@ use serde_json::{Value, json};
 
 use super::call::Call;
 use super::json::CameraInfo;
+use crate::http::HttpCall as _;
 
 /// The control lapses when it is not asked for again.
 pub const CONTROL_LAPSES: Duration = Duration::from_secs(10);

@@ -1,9 +1,12 @@
 //! Rates as a Sigma takes them: degrees per second, pan positive to the right, tilt positive downwards, each 0 or between the
 //! least and the largest speed that the camera states.
 
+use core::time::Duration;
+
 use barrelman_vocab::{AngularRate, VehicleRates};
 
 use super::json::CameraInfo;
+use crate::http;
 
 /// Speeds of both axes in thousandths of a degree per second, so that two requests compare exactly.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -12,21 +15,19 @@ pub struct Speeds {
     tilt: i32,
 }
 
-impl Speeds {
-    /// No motion.
-    pub const REST: Self = Self { pan: 0, tilt: 0 };
+impl http::motion::Speeds for Speeds {
+    const REST: Self = Self { pan: 0, tilt: 0 };
+    /// A third of [`super::call::TURN_DURATION`]: one command that is lost leaves the camera turning, two that are lost end the motion.
+    const RENEWAL: Duration = Duration::from_millis(150);
+}
 
+impl Speeds {
     /// The rates within the camera's limits. What lies below the least speed is zero, as the vehicle would refuse it.
     pub fn within(rates: VehicleRates, info: &CameraInfo) -> Self {
         Self {
             pan: speed(rates.yaw, info.pan_speed_min, info.pan_speed_max),
             tilt: speed(rates.pitch, info.tilt_speed_min, info.tilt_speed_max),
         }
-    }
-
-    /// Whether both are zero.
-    pub const fn is_rest(self) -> bool {
-        self.pan == 0 && self.tilt == 0
     }
 
     /// Pan, degrees per second, positive to the right.

@@ -6,7 +6,7 @@
 use core::time::Duration;
 
 use barrelman_vocab::mavlink::Address;
-use barrelman_vocab::profile::MAVLINK_RATE_LIMITS;
+use barrelman_vocab::profile::OWN_RATE_LIMITS;
 use barrelman_vocab::{AngularRate, VehicleRates};
 use mavlink::dialects::common::{
     COMMAND_LONG_DATA, GIMBAL_MANAGER_SET_PITCHYAW_DATA, GimbalManagerFlags, MavCmd, MavType,
@@ -106,7 +106,7 @@ impl Command {
             }
             Self::Release(gimbal) => writer.write(&configure(gimbal, [-3.0, -3.0])),
             Self::Rates(gimbal, rates) => {
-                let limits = MAVLINK_RATE_LIMITS;
+                let limits = OWN_RATE_LIMITS;
                 writer.write(&GIMBAL_MANAGER_SET_PITCHYAW_DATA {
                     flags: GimbalManagerFlags::GIMBAL_MANAGER_FLAGS_ROLL_LOCK
                         | GimbalManagerFlags::GIMBAL_MANAGER_FLAGS_PITCH_LOCK,

@@ -1,5 +1,5 @@
 //! Both ends of the protocols: of the Fotokite Pro against transcripts that were written by hand
-//! (`fixtures/fotokite-pro/README.md` describes their format), of the Fotokite Sigma and of MAVLink gimbals against each other in
+//! (`fixtures/fotokite-pro/README.md` describes their format), of the Fotokite Sigma, of ONVIF cameras and of MAVLink gimbals against each other in
 //! virtual time. The tracking camera against what ground stations send.
 
 // Tests read fixture files, and fail by panicking.
@@ -20,5 +20,8 @@ mod sigma_calls;
 mod sigma_control;
 mod sigma_hostile;
 mod sigma_motion;
+
+mod onvif_conversation;
+mod onvif_session;
 
 mod tracking_camera;

@@ -6,6 +6,7 @@ use barrelman_wire::fotokite_sigma::call::{MAX_STATUS_CHARACTERS, SelfStatus, St
 use barrelman_wire::fotokite_sigma::sigma::SigmaSettings;
 use barrelman_wire::fotokite_sigma::speeds::Speeds;
 use barrelman_wire::fotokite_sigma::{Call, json};
+use barrelman_wire::http::HttpCall as _;
 use proptest::prelude::*;
 
 use crate::sigma_conversation::rates;

@@ -2,7 +2,8 @@
 
 use barrelman_vocab::acceptance::Acceptance;
 use barrelman_vocab::telemetry::LinkState;
-use barrelman_wire::fotokite_sigma::{Call, Lane};
+use barrelman_wire::fotokite_sigma::Call;
+use barrelman_wire::http::{HttpCall as _, Lane};
 use barrelman_wire::{NextAction, Session as _};
 
 use crate::sigma_conversation::{Conversation, at, rates};

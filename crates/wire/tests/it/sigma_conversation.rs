@@ -6,7 +6,8 @@ use barrelman_vocab::acceptance::Acceptance;
 use barrelman_vocab::telemetry::Report;
 use barrelman_vocab::{AngularRate, Timestamp, VehicleRates};
 use barrelman_wire::fotokite_sigma::sigma::{SigmaSettings, View};
-use barrelman_wire::fotokite_sigma::{Call, FotokiteSigmaSession, Lane, Received, Request, Sigma};
+use barrelman_wire::fotokite_sigma::{Call, FotokiteSigmaSession, Sigma};
+use barrelman_wire::http::{Lane, Received, Request};
 use barrelman_wire::{NextAction, Session as _};
 
 pub(crate) const MS: Duration = Duration::from_millis(1);
@@ -32,11 +33,11 @@ pub(crate) struct Conversation {
     /// Lanes whose requests reach the vehicle, or not (`Some(false)`), and are never answered.
     pub(crate) hung: Vec<(Lane, bool)>,
     pub(crate) has_socket: bool,
-    under_way: Vec<(Timestamp, Request, bool)>,
+    under_way: Vec<(Timestamp, Request<Call>, bool)>,
     answers: Vec<(Timestamp, Received)>,
     view: View,
     /// Every request, with its time.
-    pub(crate) sent: Vec<(Timestamp, Request)>,
+    pub(crate) sent: Vec<(Timestamp, Request<Call>)>,
     /// Every answer's status.
     pub(crate) statuses: Vec<(Call, u16)>,
     pub(crate) reports: Vec<Report>,
@@ -148,7 +149,7 @@ impl Conversation {
         }
     }
 
-    fn ask(&mut self, request: &Request) -> (u16, Vec<u8>) {
+    fn ask(&mut self, request: &Request<Call>) -> (u16, Vec<u8>) {
         if request.call == Call::Subscribe {
             return (if self.has_socket { 101 } else { 404 }, Vec::new());
         }
@@ -158,7 +159,7 @@ impl Conversation {
 
     /// Calls that only the one in control may make, from a time on.
     pub(crate) fn commands_since(&self, since: Timestamp) -> usize {
-        let is_command = |(when, request): &&(Timestamp, Request)| {
+        let is_command = |(when, request): &&(Timestamp, Request<Call>)| {
             *when > since && matches!(request.call, Call::Turn { .. })
         };
         self.sent.iter().filter(is_command).count()

@@ -5,7 +5,8 @@ use std::time::Duration;
 use barrelman_vocab::telemetry::Report;
 use barrelman_wire::Session as _;
 use barrelman_wire::fotokite_sigma::sigma::{Incoming, SigmaSettings, View};
-use barrelman_wire::fotokite_sigma::{Call, FotokiteSigmaSession, Received, Sigma};
+use barrelman_wire::fotokite_sigma::{Call, FotokiteSigmaSession, Sigma};
+use barrelman_wire::http::{HttpCall as _, Received};
 use proptest::prelude::*;
 
 use crate::sigma_conversation::{at, rates};

@@ -5,7 +5,9 @@ use std::time::Duration;
 use barrelman_vocab::acceptance::Acceptance;
 use barrelman_vocab::telemetry::{FlightState, LinkState, Report};
 use barrelman_vocab::{Angle, VehicleRates};
-use barrelman_wire::fotokite_sigma::{Call, Lane, Received};
+use barrelman_wire::fotokite_sigma::Call;
+use barrelman_wire::http::motion::Speeds as _;
+use barrelman_wire::http::{HttpCall as _, Lane, Received};
 use barrelman_wire::{NextAction, RestEvidence, Session as _};
 use proptest::prelude::*;
 
@@ -48,7 +50,7 @@ fn without_renewal_the_motion_ends_within_half_a_second_of_the_last_request() {
     talk.session.request(rates(10.0, 0.0), Some(at(60_000)));
     talk.run_for(1_000);
     // Every lane is dead: the program was killed.
-    talk.hung = Lane::ALL.map(|lane| (lane, false)).into();
+    talk.hung = Call::LANES.iter().map(|lane| (*lane, false)).collect();
     let ended = talk.run_until(1_000, |talk| talk.turning().is_rest()).unwrap();
     assert!(ended <= 455, "{ended} ms");
 }
@@ -183,7 +185,7 @@ fn a_close_without_answers_ends_too() {
     let mut talk = Conversation::up();
     talk.session.request(rates(10.0, 0.0), Some(at(60_000)));
     talk.run_for(1_000);
-    talk.hung = Lane::ALL.map(|lane| (lane, false)).into();
+    talk.hung = Call::LANES.iter().map(|lane| (*lane, false)).collect();
     talk.has_socket = false;
     talk.session.close(talk.now);
     assert!(talk.run_until(2_100, |talk| talk.last == NextAction::Closed).is_some());
@@ -193,7 +195,7 @@ fn a_close_without_answers_ends_too() {
 #[test]
 fn a_silent_vehicle_ends_the_session() {
     let mut talk = Conversation::up();
-    talk.hung = Lane::ALL.map(|lane| (lane, false)).into();
+    talk.hung = Call::LANES.iter().map(|lane| (*lane, false)).collect();
     talk.has_socket = false;
     let silent = talk.run_until(4_000, |talk| matches!(talk.last, NextAction::Reopen { .. })).unwrap();
     assert!((2_500..=3_100).contains(&silent), "{silent} ms");
@@ -247,7 +249,7 @@ proptest! {
                     talk.session.request(VehicleRates::REST, None);
                     rest_since.get_or_insert(talk.now);
                 }
-                Event::Hang(lane, arrives) => talk.hung.push((Lane::ALL[lane], arrives)),
+                Event::Hang(lane, arrives) => talk.hung.push((Call::LANES[lane], arrives)),
                 Event::Heal => talk.hung.clear(),
                 Event::Theft => talk.sigma.other_client_takes(),
                 Event::GiveBack => talk.sigma.other_client_releases(talk.now),

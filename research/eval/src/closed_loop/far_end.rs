@@ -3,15 +3,20 @@
 use anyhow::{Context as _, Result};
 use barrelman_sim::CameraPose;
 use barrelman_vocab::profile::Protocol;
+use barrelman_vocab::speed_curve::AxisSpeeds;
 use barrelman_vocab::telemetry::LinkState;
 use barrelman_vocab::{Angle, Telemetry, Timestamp, VehicleProfile, VehicleRates};
 use barrelman_wire::fotokite_pro::GroundStation;
 use barrelman_wire::fotokite_pro::ground_station::{GroundStationSettings, SensorReadings};
 use barrelman_wire::fotokite_sigma::sigma::{SigmaSettings, View};
-use barrelman_wire::fotokite_sigma::{Call, FotokiteSigmaSession, Received, Sigma};
+use barrelman_wire::fotokite_sigma::{Call, FotokiteSigmaSession, Sigma};
+use barrelman_wire::http::{HttpCall as _, Received};
 use barrelman_wire::mavlink::GimbalManager;
 use barrelman_wire::mavlink::gimbal_manager::{GimbalAngles, GimbalManagerSettings};
+use barrelman_wire::onvif::{CameraSettings, OnvifSession, OnvifSettings, PtzCamera};
 use barrelman_wire::{ByteProtocol, ByteProtocolName, ByteSession, Framing, OpenSession as _, Session as _};
+
+use crate::vehicle::onvif_speeds;
 
 /// Bits per second of the serial line.
 const BAUD: u32 = 115_200;
@@ -19,7 +24,8 @@ const BAUD: u32 = 115_200;
 /// A line with both its ends.
 pub(super) enum Line {
     Bytes { session: Box<ByteSession>, far_end: FarEnd, down: Vec<Vec<u8>> },
-    Http { session: Box<FotokiteSigmaSession>, sigma: Box<Sigma>, down: Vec<Received>, ticks: u32 },
+    Sigma { session: Box<FotokiteSigmaSession>, sigma: Box<Sigma>, down: Vec<Received>, ticks: u32 },
+    Onvif { session: Box<OnvifSession>, camera: Box<PtzCamera>, speeds: AxisSpeeds, down: Vec<Received> },
 }
 
 /// The far end of a line that carries bytes.
@@ -52,7 +58,14 @@ impl Line {
                 }
                 let session = Box::new(FotokiteSigmaSession::open(now));
                 let sigma = Box::new(Sigma::new(settings));
-                return Ok(Self::Http { session, sigma, down: Vec::new(), ticks: 0 });
+                return Ok(Self::Sigma { session, sigma, down: Vec::new(), ticks: 0 });
+            }
+            Protocol::OnvifPtz => {
+                let speeds = onvif_speeds();
+                let settings = OnvifSettings { login: None, speeds: Some(speeds.clone()) };
+                let session = Box::new(OnvifSession::open(&settings, [0; 16], now));
+                let camera = Box::new(PtzCamera::new(CameraSettings::example()));
+                return Ok(Self::Onvif { session, camera, speeds, down: Vec::new() });
             }
         };
         let protocol = ByteProtocolName::of(profile.protocol).context("the protocol carries no bytes")?;
@@ -63,14 +76,16 @@ impl Line {
     pub(super) fn link_state(&self) -> LinkState {
         match self {
             Self::Bytes { session, .. } => session.link_state(),
-            Self::Http { session, .. } => session.link_state(),
+            Self::Sigma { session, .. } => session.link_state(),
+            Self::Onvif { session, .. } => session.link_state(),
         }
     }
 
     pub(super) fn request(&mut self, rates: VehicleRates, renew_by: Option<Timestamp>) {
         match self {
             Self::Bytes { session, .. } => session.request(rates, renew_by),
-            Self::Http { session, .. } => session.request(rates, renew_by),
+            Self::Sigma { session, .. } => session.request(rates, renew_by),
+            Self::Onvif { session, .. } => session.request(rates, renew_by),
         }
     }
 
@@ -90,7 +105,7 @@ impl Line {
                 let _ = session.poll(now, &mut up);
                 far_end.advance(&up, pose, now, down)
             }
-            Self::Http { session, sigma, down, ticks } => {
+            Self::Sigma { session, sigma, down, ticks } => {
                 for received in std::mem::take(down) {
                     session.received(&received, now, &mut |report| reports.push(report));
                 }
@@ -113,6 +128,22 @@ impl Line {
                     down.push(Received::Message(Sigma::camera_state(view).to_string().into_bytes()));
                 }
                 sigma.rates(now)
+            }
+            Self::Onvif { session, camera, speeds, down } => {
+                for received in std::mem::take(down) {
+                    session.received(&received, now, &mut |report| reports.push(report));
+                }
+                let mut up = Vec::new();
+                let _ = session.poll(now, &mut up);
+                let position = (wrapped(pose.pan).degrees() / 180.0, pose.tilt.degrees() / 90.0);
+                for request in up {
+                    let message = request.call.body().unwrap_or_default();
+                    let answer = camera.answer(message.as_bytes(), position, false, now);
+                    let (status, body) = (answer.status, answer.body.into_bytes());
+                    down.push(Received::Answer { id: request.id, status, body });
+                }
+                let (pan, tilt) = camera.velocity(now);
+                VehicleRates { yaw: speeds.pan.rate_at(pan), pitch: speeds.tilt.rate_at(tilt) }
             }
         }
     }

@@ -39,6 +39,8 @@ pub(super) enum FaultKind {
     ServerNotReady,
     ServerHangs,
     WebSocketMissing,
+    StopsIgnored,
+    ClockJumps,
     MarkRemoved,
     TargetDeselected,
     OperatorStopsBoat,
@@ -51,7 +53,7 @@ pub(super) enum FaultKind {
 
 impl FaultKind {
     /// Every kind.
-    pub(super) const ALL: [Self; 42] = [
+    pub(super) const ALL: [Self; 44] = [
         Self::VideoStalls,
         Self::VideoLate,
         Self::VideoDelayStands,
@@ -86,6 +88,8 @@ impl FaultKind {
         Self::ServerNotReady,
         Self::ServerHangs,
         Self::WebSocketMissing,
+        Self::StopsIgnored,
+        Self::ClockJumps,
         Self::MarkRemoved,
         Self::TargetDeselected,
         Self::OperatorStopsBoat,
@@ -129,10 +133,12 @@ impl FaultKind {
             Self::StatusWithheld => "status withheld",
             Self::ClaimsDenied => "claims denied",
             Self::ClaimsLost => "claims lost",
-            Self::TokenExpired => "token expired (401)",
+            Self::TokenExpired => "token or login refused",
             Self::ServerNotReady => "server not ready (503)",
             Self::ServerHangs => "server hangs",
             Self::WebSocketMissing => "no WebSocket",
+            Self::StopsIgnored => "Stop ignored",
+            Self::ClockJumps => "camera's clock jumps",
             Self::MarkRemoved => "mark removed",
             Self::TargetDeselected => "boat deselected",
             Self::OperatorStopsBoat => "operator stops boat",

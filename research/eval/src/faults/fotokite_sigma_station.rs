@@ -1,11 +1,12 @@
 //! The simulated Fotokite Sigma: its service behind the network, and its camera.
 
 use barrelman_vocab::{Timestamp, VehicleRates};
+use barrelman_wire::fotokite_sigma::Sigma;
 use barrelman_wire::fotokite_sigma::sigma::{Incoming, SigmaSettings, View};
-use barrelman_wire::fotokite_sigma::{Received, Sigma};
+use barrelman_wire::http::Received;
 
 use super::fault::{self, Fault, FaultKind};
-use super::fotokite_sigma_network::{ReceivedRequest, write_received};
+use super::http_network::{ReceivedRequest, write_received};
 use super::line::Line;
 use super::mutant::Mutant;
 use super::station::{Station, TICK_S};

@@ -4,7 +4,7 @@
 //!   program: Pilot on the truth --rates, time to live--> guard: Gate, LinkCore, Session --line--> ground station
 //! ```
 //! With a boat (`vessel`) the pilot's second actuator is at the other end, with a rule of its own.
-//! Without a guard (Fotokite Sigma) the link is a thread of the program, and the line carries requests and answers.
+//! Without a guard (Fotokite Sigma, ONVIF camera) the link is a thread of the program, and the line carries requests and answers.
 //!
 //! One process: the pilot, the guard's gate, the link and the session are those of a live run; pipe, line, clocks and the
 //! ground station are simulated, half of the ground stations being the worst of their kind: a `stop` that leaves the rates in
@@ -35,9 +35,10 @@ mod link_host;
 mod vehicle;
 
 mod fotokite_pro_station;
-mod fotokite_sigma_network;
 mod fotokite_sigma_station;
 mod gimbal_station;
+mod http_network;
+mod onvif_station;
 mod station;
 mod without_first_zeros;
 

@@ -28,6 +28,7 @@ impl ValueEnum for Subject {
             Self::Camera(Vehicle::FotokitePro),
             Self::Camera(Vehicle::MavlinkGimbal),
             Self::Camera(Vehicle::FotokiteSigma),
+            Self::Camera(Vehicle::OnvifPtz),
             Self::Boat(Vessel::LabUdp),
             Self::Boat(Vessel::LabUdpKeepingWay),
             Self::Boat(Vessel::MavlinkRover),

@@ -3,31 +3,40 @@
 use std::sync::Arc;
 
 use anyhow::{Context as _, Result};
-use barrelman_vocab::VehicleRates;
+use barrelman_vocab::{Timestamp, VehicleRates};
+use barrelman_wire::fotokite_sigma::FotokiteSigmaSession;
+use barrelman_wire::onvif::{OnvifSession, OnvifSettings};
 use barrelman_wire::{ByteProtocol, ByteProtocolName, Framing, OpenSession as _};
 
 use super::fault::{Fault, FaultKind};
 use super::fotokite_pro_station::FotokiteProStation;
-use super::fotokite_sigma_network::SessionOverNetwork;
 use super::fotokite_sigma_station::FotokiteSigmaStation;
 use super::gimbal_station::GimbalStation;
+use super::http_network::SessionOverNetwork;
 use super::link_plan::{LinkPlan, Opener};
 use super::mutant::Mutant;
+use super::onvif_station::{self, OnvifStation};
 use super::station::Station;
 use super::without_first_zeros::WithoutFirstZeros;
 use crate::vehicle::Vehicle;
 
 impl Vehicle {
+    /// Whether requests and answers go over HTTP, on TCP.
+    const fn is_over_http(self) -> bool {
+        matches!(self, Self::FotokiteSigma | Self::OnvifPtz)
+    }
+
     /// Whether a guard owns the link; a thread of the program does otherwise.
     pub(super) fn has_guard(self) -> bool {
         self.profile().keeps_last_rate()
     }
 
-    /// The longest time to rest, ms. A Sigma's last command has to expire.
+    /// The longest time to rest, ms. The last command of a Sigma or an ONVIF camera has to expire.
     pub(super) const fn rest_limit_ms(self) -> u64 {
         match self {
             Self::FotokitePro | Self::MavlinkGimbal => 350,
             Self::FotokiteSigma => 500,
+            Self::OnvifPtz => 1_100,
         }
     }
 
@@ -53,7 +62,19 @@ impl Vehicle {
 
     fn session_opener(self) -> Result<Opener<VehicleRates>> {
         if self == Self::FotokiteSigma {
-            return Ok(Arc::new(|now| Box::new(SessionOverNetwork::open(now))));
+            return Ok(Arc::new(|now| Box::new(SessionOverNetwork(FotokiteSigmaSession::open(now)))));
+        }
+        if self == Self::OnvifPtz {
+            let settings =
+                OnvifSettings { login: Some(onvif_station::login()), speeds: self.profile().speeds };
+            // A conversation begins at a time of its own: no nonce is used twice.
+            let seed = |now: Timestamp| {
+                let nanos = now.as_nanos().to_le_bytes();
+                core::array::from_fn(|at| nanos[at % nanos.len()])
+            };
+            return Ok(Arc::new(move |now| {
+                Box::new(SessionOverNetwork(OnvifSession::open(&settings, seed(now), now)))
+            }));
         }
         let protocol = ByteProtocolName::of(self.profile().protocol);
         let protocol = protocol.context("the vehicle's port carries no bytes")?;
@@ -66,19 +87,21 @@ impl Vehicle {
     pub(super) fn can_have(self, fault: FaultKind) -> bool {
         match fault {
             FaultKind::GuardKilled | FaultKind::GuardHangs => self.has_guard(),
-            // A Sigma's commands end by themselves.
+            // The others' commands end by themselves.
             FaultKind::CommandsLost => self.has_guard(),
-            FaultKind::LineDamagesBytes | FaultKind::LineRepeats => self != Self::FotokiteSigma,
-            FaultKind::Emergency => self != Self::MavlinkGimbal,
+            FaultKind::LineDamagesBytes | FaultKind::LineRepeats => !self.is_over_http(),
+            FaultKind::Emergency => !matches!(self, Self::MavlinkGimbal | Self::OnvifPtz),
+            FaultKind::ControlTaken => self != Self::OnvifPtz,
             FaultKind::BatteryLow => self == Self::FotokitePro,
             FaultKind::InformationWithheld
             | FaultKind::StatusWithheld
             | FaultKind::ClaimsDenied
             | FaultKind::ClaimsLost => self == Self::MavlinkGimbal,
-            FaultKind::TokenExpired
-            | FaultKind::ServerNotReady
-            | FaultKind::ServerHangs
-            | FaultKind::WebSocketMissing => self == Self::FotokiteSigma,
+            FaultKind::TokenExpired | FaultKind::ServerNotReady | FaultKind::ServerHangs => {
+                self.is_over_http()
+            }
+            FaultKind::WebSocketMissing => self == Self::FotokiteSigma,
+            FaultKind::StopsIgnored | FaultKind::ClockJumps => self == Self::OnvifPtz,
             _ => !fault.is_of_boats(),
         }
     }
@@ -101,7 +124,7 @@ impl Vehicle {
                 Mutant::ForgetsDelays,
                 Mutant::NoMotionWatch,
             ],
-            Self::FotokiteSigma => &[
+            Self::FotokiteSigma | Self::OnvifPtz => &[
                 Mutant::NoTimeToLive,
                 Mutant::NoLatch,
                 Mutant::NoAbsenceWatch,
@@ -117,6 +140,7 @@ impl Vehicle {
             Self::FotokitePro => Box::new(FotokiteProStation::new(faults, is_worst)),
             Self::MavlinkGimbal => Box::new(GimbalStation::new(faults, is_worst)),
             Self::FotokiteSigma => Box::new(FotokiteSigmaStation::new(faults, mutant)),
+            Self::OnvifPtz => Box::new(OnvifStation::new(faults, mutant)),
         }
     }
 }

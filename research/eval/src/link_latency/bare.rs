@@ -32,7 +32,7 @@ impl BareStream {
         let (mut reader, _) = listener.accept()?;
         let (arrived, arrivals) = channel();
         std::thread::Builder::new().name("reader".to_owned()).spawn(move || {
-            let mut buffer = [0; 1024];
+            let mut buffer = [0; 4096];
             while reader.read(&mut buffer).is_ok_and(|read| read > 0) {
                 if arrived.send(Instant::now()).is_err() {
                     return;
@@ -52,25 +52,40 @@ impl BareLoop for BareStream {
 }
 
 /// A connection that carries requests as long as those of a link, and a reader that tells when they arrive.
-pub(super) struct BareRequests(BareStream);
+pub(super) struct BareRequests {
+    stream: BareStream,
+    request: fn(f64) -> (&'static str, String),
+}
 
 impl BareRequests {
-    pub(super) fn open() -> Result<Self> {
-        Ok(Self(BareStream::open()?))
+    /// Those of a Fotokite Sigma.
+    pub(super) fn of_sigma() -> Result<Self> {
+        let request = |yaw: f64| {
+            let body = format!(r#"{{"duration":0.45,"pan_speed":{:.3},"tilt_speed":0.0}}"#, yaw.to_degrees());
+            ("/v1/camera/control/rotate_with_speed", body)
+        };
+        Ok(Self { stream: BareStream::open()?, request })
+    }
+
+    /// Those of an ONVIF camera, as long as the link's with their proof of who asks.
+    pub(super) fn of_onvif() -> Result<Self> {
+        const MESSAGE_BYTES: usize = 1_330;
+        let request = |yaw: f64| ("/onvif/ptz_service", format!("{yaw:<MESSAGE_BYTES$}"));
+        Ok(Self { stream: BareStream::open()?, request })
     }
 }
 
 impl BareLoop for BareRequests {
     fn write(&mut self, yaw: f64) -> Result<Duration> {
-        let body = format!(r#"{{"duration":0.45,"pan_speed":{:.3},"tilt_speed":0.0}}"#, yaw.to_degrees());
+        let (path, body) = (self.request)(yaw);
         let request = format!(
-            "POST /v1/camera/control/rotate_with_speed HTTP/1.1\r\nhost: 127.0.0.1:10000\r\n\
-             authorization: Bearer token\r\ncontent-type: application/json\r\ncontent-length: {}\r\n\r\n{body}",
+            "POST {path} HTTP/1.1\r\nhost: 127.0.0.1:10000\r\nauthorization: Bearer token\r\n\
+             content-type: application/json\r\ncontent-length: {}\r\n\r\n{body}",
             body.len()
         );
         let sent = Instant::now();
-        self.0.writer.write_all(request.as_bytes())?;
-        time_to(&self.0.arrivals, sent)
+        self.stream.writer.write_all(request.as_bytes())?;
+        time_to(&self.stream.arrivals, sent)
     }
 }
 

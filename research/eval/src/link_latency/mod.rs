@@ -5,7 +5,7 @@
 //!   link.send(rates) --> pipe --> barrelman-guard: session, port --> TCP or UDP on the loopback --> emulated vehicle
 //!   write(packet) ---------------------------------------------> TCP or UDP on the loopback --> reader
 //! ```
-//! A Fotokite Sigma has no guard: its link's threads send an HTTP request, beside a bare write of such a request.
+//! A Fotokite Sigma and an ONVIF camera have no guard: their link's threads send an HTTP request, beside a bare write of such a request.
 //! Both are done in turns, so that whatever else the machine does meets both.
 
 mod heard;
@@ -15,7 +15,9 @@ mod vehicle;
 mod bare;
 mod fotokite_pro;
 mod fotokite_sigma;
+mod http_vehicle;
 mod mavlink_gimbal;
+mod onvif;
 
 use std::path::PathBuf;
 use std::sync::mpsc::{Receiver, channel};

@@ -10,13 +10,14 @@ use barrelman_link::guard::message::GuardedVehicle;
 use barrelman_link::guarded::GuardedLinkSettings;
 use barrelman_link::url::Endpoint;
 use barrelman_link::{GuardedLink, LinkHandle, LinkReport, LinkUrl};
-use barrelman_link_http::{Credential, HttpSettings, Trust};
+use barrelman_link_http::{Credential, HttpProtocol, HttpSettings, Trust};
 use barrelman_vocab::{Timestamp, VehicleRates};
+use barrelman_wire::onvif::OnvifSettings;
 use barrelman_wire::{ByteProtocol, ByteProtocolName, Framing};
 
 use super::bare::{BareDatagrams, BareLoop, BareRequests, BareStream};
 use super::heard::Heard;
-use super::{fotokite_pro, fotokite_sigma, mavlink_gimbal};
+use super::{fotokite_pro, fotokite_sigma, mavlink_gimbal, onvif};
 use crate::vehicle::Vehicle;
 
 impl Vehicle {
@@ -24,7 +25,7 @@ impl Vehicle {
     pub(super) const fn limit_ms(self) -> f64 {
         match self {
             Self::FotokitePro | Self::MavlinkGimbal => 1.0,
-            Self::FotokiteSigma => 3.0,
+            Self::FotokiteSigma | Self::OnvifPtz => 3.0,
         }
     }
 
@@ -34,6 +35,7 @@ impl Vehicle {
             Self::FotokitePro => fotokite_pro::start(clock),
             Self::MavlinkGimbal => mavlink_gimbal::start(clock),
             Self::FotokiteSigma => fotokite_sigma::start(clock),
+            Self::OnvifPtz => onvif::start(clock),
         }
     }
 
@@ -42,7 +44,8 @@ impl Vehicle {
         Ok(match self {
             Self::FotokitePro => Box::new(BareStream::open()?),
             Self::MavlinkGimbal => Box::new(BareDatagrams::open()?),
-            Self::FotokiteSigma => Box::new(BareRequests::open()?),
+            Self::FotokiteSigma => Box::new(BareRequests::of_sigma()?),
+            Self::OnvifPtz => Box::new(BareRequests::of_onvif()?),
         })
     }
 
@@ -62,8 +65,12 @@ impl Vehicle {
         let profile = self.profile();
         if !profile.keeps_last_rate() {
             let Endpoint::Http(address) = url.endpoint else { bail!("{address} is not reached over HTTP") };
-            let credential = Credential::Token(fotokite_sigma::TOKEN.to_owned());
-            let settings = HttpSettings { address, trust: Trust::WellKnown, credential };
+            let protocol = if self == Self::OnvifPtz {
+                HttpProtocol::Onvif(OnvifSettings { login: Some(onvif::login()), speeds: profile.speeds })
+            } else {
+                HttpProtocol::FotokiteSigma(Credential::Token(fotokite_sigma::TOKEN.to_owned()))
+            };
+            let settings = HttpSettings { address, trust: Trust::WellKnown, protocol };
             let link = barrelman_link_http::open_link(settings, FaultPlan::default(), clock, tell)?;
             return Ok(MeasuredLink::OfProgram(link));
         }

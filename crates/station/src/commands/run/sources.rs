@@ -40,7 +40,7 @@ pub(super) fn first_source(
         return Err(UsageError(format!("no video source: {remedy} {file}")).into());
     };
     let source = match named {
-        Some(video) => secrets::named_source_url(video, &configuration.video_login)?,
+        Some(video) => secrets::named_source_url(video, &configuration.video_login, http)?,
         None => secrets::source_url(video, &configuration.video_login)?,
     };
     let uses_login =

@@ -15,6 +15,7 @@ use crate::config::file::{
 };
 use crate::config::mavlink;
 use crate::config::share::ShareSection;
+use crate::config::speeds::SpeedsSection;
 use crate::config::tak::TakSection;
 use crate::config::tracker::TrackerSection;
 use crate::config::tracking_camera::TrackingCameraSection;
@@ -76,6 +77,7 @@ impl Configuration {
             guard: self.guard.program.clone(),
             without_guard: Some(self.guard.is_omitted),
             token_file: self.link_access.token_file.clone(),
+            login_file: self.link_access.login_file.clone(),
             certificate_sha256: self.link_access.trust.certificate_sha256.clone(),
             ca_file: self.link_access.trust.ca_file.clone(),
             signing_key_file: self.signing_key_file.clone(),
@@ -116,6 +118,7 @@ impl Configuration {
             attitude_yaw_sign: profile.attitude_yaw.and_then(sign),
             gimbal_device: mavlink::device_of(profile.protocol),
             gimbal_tilt: profile.gimbal_tilt.map(|tilt| section_of(&tilt)),
+            speeds: profile.speeds.as_ref().map(SpeedsSection::of),
         }
     }
 

@@ -76,6 +76,8 @@ variants!(Acceptance, Acceptance, "acceptance", [
     Acceptance::Fault => Fault,
     Acceptance::NoCamera => NoCamera,
     Acceptance::TokenRefused => TokenRefused,
+    Acceptance::LoginRefused => LoginRefused,
+    Acceptance::NotCalibrated => NotCalibrated,
     Acceptance::Unusable => Unusable,
     Acceptance::Unanswered => Unanswered,
     Acceptance::Disarmed => Disarmed,

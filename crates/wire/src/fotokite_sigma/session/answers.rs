@@ -9,6 +9,7 @@ use crate::fotokite_sigma::call::{Call, StreamId};
 use crate::fotokite_sigma::control::refusal;
 use crate::fotokite_sigma::json;
 use crate::fotokite_sigma::reports::{TURNS, field_of_view_of, pan_of, tilt_of};
+use crate::http::motion::Speeds as _;
 use crate::session::RestEvidence;
 
 type ReportSink<'a> = &'a mut dyn FnMut(Telemetry);

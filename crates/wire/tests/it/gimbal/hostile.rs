@@ -1,7 +1,7 @@
 //! Arbitrary bytes and requests: no panic, no rate above the limits, nothing but zeros after the end.
 
 use barrelman_vocab::VehicleRates;
-use barrelman_vocab::profile::MAVLINK_RATE_LIMITS;
+use barrelman_vocab::profile::OWN_RATE_LIMITS;
 use barrelman_wire::mavlink::GimbalManager;
 use barrelman_wire::mavlink::gimbal_manager::{GimbalManagerSettings, Habits};
 use barrelman_wire::{LinkHistory, NextAction, Session as _};
@@ -56,7 +56,7 @@ proptest! {
         bench.run(core::time::Duration::from_secs(4));
         for (ms, sent) in &bench.sent {
             if let Sent::Rates(_, _, yaw, pitch) = sent {
-                let (pan, tilt) = (MAVLINK_RATE_LIMITS.pan, MAVLINK_RATE_LIMITS.tilt);
+                let (pan, tilt) = (OWN_RATE_LIMITS.pan, OWN_RATE_LIMITS.tilt);
                 prop_assert!(f64::from(yaw.abs()) <= pan.radians_per_second());
                 prop_assert!(f64::from(pitch.abs()) <= tilt.radians_per_second());
             }

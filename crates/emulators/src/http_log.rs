@@ -1,4 +1,4 @@
-//! The log of an emulated Sigma: one JSON object per line, written without a buffer.
+//! The log of a vehicle that is emulated over HTTP: one JSON object per line, written without a buffer.
 
 use std::io::Write as _;
 
@@ -6,7 +6,6 @@ use anyhow::Result;
 use barrelman_host::clock::Clock;
 use barrelman_host::output::OutputFile;
 use barrelman_vocab::{Timestamp, VehicleRates};
-use barrelman_wire::fotokite_sigma::sigma::Incoming;
 use serde::Serialize;
 
 #[derive(Serialize)]
@@ -25,24 +24,34 @@ struct RatesRow {
     tilt_deg_per_s: f64,
 }
 
+/// A request, without what proves who asks.
+pub(super) struct LoggedRequest<'a> {
+    pub(super) method: &'a str,
+    pub(super) path: &'a str,
+    pub(super) body: &'a str,
+}
+
 /// The log. Without a file, rows are discarded. No token is written.
-pub(super) struct SigmaLog {
+pub(super) struct HttpLog {
     file: Option<OutputFile>,
     clock: Clock,
 }
 
-impl SigmaLog {
+impl HttpLog {
     pub(super) const fn new(file: Option<OutputFile>, clock: Clock) -> Self {
         Self { file, clock }
     }
 
     /// A request was answered with this status.
-    pub(super) fn on_request(&mut self, at: Timestamp, request: &Incoming<'_>, status: u16) -> Result<()> {
-        let body = String::from_utf8_lossy(request.body);
-        // A request for a token holds the API key.
-        let body = if request.path.contains("/token/") { "" } else { &*body };
+    pub(super) fn on_request(
+        &mut self,
+        at: Timestamp,
+        request: LoggedRequest<'_>,
+        status: u16,
+    ) -> Result<()> {
+        let LoggedRequest { method, path, body } = request;
         let mono_ns = self.mono_ns(at);
-        self.write(&RequestRow { mono_ns, method: request.method, path: request.path, body, status })
+        self.write(&RequestRow { mono_ns, method, path, body, status })
     }
 
     /// These rates are in force from now on.

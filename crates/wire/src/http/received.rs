@@ -1,4 +1,4 @@
-//! What comes from a Sigma, or from the port that speaks with it.
+//! What comes from the vehicle, or from the port that speaks with it.
 
 /// A packet that a session receives.
 #[derive(Debug, Clone, PartialEq, Eq)]

@@ -1,4 +1,4 @@
-//! Requests and answers of a Fotokite Sigma's API as packets of the simulated line.
+//! Requests and answers over HTTP as packets of the simulated line.
 //!
 //! ```text
 //!   up:   number ' ' method ' ' path '\n' body            one request a packet; a part of one is no request
@@ -8,7 +8,7 @@
 
 use barrelman_vocab::telemetry::LinkState;
 use barrelman_vocab::{Telemetry, Timestamp, VehicleRates};
-use barrelman_wire::fotokite_sigma::{FotokiteSigmaSession, Received, Request};
+use barrelman_wire::http::{HttpCall, Received, Request};
 use barrelman_wire::{NextAction, RestEvidence, Session, WillStep};
 
 /// Bytes of a packet before its body: length, number, status.
@@ -41,7 +41,7 @@ impl ReceivedRequest {
     }
 }
 
-fn write_request(request: &Request) -> Vec<u8> {
+fn write_request<C: HttpCall>(request: &Request<C>) -> Vec<u8> {
     let method = request.call.method().name();
     let body = request.call.body().unwrap_or_default();
     let mut packet = format!("{} {method} {}\n{body}", request.id, request.call.path()).into_bytes();
@@ -80,16 +80,13 @@ fn read_received(mut bytes: &[u8]) -> Vec<Received> {
     packets
 }
 
-/// A session with a Fotokite Sigma on the simulated line.
-pub(super) struct SessionOverNetwork(FotokiteSigmaSession);
+/// A session with a vehicle over HTTP on the simulated line.
+pub(super) struct SessionOverNetwork<S>(pub(super) S);
 
-impl SessionOverNetwork {
-    pub(super) fn open(now: Timestamp) -> Self {
-        Self(FotokiteSigmaSession::open(now))
-    }
-}
-
-impl Session for SessionOverNetwork {
+impl<S, C: HttpCall> Session for SessionOverNetwork<S>
+where
+    S: Session<Sent = Request<C>, Received = Received, Command = VehicleRates>,
+{
     type Sent = Vec<u8>;
     type Received = [u8];
     type Command = VehicleRates;
@@ -133,13 +130,15 @@ impl Session for SessionOverNetwork {
 
     fn last_will(&self, now: Timestamp) -> Vec<WillStep<Vec<u8>>> {
         let step =
-            |step: WillStep<Request>| WillStep { packet: write_request(&step.packet), pause: step.pause };
+            |step: WillStep<Request<C>>| WillStep { packet: write_request(&step.packet), pause: step.pause };
         self.0.last_will(now).into_iter().map(step).collect()
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use barrelman_wire::fotokite_sigma::FotokiteSigmaSession;
+
     use super::*;
 
     #[test]
@@ -156,7 +155,7 @@ mod tests {
 
     #[test]
     fn a_part_of_a_request_is_none() {
-        let mut session = SessionOverNetwork::open(Timestamp::ZERO);
+        let mut session = SessionOverNetwork(FotokiteSigmaSession::open(Timestamp::ZERO));
         let mut out = Vec::new();
         session.poll(Timestamp::ZERO, &mut out);
         let request = ReceivedRequest::read(&out[0]).unwrap();

@@ -2,21 +2,12 @@
 
 use barrelman_vocab::acceptance::Acceptance;
 use barrelman_wire::fotokite_sigma::control::refusal;
-pub use barrelman_wire::fotokite_sigma::json::CameraInfo;
-use barrelman_wire::fotokite_sigma::json::{self, CameraState, HandoffState, VideoStream};
+use barrelman_wire::fotokite_sigma::json::{self, CameraInfo, CameraState, HandoffState, VideoStream};
 
-use crate::inquiry::Inquiry;
+use super::Sigma;
+use crate::main_video::MainVideo;
 
-/// The main video of a vehicle.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct MainVideo {
-    /// The stream's name.
-    pub name: String,
-    /// Its address: without encryption where there is one, otherwise in TLS (`rtsps://`); `None`: it has neither.
-    pub address: Option<String>,
-}
-
-impl Inquiry {
+impl Sigma {
     /// The speeds that the camera takes, degrees per second.
     ///
     /// # Errors
@@ -60,7 +51,7 @@ impl Inquiry {
     }
 
     fn read<T: for<'a> serde::Deserialize<'a>>(&self, path: &str) -> Result<T, Acceptance> {
-        let (status, body) = self.get(path).map_err(|_| Acceptance::Unanswered)?;
+        let (status, body) = super::get(&self.0, path).map_err(|_| Acceptance::Unanswered)?;
         match refusal(status) {
             Some(said) => Err(said),
             None => json::read(&body).ok_or(Acceptance::Fault),

@@ -3,24 +3,20 @@
 //! ```text
 //!             speeds wanted                      rest wanted, or no control
 //!   Resting ----------------> Turning  --------------------------> Stopping
-//!      ^                      (renewed every 0.15 s)                  |  zeros every 0.1 s
+//!      ^                      (renewed)                               |  zeros every 0.1 s
 //!      +--------------------------------------------------------------+
 //!          at least 3 zeros, and the camera's state shows rest; or 12 zeros
 //! ```
 //!
-//! A command lasts 0.45 s and is renewed every 0.15 s: one that is lost leaves the camera turning, two that are lost end the
-//! motion. At most one command to turn is under way; the newest speeds wait for its answer, never a queue. Zeros do not wait:
+//! A command ends by itself, and is renewed long before: one that is lost leaves the camera turning. At most one command to turn is under way; the newest speeds wait for its answer, never a queue. Zeros do not wait:
 //! they have a lane of their own, and take the other one where theirs hangs.
 
 use core::time::Duration;
 
 use barrelman_vocab::Timestamp;
 
-use super::call::Lane;
-use super::speeds::Speeds;
+use super::request::Lane;
 
-/// Interval at which a command to turn is renewed.
-pub const RENEWAL: Duration = Duration::from_millis(150);
 /// Least interval between commands with different speeds: that of the video frames.
 pub const SPACING: Duration = Duration::from_millis(30);
 /// Interval between zeros.
@@ -30,19 +26,32 @@ pub const LEAST_ZEROS: u32 = 3;
 /// Number of zeros where the camera's state does not show rest.
 pub const MAX_ZEROS: u32 = 12;
 
+/// The speeds of a camera's axes, as its protocol states them.
+pub trait Speeds: Copy + PartialEq {
+    /// No motion.
+    const REST: Self;
+    /// Interval at which a command to turn is renewed.
+    const RENEWAL: Duration;
+
+    /// Whether all are zero.
+    fn is_rest(self) -> bool {
+        self == Self::REST
+    }
+}
+
 /// What is sent of the speeds.
 #[derive(Debug, Clone, Copy, PartialEq)]
-enum State {
+enum State<S> {
     Resting,
-    Turning { sent: Speeds, at: Timestamp },
+    Turning { sent: S, at: Timestamp },
     Stopping { zeros: u32, next_at: Timestamp, since: Timestamp },
 }
 
 /// The commands that are due.
 #[derive(Debug, Clone)]
-pub struct Motion {
-    state: State,
-    wanted: Speeds,
+pub struct Motion<S> {
+    state: State<S>,
+    wanted: S,
     /// Whether a command to turn was not answered, and may be carried out late.
     has_unanswered: bool,
 }
@@ -58,15 +67,15 @@ pub struct Surroundings {
     pub is_at_rest: bool,
 }
 
-impl Default for Motion {
+impl<S: Speeds> Default for Motion<S> {
     fn default() -> Self {
-        Self { state: State::Resting, wanted: Speeds::REST, has_unanswered: false }
+        Self { state: State::Resting, wanted: S::REST, has_unanswered: false }
     }
 }
 
-impl Motion {
+impl<S: Speeds> Motion<S> {
     /// Sets the speeds that are wanted from now on.
-    pub fn want(&mut self, speeds: Speeds) {
+    pub fn want(&mut self, speeds: S) {
         self.wanted = speeds;
     }
 
@@ -115,7 +124,7 @@ impl Motion {
     }
 
     /// The command that is due, and its lane.
-    pub fn due(&mut self, around: Surroundings, now: Timestamp) -> Option<(Lane, Speeds)> {
+    pub fn due(&mut self, around: Surroundings, now: Timestamp) -> Option<(Lane, S)> {
         match self.state {
             State::Resting if self.wanted.is_rest() => None,
             State::Turning { .. } if self.wanted.is_rest() => {
@@ -123,7 +132,7 @@ impl Motion {
                 self.due(around, now)
             }
             State::Turning { sent, at } => {
-                let spacing = if sent == self.wanted { RENEWAL } else { SPACING };
+                let spacing = if sent == self.wanted { S::RENEWAL } else { SPACING };
                 (now.since(at) >= spacing).then_some(())?;
                 self.turn(around, now)
             }
@@ -150,12 +159,12 @@ impl Motion {
                 };
                 let next_at = now.plus(ZERO_SPACING);
                 self.state = State::Stopping { zeros: zeros + 1, next_at, since };
-                Some((lane, Speeds::REST))
+                Some((lane, S::REST))
             }
         }
     }
 
-    fn turn(&mut self, around: Surroundings, now: Timestamp) -> Option<(Lane, Speeds)> {
+    fn turn(&mut self, around: Surroundings, now: Timestamp) -> Option<(Lane, S)> {
         around.is_turn_free.then_some(())?;
         self.state = State::Turning { sent: self.wanted, at: now };
         Some((Lane::Turn, self.wanted))
@@ -165,7 +174,7 @@ impl Motion {
     pub fn wake_at(&self) -> Option<Timestamp> {
         match self.state {
             State::Resting => None,
-            State::Turning { sent, at } if sent == self.wanted => Some(at.plus(RENEWAL)),
+            State::Turning { sent, at } if sent == self.wanted => Some(at.plus(S::RENEWAL)),
             State::Turning { at, .. } => Some(at.plus(SPACING)),
             State::Stopping { next_at, .. } => Some(next_at),
         }
@@ -174,11 +183,12 @@ impl Motion {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
+    use super::{Motion, Speeds as _, Surroundings, Timestamp};
+    use crate::fotokite_sigma::speeds::Speeds;
 
     /// Zeros that are sent within five seconds to a camera that turns, or rests, while zero is wanted.
     fn zeros(turns: bool) -> usize {
-        let mut motion = Motion::default();
+        let mut motion: Motion<Speeds> = Motion::default();
         let around = Surroundings { is_stop_free: true, is_turn_free: true, is_at_rest: false };
         let mut sent = 0;
         for ms in (0..5_000).step_by(10) {

@@ -1,0 +1,280 @@
+//! The questions at the start: the camera's time, its services, a media profile that moves, and the limits of the motion.
+
+use core::time::Duration;
+
+use barrelman_vocab::Timestamp;
+use barrelman_vocab::acceptance::Acceptance;
+
+use super::answers::{
+    CapabilitiesBody, DateAndTimeBody, MoveOptions, MoveOptionsBody, ProfilesBody, ServicesBody,
+};
+use super::ask::{Ask, MOVE_TIMEOUT, Media, Service};
+use super::camera_time::CameraTime;
+use super::refusal::Refusal;
+use super::soap;
+
+/// The path of the device's service, which the standard states.
+const DEVICE_PATH: &str = "/onvif/device_service";
+
+/// A camera whose least time-out is longer is not used.
+const LATEST_TIMEOUT: Duration = Duration::from_secs(2);
+
+/// The paths of the services. The host is always that of the link, whatever the camera says.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Paths {
+    media: Option<(Media, String)>,
+    ptz: Option<String>,
+}
+
+impl Paths {
+    /// The path of a service; before it is known, that of the device.
+    pub fn of(&self, service: Service) -> &str {
+        let known = match service {
+            Service::Device => None,
+            Service::Media(_) => self.media.as_ref().map(|(_, path)| path.as_str()),
+            Service::Ptz => self.ptz.as_deref(),
+        };
+        known.unwrap_or(DEVICE_PATH)
+    }
+}
+
+/// Why a camera cannot be used.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum JoiningError {
+    /// It refuses a question.
+    Refused {
+        /// The question.
+        question: &'static str,
+        /// What it says.
+        refusal: Refusal,
+    },
+    /// Its answer to a question cannot be read.
+    Unreadable(&'static str),
+    /// It has no service of this name.
+    NoService(&'static str),
+    /// None of its media profiles pans and tilts.
+    NoMotion,
+    /// It cannot be turned at a speed.
+    NoVelocity,
+    /// It ends a motion by itself only after this time at least.
+    LateTimeout(Duration),
+}
+
+impl JoiningError {
+    /// What it means for commands.
+    pub const fn said(&self) -> Acceptance {
+        match self {
+            Self::Refused { refusal, .. } => refusal.said,
+            Self::Unreadable(_) => Acceptance::Fault,
+            Self::NoService(_) | Self::NoMotion | Self::NoVelocity | Self::LateTimeout(_) => {
+                Acceptance::NoCamera
+            }
+        }
+    }
+}
+
+impl core::fmt::Display for JoiningError {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match self {
+            Self::Refused { question, refusal } => {
+                write!(f, "the camera refuses {question}: {}", refusal.words)
+            }
+            Self::Unreadable(question) => write!(f, "the camera's answer to {question} cannot be read"),
+            Self::NoService(name) => write!(f, "the camera has no {name} service"),
+            Self::NoMotion => f.write_str("none of the camera's media profiles has a PTZ configuration"),
+            Self::NoVelocity => f.write_str("the camera cannot be turned at a speed (ContinuousMove)"),
+            Self::LateTimeout(least) => write!(
+                f,
+                "the camera ends no motion by itself before {} s, and a connection that fails would leave it turning for \
+                 longer than {} s",
+                least.as_secs_f64(),
+                LATEST_TIMEOUT.as_secs_f64()
+            ),
+        }
+    }
+}
+
+impl core::error::Error for JoiningError {}
+
+/// What is known of a camera that can be moved.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Joined {
+    /// The media service.
+    pub media: Media,
+    /// The media profile.
+    pub profile: String,
+    /// The largest pan and tilt of its range.
+    pub full: (f64, f64),
+    /// When it ends a motion by itself.
+    pub timeout: Duration,
+}
+
+impl Joined {
+    /// The question for the address of the video.
+    pub fn stream_uri(&self) -> Ask {
+        Ask::StreamUri { media: self.media, profile: self.profile.clone() }
+    }
+}
+
+#[derive(Debug, Clone, PartialEq)]
+enum Step {
+    Time,
+    Services,
+    Capabilities,
+    Profiles(Media),
+    Options { media: Media, profile: String, configuration: String },
+    Done(Joined),
+}
+
+/// The questions, one after the other.
+#[derive(Debug, Clone)]
+pub struct Joining {
+    step: Step,
+    paths: Paths,
+    time: Option<CameraTime>,
+}
+
+impl Default for Joining {
+    fn default() -> Self {
+        Self { step: Step::Time, paths: Paths::default(), time: None }
+    }
+}
+
+impl Joining {
+    /// The next question; `None`: all have been answered.
+    pub fn next(&self) -> Option<Ask> {
+        match &self.step {
+            Step::Time => Some(Ask::DateAndTime),
+            Step::Services => Some(Ask::Services),
+            Step::Capabilities => Some(Ask::Capabilities),
+            Step::Profiles(media) => Some(Ask::Profiles(*media)),
+            Step::Options { configuration, .. } => {
+                Some(Ask::MoveOptions { configuration: configuration.clone() })
+            }
+            Step::Done(_) => None,
+        }
+    }
+
+    /// Where the services are, as far as it is known.
+    pub const fn paths(&self) -> &Paths {
+        &self.paths
+    }
+
+    /// The camera's time, once it has told it.
+    pub const fn time(&self) -> Option<CameraTime> {
+        self.time
+    }
+
+    /// What is known once all questions have been answered.
+    pub const fn joined(&self) -> Option<&Joined> {
+        match &self.step {
+            Step::Done(joined) => Some(joined),
+            _ => None,
+        }
+    }
+
+    /// Takes the answer to the question of [`Joining::next`].
+    ///
+    /// # Errors
+    /// [`JoiningError`] says why the camera cannot be used. The question stands.
+    pub fn on_answer(&mut self, status: u16, body: &[u8], now: Timestamp) -> Result<(), JoiningError> {
+        self.step = match self.step.clone() {
+            Step::Time => {
+                // A camera without a time, or with a login for it, may take proofs without one (HTTP digest).
+                let told = soap::read::<DateAndTimeBody>(body).map(|body| body.answer.told);
+                self.time = told.and_then(|told| CameraTime::told(&told, now));
+                Step::Services
+            }
+            Step::Services => match Refusal::of(status, body) {
+                Some(refusal) if refusal.is_unknown => Step::Capabilities,
+                refused => {
+                    let found: ServicesBody = answer("GetServices", refused, body)?;
+                    let path = |service: Service| {
+                        let named = found.answer.services.iter();
+                        named.clone().find(|one| one.namespace == service.namespace()).map(|one| &one.address)
+                    };
+                    let media = [Media::One, Media::Two]
+                        .into_iter()
+                        .find_map(|media| path(Service::Media(media)).map(|address| (media, address)));
+                    self.take_paths(media, path(Service::Ptz))?
+                }
+            },
+            Step::Capabilities => {
+                let found: CapabilitiesBody = answer("GetCapabilities", Refusal::of(status, body), body)?;
+                let found = &found.answer.capabilities;
+                let media = found.media.as_ref().map(|media| (Media::One, &media.address));
+                self.take_paths(media, found.ptz.as_ref().map(|ptz| &ptz.address))?
+            }
+            Step::Profiles(media) => {
+                let found: ProfilesBody = answer("GetProfiles", Refusal::of(status, body), body)?;
+                let moving = found.answer.profiles.iter().find_map(|profile| {
+                    let configuration = profile.motion()?.to_owned();
+                    Some(Step::Options { media, profile: profile.token.clone(), configuration })
+                });
+                moving.ok_or(JoiningError::NoMotion)?
+            }
+            Step::Options { media, profile, .. } => {
+                let (full, timeout) = match Refusal::of(status, body) {
+                    // The range of -1 to 1 is the one that every camera must know.
+                    Some(refusal) if refusal.is_unknown => ((1.0, 1.0), MOVE_TIMEOUT),
+                    refused => {
+                        let found: MoveOptionsBody = answer("GetConfigurationOptions", refused, body)?;
+                        limits(&found.answer.options)?
+                    }
+                };
+                Step::Done(Joined { media, profile, full, timeout })
+            }
+            done @ Step::Done(_) => done,
+        };
+        Ok(())
+    }
+
+    fn take_paths(
+        &mut self,
+        media: Option<(Media, &String)>,
+        ptz: Option<&String>,
+    ) -> Result<Step, JoiningError> {
+        let (media, address) = media.ok_or(JoiningError::NoService("media"))?;
+        let ptz = ptz.ok_or(JoiningError::NoService("PTZ"))?;
+        self.paths = Paths { media: Some((media, path_of(address))), ptz: Some(path_of(ptz)) };
+        Ok(Step::Profiles(media))
+    }
+}
+
+fn answer<B: serde::de::DeserializeOwned>(
+    question: &'static str,
+    refused: Option<Refusal>,
+    body: &[u8],
+) -> Result<B, JoiningError> {
+    match refused {
+        Some(refusal) => Err(JoiningError::Refused { question, refusal }),
+        None => soap::read(body).ok_or(JoiningError::Unreadable(question)),
+    }
+}
+
+/// The path of an address; an address that has none is a path by itself.
+fn path_of(address: &str) -> String {
+    let behind = address.split_once("://").map_or(address, |(_, rest)| rest);
+    let path = behind.find('/').map_or("/", |at| &behind[at..]);
+    // What could begin another request line is not used.
+    path.chars().filter(char::is_ascii_graphic).take(256).collect()
+}
+
+/// The largest pan and tilt, and the time-out nearest to [`MOVE_TIMEOUT`] that the camera takes.
+fn limits(options: &MoveOptions) -> Result<((f64, f64), Duration), JoiningError> {
+    let space = options.spaces.velocities.first().ok_or(JoiningError::NoVelocity)?;
+    let is_usable = |max: f64| (1e-3..=1e3).contains(&max);
+    if !is_usable(space.pan.max) || !is_usable(space.tilt.max) {
+        return Err(JoiningError::NoVelocity);
+    }
+    let seconds = |text: &String| text.parse::<jiff::SignedDuration>().ok()?.try_into().ok();
+    let stated = |end: fn(&super::answers::Timeouts) -> &String| -> Option<Duration> {
+        options.timeouts.as_ref().map(end).and_then(seconds)
+    };
+    let least = stated(|timeouts| &timeouts.min).unwrap_or_default();
+    let largest = stated(|timeouts| &timeouts.max).filter(|most| !most.is_zero()).unwrap_or(MOVE_TIMEOUT);
+    if least > LATEST_TIMEOUT {
+        return Err(JoiningError::LateTimeout(least));
+    }
+    Ok(((space.pan.max, space.tilt.max), MOVE_TIMEOUT.min(largest).max(least)))
+}

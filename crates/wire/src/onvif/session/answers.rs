@@ -1,0 +1,121 @@
+//! What an answer changes in a session, and what it reports.
+
+use barrelman_vocab::acceptance::Acceptance;
+use barrelman_vocab::telemetry::Report;
+use barrelman_vocab::{Telemetry, Timestamp};
+
+use super::{OnvifSession, REFUSAL_HOLD, RETRY, State, UNANSWERED};
+use crate::http::motion::Speeds as _;
+use crate::onvif::answers::{Status, StatusBody};
+use crate::onvif::ask::Ask;
+use crate::onvif::joining::JoiningError;
+use crate::onvif::refusal::Refusal;
+use crate::onvif::{soap, watch};
+use crate::session::RestEvidence;
+
+type ReportSink<'a> = &'a mut dyn FnMut(Telemetry);
+
+impl OnvifSession {
+    /// An answer, or `None` where there was none.
+    pub(super) fn on_answer(
+        &mut self,
+        id: u64,
+        answer: Option<(u16, &[u8])>,
+        now: Timestamp,
+        report: ReportSink<'_>,
+    ) {
+        let Some(call) = self.lanes.take(id) else { return };
+        if !matches!(self.state, State::Joining | State::Up | State::Closing { .. }) {
+            return;
+        }
+        match call.ask {
+            Ask::Status { .. } => self.on_status(answer, now, report),
+            Ask::Move { velocity, .. } => {
+                if !velocity.is_rest() {
+                    self.motion.on_turn_answer(answer.is_some(), now);
+                }
+                self.on_command("ContinuousMove", answer, now);
+            }
+            Ask::Stop { .. } => self.on_command("Stop", answer, now),
+            _ => self.on_joining(answer, now),
+        }
+    }
+
+    fn on_joining(&mut self, answer: Option<(u16, &[u8])>, now: Timestamp) {
+        // A question without an answer is asked again, until the camera counts as silent.
+        let Some((status, body)) = answer.filter(|_| self.state == State::Joining) else { return };
+        match self.joining.on_answer(status, body, now) {
+            Err(error) => self.fail(error, now),
+            Ok(()) => {
+                if let Some(time) = self.joining.time() {
+                    self.caller.set_time(time);
+                }
+                if self.joining.joined().is_some() {
+                    // What turns the camera is not known.
+                    self.motion.stop(now);
+                    self.state = State::Up;
+                }
+            }
+        }
+    }
+
+    /// The camera cannot be used for a while. A motion ends by itself.
+    fn fail(&mut self, error: JoiningError, now: Timestamp) {
+        self.motion.yield_control();
+        self.failure = Some(error);
+        self.state = State::Refused { until: now.plus(RETRY) };
+    }
+
+    fn on_command(&mut self, question: &'static str, answer: Option<(u16, &[u8])>, now: Timestamp) {
+        self.unanswered = if answer.is_some() { 0 } else { self.unanswered + 1 };
+        let said = match answer.map(|(status, body)| Refusal::of(status, body)) {
+            Some(Some(refusal)) if refusal.said == Acceptance::LoginRefused => {
+                self.fail(JoiningError::Refused { question, refusal }, now);
+                return;
+            }
+            // A camera that knows no Stop is stopped by the other kind of zero.
+            Some(Some(refusal)) if question == "Stop" && refusal.is_unknown => None,
+            Some(refusal) => refusal.map(|refusal| refusal.said),
+            None => (self.unanswered >= UNANSWERED).then_some(Acceptance::Unanswered),
+        };
+        if let Some(said) = said {
+            self.refused = Some((said, now.plus(REFUSAL_HOLD)));
+        }
+    }
+
+    fn on_status(&mut self, answer: Option<(u16, &[u8])>, now: Timestamp, report: ReportSink<'_>) {
+        let Some((status, body)) = answer else { return };
+        let told = Refusal::of(status, body).map_or_else(|| soap::read::<StatusBody>(body), |_| None);
+        self.schedule.on_answer(told.is_none());
+        if let Some(told) = told {
+            self.on_motion(&told.answer.status, now);
+            for content in watch::reports(&told.answer.status).into_iter().flatten() {
+                report(Telemetry { at: now, report: content });
+            }
+        }
+    }
+
+    /// A camera that still turns after the zeros of this program's last motion gets more of them. One that another client turns
+    /// is left alone.
+    fn on_motion(&mut self, status: &Status, now: Timestamp) {
+        self.watch.on_status(status, now);
+        match self.watch.since(Timestamp::ZERO, now) {
+            RestEvidence::AtRest => self.has_rested |= !self.motion.is_turning(),
+            RestEvidence::Moving { .. } => self.motion.on_unexpected_motion(!self.has_rested, now),
+            RestEvidence::NoTelemetry => {}
+        }
+    }
+
+    /// Reports what the camera says to commands: at changes, and once a second, as a report may find no room.
+    pub(super) fn report_acceptance(&mut self, now: Timestamp, report: ReportSink<'_>) {
+        if matches!(self.state, State::Closing { .. } | State::Closed) {
+            return;
+        }
+        let Some(said) = self.acceptance(now) else { return };
+        let is_new = self.reported.is_none_or(|(before, at)| before != said || now.since(at).as_secs() >= 1);
+        if is_new {
+            self.reported = Some((said, now));
+            report(Telemetry { at: now, report: Report::Acceptance(said) });
+        }
+    }
+}
