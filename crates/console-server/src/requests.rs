@@ -186,7 +186,7 @@ fn check_values(request: &OperatorRequest) -> Result<(), &'static str> {
             CameraRequest::NetYaw { degrees } if !degrees.is_finite() => {
                 Err("the net yaw must be a number of degrees")
             }
-            CameraRequest::Calibrate => {
+            CameraRequest::Calibrate { .. } => {
                 Err("calibrate with `barrelman calibrate axes`, which stores the result")
             }
             CameraRequest::NetYaw { .. }

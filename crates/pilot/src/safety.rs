@@ -129,7 +129,7 @@ impl Safety {
             }
             CameraRequest::Disengage => self.licences.withdraw(),
             CameraRequest::Search => self.consent(Purpose::Search, now)?,
-            CameraRequest::Calibrate => self.consent(Purpose::Calibrate, now)?,
+            CameraRequest::Calibrate { .. } => self.consent(Purpose::Calibrate, now)?,
             CameraRequest::NetYaw { .. }
             | CameraRequest::Propose(_)
             | CameraRequest::Candidates { .. }

@@ -27,7 +27,7 @@ mod world;
 
 mod form;
 
-pub use camera::{CameraRequest, DrawnSelection, Nudge, Tap};
+pub use camera::{CameraRequest, DrawnSelection, Nudge, Tap, TestMotions};
 pub use note::{Note, NoteRequest, NoteText};
 pub use seat::SeatRequest;
 pub use vessel::{DrawnMark, MarkKind, MovedMark, VesselRequest, VesselStopper};

@@ -16,7 +16,9 @@ use barrelman_simd::Simd;
 use barrelman_trial::campaign::{FrameSource, RenderedCamera, Simulation, StepObserver};
 use barrelman_trial::target_in_picture::TargetInPicture;
 use barrelman_vision::{PATCH_CENTRES, PATCHES, PatchShift};
-use barrelman_vocab::{CameraRequest, OperatorRequest, PictureSize, PixelPoint, Timestamp, VehicleRates};
+use barrelman_vocab::{
+    CameraRequest, OperatorRequest, PictureSize, PixelPoint, TestMotions, Timestamp, VehicleRates,
+};
 use clap::Args;
 
 use crate::output::print_line;
@@ -251,7 +253,10 @@ fn calibrate(options: &Options, seed: u64) -> Result<Calibrated> {
     while simulation.world().now().as_secs_f64() < 1.0 {
         simulation.tick(&mut frames, &mut recording);
     }
-    simulation.request(OperatorRequest::Camera(CameraRequest::Calibrate), &mut recording);
+    simulation.request(
+        OperatorRequest::Camera(CameraRequest::Calibrate { motions: TestMotions::Axes }),
+        &mut recording,
+    );
     while recording.is_calibrating && !simulation.is_over() {
         simulation.tick(&mut frames, &mut recording);
     }

@@ -43,7 +43,7 @@ impl Answers {
                 CameraRequest::Nudge(_)
                 | CameraRequest::Candidates { .. }
                 | CameraRequest::Search
-                | CameraRequest::Calibrate
+                | CameraRequest::Calibrate { .. }
                 | CameraRequest::NetYaw { .. }
                 | CameraRequest::Law { .. }
                 | CameraRequest::Engage

@@ -123,16 +123,10 @@ pub fn fit_axis(
     commands: &[RateStep],
     repetitions: &[(f64, f64)],
 ) -> Result<AxisFit, CannotTell> {
-    let within = |from: f64, to: f64| -> Vec<AngleSample> {
-        samples.iter().filter(|sample| (from..to).contains(&sample.at_s)).copied().collect()
-    };
     let (Some(first), Some(last)) = (repetitions.first(), repetitions.last()) else {
         return Err(CannotTell::NotMeasured);
     };
-    let whole = fit(&within(first.0, last.1), commands).ok_or(CannotTell::NotMeasured)?;
-    if whole.explained < MIN_EXPLAINED || whole.gain() < MIN_GAIN {
-        return Err(CannotTell::NotFollowing { explained: whole.explained });
-    }
+    let whole = fit_rate(samples, commands, repetitions)?;
     let mut parts = Vec::new();
     for (from, to) in repetitions {
         let is_kept = |sample: &&AngleSample| {
@@ -146,6 +140,27 @@ pub fn fit_axis(
         jackknife(&parts, |fit| fit.start_dead_time_s).max(jackknife(&parts, |fit| fit.stop_dead_time_s));
     if gain_error > MAX_GAIN_ERROR || dead_time_error_s > MAX_DEAD_TIME_ERROR_S {
         return Err(CannotTell::Unsteady { gain_error, dead_time_error_s });
+    }
+    Ok(whole)
+}
+
+/// Fits an axis to its samples without comparing repetitions: its rate is told, dead times and lag only roughly.
+///
+/// # Errors
+/// Why the axis cannot be told.
+pub fn fit_rate(
+    samples: &[AngleSample],
+    commands: &[RateStep],
+    repetitions: &[(f64, f64)],
+) -> Result<AxisFit, CannotTell> {
+    let (Some(first), Some(last)) = (repetitions.first(), repetitions.last()) else {
+        return Err(CannotTell::NotMeasured);
+    };
+    let is_within = |sample: &&AngleSample| (first.0..last.1).contains(&sample.at_s);
+    let within: Vec<AngleSample> = samples.iter().filter(is_within).copied().collect();
+    let whole = fit(&within, commands).ok_or(CannotTell::NotMeasured)?;
+    if whole.explained < MIN_EXPLAINED || whole.gain() < MIN_GAIN {
+        return Err(CannotTell::NotFollowing { explained: whole.explained });
     }
     Ok(whole)
 }

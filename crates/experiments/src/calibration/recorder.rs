@@ -3,14 +3,16 @@
 use barrelman_vision::{PatchShift, PictureMotion};
 use barrelman_vocab::profile::{AxisDynamics, GimbalTilt, Sign, VehicleProfile};
 use barrelman_vocab::telemetry::{Quaternion, Report};
-use barrelman_vocab::{Angle, CameraCommand, PictureSize, Telemetry, Timestamp, VideoFrame};
+use barrelman_vocab::{Angle, CameraCommand, PictureSize, Telemetry, TestMotions, Timestamp, VideoFrame};
 use core::time::Duration;
 
 use super::bars::BarSearch;
-use super::fit::{AngleSample, AxisFit, CannotTell, RateStep, fit_axis};
+use super::fit::{AngleSample, AxisFit, CannotTell, RateStep, fit_axis, fit_rate};
 use super::gimbal_reports::convention;
+use super::speeds::MeasuredSpeeds;
 use super::turns::Turn;
-use barrelman_pilot::calibration::{MOVE, REPETITIONS, REST};
+use barrelman_pilot::NUDGE_RATE_RAD_PER_S;
+use barrelman_pilot::calibration::Schedule;
 
 /// Records frames, commands and reports during the test motions.
 pub struct CalibrationRecorder {
@@ -114,14 +116,33 @@ impl CalibrationRecorder {
         }
     }
 
-    /// What was measured.
+    /// What short motions have told: how fast the axes turned at what was commanded as the low rate.
+    pub fn speeds(&self) -> MeasuredSpeeds {
+        let rate = |samples: &[AngleSample], commands: &[RateStep]| {
+            let between = repetitions(commands, Schedule::of(TestMotions::Speed));
+            fit_rate(samples, commands, &between).map(|fit| fit.gain() * NUDGE_RATE_RAD_PER_S)
+        };
+        if let Some(bars) = self.bars.found() {
+            let refused = Err(CannotTell::Bars(bars));
+            return MeasuredSpeeds { pan: refused, tilt: refused };
+        }
+        MeasuredSpeeds {
+            pan: rate(&self.pans, &self.pan_commands),
+            tilt: rate(&self.tilts, &self.tilt_commands),
+        }
+    }
+
+    /// What long motions have told.
     pub fn result(&self) -> CalibrationResult {
         if let Some(bars) = self.bars.found() {
             let refused = Err(CannotTell::Bars(bars));
             return CalibrationResult { pan: refused, tilt: refused, elevation: None, gimbal_tilt: None };
         }
-        let pan = fit_axis(&self.pans, &self.pan_commands, &repetitions(&self.pan_commands));
-        let tilt = fit_axis(&self.tilts, &self.tilt_commands, &repetitions(&self.tilt_commands));
+        let measured = |samples: &[AngleSample], commands: &[RateStep]| {
+            fit_axis(samples, commands, &repetitions(commands, Schedule::of(TestMotions::Axes)))
+        };
+        let pan = measured(&self.pans, &self.pan_commands);
+        let tilt = measured(&self.tilts, &self.tilt_commands);
         let elevation = pan.ok().map(|fit| elevation(&fit));
         let gimbal_tilt = elevation.and_then(|elevation| {
             // The tilt during the motions of the pan is that at their middle.
@@ -161,11 +182,11 @@ fn elevation(fit: &AxisFit) -> Angle {
 }
 
 /// The times of the repetitions: to and fro.
-fn repetitions(commands: &[RateStep]) -> Vec<(f64, f64)> {
+fn repetitions(commands: &[RateStep], schedule: Schedule) -> Vec<(f64, f64)> {
     let Some(first) = commands.first() else { return Vec::new() };
-    let lasts_s = 2.0 * (MOVE + REST).as_secs_f64();
+    let lasts_s = 2.0 * schedule.part().as_secs_f64();
     let begin = |index: u32| first.at_s - 0.2 + f64::from(index) * lasts_s;
-    (0..REPETITIONS).map(|index| (begin(index), begin(index + 1))).collect()
+    (0..schedule.repetitions).map(|index| (begin(index), begin(index + 1))).collect()
 }
 
 impl CalibrationResult {

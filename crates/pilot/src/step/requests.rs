@@ -66,8 +66,8 @@ impl Pilot {
                 self.net_yaw.set(Angle::from_degrees(*degrees), pan);
                 Some(Notice::NetYaw(self.net_yaw.state(pan)))
             }
-            CameraRequest::Calibrate => {
-                self.calibration = Some(Calibration::new(now));
+            CameraRequest::Calibrate { motions } => {
+                self.calibration = Some(Calibration::new(*motions, now));
                 None
             }
             CameraRequest::Propose(tap) => self.on_tap(*tap, now),

@@ -28,7 +28,7 @@ impl Pilot {
             | CameraRequest::Reject
             | CameraRequest::Deselect
             | CameraRequest::Nudge(_)
-            | CameraRequest::Calibrate
+            | CameraRequest::Calibrate { .. }
             | CameraRequest::Law { .. }
             | CameraRequest::Engage
             | CameraRequest::Disengage => None,

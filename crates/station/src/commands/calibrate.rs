@@ -12,6 +12,7 @@ use barrelman_experiments::calibration::{CalibrationResult, CannotTell, Measured
 use barrelman_host::clock::Clock;
 use barrelman_host::output::OutputFile;
 use barrelman_vocab::profile::{AxisDynamics, Sign, VehicleProfile};
+use barrelman_vocab::speed_curve::{SpeedCurve, SpeedPoint};
 
 use super::calibration_run::{CalibrationRun, calibrate};
 use crate::cli::{CalibrateArgs, CalibrateCommand, UsageError};
@@ -55,7 +56,8 @@ fn is_confirmed() -> Result<bool> {
     let mut out = stdout().lock();
     writeln!(
         out,
-        "The camera will turn by itself, at 0.1 rad/s, 15 degrees to each side, for a minute and a half."
+        "The camera will turn by itself, at 0.1 rad/s, 15 degrees to each side, for a minute and a half.\n\
+         A camera whose speeds are not known (ONVIF) turns at each of them before: up to 80 degrees, for four minutes."
     )?;
     write!(out, "Nobody touches the vehicle, and the tether is free? Type yes: ")?;
     out.flush()?;
@@ -109,6 +111,18 @@ fn axis_text(axis: &Result<MeasuredAxis, CannotTell>) -> String {
 fn snippet(result: &CalibrationResult, before: &VehicleProfile, after: &VehicleProfile) -> String {
     let sign = |sign| if sign == Sign::Same { "same" } else { "opposite" };
     let mut text = String::new();
+    if let Some(speeds) = &after.speeds {
+        let points = |curve: &SpeedCurve| {
+            let pair =
+                |point: &SpeedPoint| format!("[{}, {:.4}]", point.speed, point.rate.radians_per_second());
+            curve.points().iter().map(pair).collect::<Vec<_>>().join(", ")
+        };
+        text += &format!(
+            "[vehicle.speeds]\npan = [{}]\ntilt = [{}]\n",
+            points(&speeds.pan),
+            points(&speeds.tilt)
+        );
+    }
     if before.signs != after.signs {
         text += &format!(
             "[vehicle]\nyaw_sign = \"{}\"\npitch_sign = \"{}\"\n",

@@ -1,11 +1,14 @@
 //! The test motions of `barrelman calibrate axes`: a live run without an operator.
 
+use std::io::{Write as _, stdout};
+
 use anyhow::{Context, Result, bail};
-use barrelman_experiments::calibration::{CalibrationRecorder, CalibrationResult};
+use barrelman_experiments::calibration::{CalibrationRecorder, CalibrationResult, CannotTell, SpeedSweep};
 use barrelman_host::clock::Clock;
 use barrelman_host::output::OutputFile;
 use barrelman_sim::scenario::CameraSetup;
-use barrelman_vocab::{VehicleProfile, Videos};
+use barrelman_vocab::speed_curve::AxisSpeeds;
+use barrelman_vocab::{TestMotions, VehicleProfile, Videos};
 
 use super::run::guards::needed_guard;
 use super::run::sources::ensure_camera_has_world;
@@ -19,6 +22,8 @@ use crate::live::run_loop::RunEnd;
 use crate::live::session::{Outputs, Session};
 use crate::live::source::Source;
 use crate::secrets;
+use crate::simulated_source::LiveWorld;
+use crate::source_url::SourceUrl;
 
 /// A calibration that was run: the configuration that was in force, and what was measured (`None`: nothing).
 pub struct CalibrationRun {
@@ -55,19 +60,73 @@ pub fn calibrate(
         return Err(UsageError("no link: give --link, or link.url in the configuration".to_owned()).into());
     };
     let source = secrets::source_url(video, &configuration.video_login)?;
-    let source = Source::load(source, secrets::trust(&configuration.video_trust)?)?;
-    ensure_camera_has_world(Some(&link), &source)?;
-    if let Some(world) = source.world().filter(|_| !latency_is_known) {
-        take_over(&world.scenario().camera, &mut configuration.profile);
+    if let SourceUrl::Simulated(url) = &source
+        && !latency_is_known
+    {
+        take_over(&LiveWorld::load(&url.world)?.scenario().camera, &mut configuration.profile);
     }
-    let http = vehicle_over_http(&configuration, Some(&link))?;
-    let guard = needed_guard(&configuration, Some(&link))?;
-    let calibration = LiveCalibration::new(configuration.profile.camera.focal_share);
+    let given = Given { source, link, clock };
+    if !configuration.profile.protocol.speeds_are_rates() && configuration.profile.speeds.is_none() {
+        let speeds = measure_speeds(&configuration, &given)?;
+        configuration.profile = configuration.profile.with_speeds(speeds);
+    }
+    let made = make_motions(&configuration, &given, TestMotions::Axes, record)?;
+    Ok(CalibrationRun {
+        configuration,
+        result: made.map(|made| made.with_recorder(CalibrationRecorder::result)),
+    })
+}
+
+/// What the runs of a calibration have in common, beside the configuration.
+struct Given {
+    source: SourceUrl,
+    link: LinkUrl,
+    clock: Clock,
+}
+
+/// Measures how fast the camera turns at its speeds, one run for each.
+fn measure_speeds(configuration: &Configuration, given: &Given) -> Result<AxisSpeeds> {
+    let mut sweep = SpeedSweep::default();
+    while let Some(([pan, tilt], provisional)) = sweep.next() {
+        let profile = configuration.profile.clone().with_speeds(provisional);
+        let configuration = Configuration { profile, ..configuration.clone() };
+        let made = make_motions(&configuration, given, TestMotions::Speed, None)?;
+        let Some(measured) = made.map(|made| made.with_recorder(CalibrationRecorder::speeds)) else {
+            bail!("the test motions were not all made: the speeds were not measured");
+        };
+        let told = |rate: &Result<f64, CannotTell>| {
+            rate.as_ref()
+                .map_or("not seen to turn".to_owned(), |rate| format!("{:.1} deg/s", rate.to_degrees()))
+        };
+        let line = format!(
+            "speed {pan:.2} of pan: {}; speed {tilt:.2} of tilt: {}",
+            told(&measured.pan),
+            told(&measured.tilt)
+        );
+        writeln!(stdout(), "{line}")?;
+        sweep.take(measured);
+    }
+    sweep.curves().context("the speeds cannot be told")
+}
+
+/// Makes test motions in a run of its own; `None`: they were not all made.
+fn make_motions(
+    configuration: &Configuration,
+    given: &Given,
+    motions: TestMotions,
+    record: Option<OutputFile>,
+) -> Result<Option<LiveCalibration>> {
+    let link = Some(given.link.clone());
+    let source = Source::load(given.source.clone(), secrets::trust(&configuration.video_trust)?)?;
+    ensure_camera_has_world(link.as_ref(), &source)?;
+    let http = vehicle_over_http(configuration, link.as_ref())?;
+    let guard = needed_guard(configuration, link.as_ref())?;
+    let calibration = LiveCalibration::new(motions, configuration.profile.camera.focal_share);
     let session = Session {
-        pilot: build_pilot(&configuration, command_path(Some(&link)))?,
-        configuration: &configuration,
+        pilot: build_pilot(configuration, command_path(link.as_ref()))?,
+        configuration,
         sources: Videos::one(source),
-        link: Some(link),
+        link,
         guard,
         vessel_guard: None,
         http,
@@ -81,14 +140,11 @@ pub fn calibrate(
         engage: false,
         calibration: Some(calibration.clone()),
         fault_injector: FaultInjector::default(),
-        clock,
+        clock: given.clock,
     };
     match session.run()? {
         RunEnd::Failed(why) => bail!("{why}"),
-        RunEnd::Requested(_) | RunEnd::VideoEnded => {
-            let result = calibration.with_recorder(CalibrationRecorder::result);
-            Ok(CalibrationRun { configuration, result })
-        }
+        RunEnd::Requested(_) | RunEnd::VideoEnded => Ok(calibration.is_complete().then_some(calibration)),
     }
 }
 

@@ -2,13 +2,13 @@
 //! the picture, and ends the run.
 
 use std::sync::mpsc::SyncSender;
-use std::sync::{Arc, Mutex};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
 use barrelman_console_server::operator::Gateway;
 use barrelman_experiments::calibration::CalibrationRecorder;
 use barrelman_pilot::{Input, Mode, Notice};
-use barrelman_vocab::{CameraRequest, OperatorRequest, Timestamp};
+use barrelman_vocab::{CameraRequest, OperatorRequest, TestMotions, Timestamp};
 
 use super::event::{Event, QuitCause};
 use super::run_loop::{LiveStep, LiveStepObserver};
@@ -25,6 +25,7 @@ pub struct LiveCalibration {
 }
 
 struct State {
+    motions: TestMotions,
     recorder: CalibrationRecorder,
     first_frame_at: Option<Timestamp>,
     asked_at: Option<Timestamp>,
@@ -34,9 +35,10 @@ struct State {
 }
 
 impl LiveCalibration {
-    /// A calibration of a camera of this focal length, as a share of the picture's width.
-    pub fn new(focal_share: f64) -> Self {
+    /// A calibration by these motions of a camera of this focal length, as a share of the picture's width.
+    pub fn new(motions: TestMotions, focal_share: f64) -> Self {
         let state = State {
+            motions,
             recorder: CalibrationRecorder::new(focal_share),
             first_frame_at: None,
             asked_at: None,
@@ -47,10 +49,19 @@ impl LiveCalibration {
         Self { state: Arc::new(Mutex::new(state)) }
     }
 
-    /// What was recorded; `None`: the test motions were not all made.
-    pub fn with_recorder<T>(&self, read: impl FnOnce(&CalibrationRecorder) -> T) -> Option<T> {
-        let state = self.state.lock().ok()?;
-        state.is_complete.then(|| read(&state.recorder))
+    /// Whether all test motions were made.
+    pub fn is_complete(&self) -> bool {
+        self.state().is_complete
+    }
+
+    /// What was recorded.
+    pub fn with_recorder<T>(&self, read: impl FnOnce(&CalibrationRecorder) -> T) -> T {
+        read(&self.state().recorder)
+    }
+
+    fn state(&self) -> MutexGuard<'_, State> {
+        // Plain data, whole at any time.
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// The observer of the run's steps.
@@ -67,7 +78,7 @@ struct CalibrationObserver {
 
 impl LiveStepObserver for CalibrationObserver {
     fn on_step(&mut self, step: &LiveStep<'_>) {
-        let Ok(mut state) = self.calibration.state.lock() else { return };
+        let mut state = self.calibration.state();
         let (now, is_calibrating) = (step.outcome.at, step.outcome.mode == Mode::Calibrating);
         if let Input::Frame(frame) = step.input {
             state.first_frame_at.get_or_insert(now);
@@ -93,7 +104,8 @@ impl LiveStepObserver for CalibrationObserver {
             let is_due = state.asked_at.is_none_or(|asked| now.since(asked) >= ASK_INTERVAL);
             if is_due {
                 state.asked_at = Some(now);
-                self.gateway.submit_logged(OperatorRequest::Camera(CameraRequest::Calibrate));
+                let request = CameraRequest::Calibrate { motions: state.motions };
+                self.gateway.submit_logged(OperatorRequest::Camera(request));
             }
         }
     }

@@ -45,8 +45,11 @@ pub enum CameraRequest {
     /// Turn the camera slowly to find the target that was lost: the last bearing first, then a bounded sweep.
     /// A search ends when the target is found, and after a minute.
     Search,
-    /// Turn the camera slowly to measure its axes.
-    Calibrate,
+    /// Turn the camera by itself to measure its axes.
+    Calibrate {
+        /// How.
+        motions: TestMotions,
+    },
     /// State by how much the vehicle is turned about the vertical, and with it the tether twisted.
     NetYaw {
         /// Degrees, positive to the right.
@@ -61,6 +64,16 @@ pub enum CameraRequest {
     Engage,
     /// Continue tracking with the camera at rest. This also ends a stop, without allowing motion.
     Disengage,
+}
+
+/// The motions of a calibration, axis after axis, to and fro.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum TestMotions {
+    /// Long and often: they tell dead times and lag, too.
+    Axes,
+    /// Short and twice: they tell how fast the camera turns.
+    Speed,
 }
 
 impl CameraRequest {

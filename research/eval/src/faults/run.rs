@@ -4,7 +4,7 @@ use anyhow::Result;
 use barrelman_control::OptimalSettings;
 use barrelman_pilot::LawSettings;
 use barrelman_vocab::OptimalMode;
-use barrelman_vocab::{CameraRequest, Nudge, OperatorRequest, StopCause, Timestamp};
+use barrelman_vocab::{CameraRequest, Nudge, OperatorRequest, StopCause, TestMotions, Timestamp};
 
 use super::fault::{self, FaultKind};
 use super::machine::{Machine, Moment};
@@ -271,7 +271,10 @@ impl World {
         let (first_ms, request) = if is_search {
             (SEARCHES_AT_MS, OperatorRequest::Camera(CameraRequest::Search))
         } else {
-            (CALIBRATES_AT_MS, OperatorRequest::Camera(CameraRequest::Calibrate))
+            (
+                CALIBRATES_AT_MS,
+                OperatorRequest::Camera(CameraRequest::Calibrate { motions: TestMotions::Axes }),
+            )
         };
         let again_ms = ends_ms + ENGAGES_AGAIN_MS;
         let is_again = self.engages_again && at_ms == again_ms;
