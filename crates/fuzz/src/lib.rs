@@ -6,6 +6,7 @@ pub mod tracker;
 
 pub mod gimbal;
 pub mod guard_messages;
+pub mod onvif;
 pub mod sigma;
 pub mod tracking_camera;
 pub mod vehicle;
@@ -24,12 +25,13 @@ mod memory_file;
 pub type Target = fn(&[u8]);
 
 /// Every target, by its name.
-pub const TARGETS: [(&str, Target); 18] = [
+pub const TARGETS: [(&str, Target); 19] = [
     ("tracker", tracker::session),
     ("session", vehicle::session),
     ("ground_station", vehicle::ground_station),
     ("mavlink", gimbal::mavlink),
     ("sigma", sigma::sigma),
+    ("onvif", onvif::onvif),
     ("tracking_camera", tracking_camera::tracking_camera),
     ("guard_messages", guard_messages::decode),
     ("recording", recording::read),

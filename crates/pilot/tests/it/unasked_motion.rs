@@ -3,6 +3,7 @@
 use barrelman_pilot::vessel::GuidanceLaw;
 use barrelman_pilot::{CommandPath, Input, Outcome, Pilot, PilotSettings, VesselSettings};
 use barrelman_vocab::acceptance::Acceptance;
+use barrelman_vocab::profile::MotionReports;
 use barrelman_vocab::telemetry::{ControlState, EulerAxis, FlightState, LinkState, Quaternion, Report};
 use barrelman_vocab::{
     Angle, CameraRequest, Nudge, OperatorRequest, StopCause, Telemetry, VehicleProfile, VesselCommand,
@@ -132,7 +133,7 @@ fn a_camera_that_stops_as_its_profile_says_is_no_fault() {
 #[test]
 fn a_kite_that_sways_is_no_fault_but_a_slow_turn_in_one_direction_is() {
     for profile in all() {
-        let is_held = profile.name == "mavlink-gimbal";
+        let is_held = profile.protocol.motion_reports() == MotionReports::Held;
         let mut bench = Bench::new(profile.clone());
         // Eight degrees to and fro in six seconds.
         let sway = |s: f64| 0.14 * libm::cos(core::f64::consts::TAU / 6.0 * s);
@@ -148,7 +149,7 @@ fn a_kite_that_sways_is_no_fault_but_a_slow_turn_in_one_direction_is() {
 fn what_another_client_or_a_carried_vehicle_does_is_no_fault() {
     let flight = |state| Report::FlightState { state, is_battery_low: false };
     for profile in all() {
-        let is_held = profile.name == "mavlink-gimbal";
+        let is_held = profile.protocol.motion_reports() == MotionReports::Held;
         for (report, is_excused) in [
             (Report::Control { control: ControlState::NotOurs, uptime_s: 9.0 }, true),
             (Report::Control { control: ControlState::Ours, uptime_s: 9.0 }, false),

@@ -137,10 +137,6 @@ impl Configuration {
         let base = profile_named(vehicle.profile.as_deref().unwrap_or(VehicleProfile::NAMES[0]))
             .context("vehicle.profile")?;
         let max_rates = rate_limits(&base);
-        let base = match &vehicle.speeds {
-            Some(speeds) => speeds.apply_to(base)?,
-            None => base,
-        };
         let mut profile = overridden(base, vehicle, max_rates)?;
         profile.protocol = mavlink::between_peers(profile.protocol, &file.link)?;
         profile.protocol = mavlink::with_device(profile.protocol, file.vehicle.gimbal_device)?;
@@ -273,6 +269,10 @@ fn login_source(video: &VideoSection) -> Result<Option<LoginSource>> {
 
 /// The profile `base` with the values of a file. Limits are at most `max`, motor schema rates at most their axis' limit.
 fn overridden(base: VehicleProfile, vehicle: &VehicleSection, max: AxisRates) -> Result<VehicleProfile> {
+    let base = match &vehicle.speeds {
+        Some(speeds) => speeds.apply_to(base)?,
+        None => base,
+    };
     let vehicle_limit = "the limit of the vehicle";
     let (pan, tilt) = (vehicle.limit_pan_rad_per_s, vehicle.limit_tilt_rad_per_s);
     let limits = AxisRates {

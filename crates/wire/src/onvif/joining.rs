@@ -6,7 +6,8 @@ use barrelman_vocab::Timestamp;
 use barrelman_vocab::acceptance::Acceptance;
 
 use super::answers::{
-    CapabilitiesBody, DateAndTimeBody, MoveOptions, MoveOptionsBody, ProfilesBody, ServicesBody,
+    CapabilitiesBody, DateAndTimeBody, MoveOptions, MoveOptionsBody, ProfilesBody, ServiceAddress,
+    ServicesBody,
 };
 use super::ask::{Ask, MOVE_TIMEOUT, Media, Service};
 use super::camera_time::CameraTime;
@@ -189,14 +190,7 @@ impl Joining {
                 Some(refusal) if refusal.is_unknown => Step::Capabilities,
                 refused => {
                     let found: ServicesBody = answer("GetServices", refused, body)?;
-                    let path = |service: Service| {
-                        let named = found.answer.services.iter();
-                        named.clone().find(|one| one.namespace == service.namespace()).map(|one| &one.address)
-                    };
-                    let media = [Media::One, Media::Two]
-                        .into_iter()
-                        .find_map(|media| path(Service::Media(media)).map(|address| (media, address)));
-                    self.take_paths(media, path(Service::Ptz))?
+                    self.take_services(&found.answer.services)?
                 }
             },
             Step::Capabilities => {
@@ -214,19 +208,23 @@ impl Joining {
                 moving.ok_or(JoiningError::NoMotion)?
             }
             Step::Options { media, profile, .. } => {
-                let (full, timeout) = match Refusal::of(status, body) {
-                    // The range of -1 to 1 is the one that every camera must know.
-                    Some(refusal) if refusal.is_unknown => ((1.0, 1.0), MOVE_TIMEOUT),
-                    refused => {
-                        let found: MoveOptionsBody = answer("GetConfigurationOptions", refused, body)?;
-                        limits(&found.answer.options)?
-                    }
-                };
+                let (full, timeout) = limits_of(Refusal::of(status, body), body)?;
                 Step::Done(Joined { media, profile, full, timeout })
             }
             done @ Step::Done(_) => done,
         };
         Ok(())
+    }
+
+    fn take_services(&mut self, services: &[ServiceAddress]) -> Result<Step, JoiningError> {
+        let address_of = |service: Service| {
+            let named = services.iter().find(|one| one.namespace == service.namespace());
+            named.map(|one| &one.address)
+        };
+        let media = [Media::One, Media::Two]
+            .into_iter()
+            .find_map(|media| address_of(Service::Media(media)).map(|address| (media, address)));
+        self.take_paths(media, address_of(Service::Ptz))
     }
 
     fn take_paths(
@@ -258,6 +256,18 @@ fn path_of(address: &str) -> String {
     let path = behind.find('/').map_or("/", |at| &behind[at..]);
     // What could begin another request line is not used.
     path.chars().filter(char::is_ascii_graphic).take(256).collect()
+}
+
+/// The limits of the motion, of an answer or of one that the camera does not know.
+fn limits_of(refused: Option<Refusal>, body: &[u8]) -> Result<((f64, f64), Duration), JoiningError> {
+    match refused {
+        // The range of -1 to 1 is the one that every camera must know.
+        Some(refusal) if refusal.is_unknown => Ok(((1.0, 1.0), MOVE_TIMEOUT)),
+        refused => {
+            let found: MoveOptionsBody = answer("GetConfigurationOptions", refused, body)?;
+            limits(&found.answer.options)
+        }
+    }
 }
 
 /// The largest pan and tilt, and the time-out nearest to [`MOVE_TIMEOUT`] that the camera takes.

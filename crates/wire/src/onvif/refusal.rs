@@ -1,8 +1,8 @@
 //! What a refusal of a camera means.
 
 use barrelman_vocab::acceptance::Acceptance;
+use serde::Deserialize;
 
-use super::answers::{Fault, FaultBody};
 use super::soap;
 
 /// What an answer that is no answer to the question says.
@@ -47,4 +47,73 @@ fn words(fault: &Fault) -> String {
     let words = text.map(|text| text.words.trim()).filter(|words| !words.is_empty());
     let words = words.or_else(|| fault.code.names().last()).unwrap_or_default();
     words.chars().filter(|c| !c.is_control()).take(160).collect()
+}
+
+/// The body of a refusal.
+#[derive(Debug, Deserialize)]
+struct FaultBody {
+    /// The refusal.
+    #[serde(rename = "Fault")]
+    fault: Fault,
+}
+
+/// A refusal.
+#[derive(Debug, Deserialize)]
+struct Fault {
+    /// Its code.
+    #[serde(rename = "Code")]
+    code: FaultCode,
+    /// What it says in words.
+    #[serde(rename = "Reason")]
+    reason: Option<FaultReason>,
+}
+
+/// What a refusal says in words.
+#[derive(Debug, Deserialize)]
+struct FaultReason {
+    /// The words, in one or several languages.
+    #[serde(rename = "Text", default)]
+    texts: Vec<FaultText>,
+}
+
+/// A text in a language.
+#[derive(Debug, Deserialize)]
+struct FaultText {
+    /// The words.
+    #[serde(rename = "$text", default)]
+    words: String,
+}
+
+/// The code of a refusal. It has at most these three parts.
+#[derive(Debug, Deserialize)]
+struct FaultCode {
+    /// A name with a prefix.
+    #[serde(rename = "Value")]
+    value: String,
+    #[serde(rename = "Subcode")]
+    within: Option<Subcode>,
+}
+
+#[derive(Debug, Deserialize)]
+struct Subcode {
+    #[serde(rename = "Value")]
+    value: String,
+    #[serde(rename = "Subcode")]
+    within: Option<InnerSubcode>,
+}
+
+#[derive(Debug, Deserialize)]
+struct InnerSubcode {
+    #[serde(rename = "Value")]
+    value: String,
+}
+
+impl FaultCode {
+    /// The names, without their prefixes, from the widest to the narrowest.
+    fn names(&self) -> impl Iterator<Item = &str> {
+        let within = self.within.as_ref();
+        let inner = within.and_then(|code| code.within.as_ref());
+        let values = [Some(&self.value), within.map(|code| &code.value), inner.map(|code| &code.value)];
+        values.into_iter().flatten().map(|value| value.rsplit(':').next().unwrap_or_default().trim())
+    }
 }

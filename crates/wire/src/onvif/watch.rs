@@ -8,8 +8,8 @@ use barrelman_vocab::{Angle, AngularRate, Timestamp};
 use super::answers::{PanTilt, Status};
 use crate::session::RestEvidence;
 
-/// A camera that turns slower than this rests.
-pub const AT_REST: AngularRate = AngularRate::from_radians_per_second(0.005);
+/// A camera that turns slower than this rests: positions are rounded, to a tenth of a degree by some cameras.
+pub const AT_REST: AngularRate = AngularRate::from_radians_per_second(0.02);
 /// Least time between two states from which a rate is computed: positions are rounded.
 const LEAST_INTERVAL: Duration = Duration::from_millis(80);
 /// Older states tell nothing.
