@@ -99,7 +99,7 @@ impl Work {
     fn serve(&self, mut share: Share, password: Option<String>) -> Result<(), String> {
         let (mut annotator, mut demand) = (Annotator::new(), Demand::Nothing);
         let mut is_failure_told = false;
-        while !self.slot.frames.is_closed() && self.setup.password() == password {
+        while !self.slot.frames.is_closed() && self.setup.is_password(password.as_deref()) {
             let mut wait = if demand == Demand::Nothing { IDLE_WAIT } else { Duration::ZERO };
             while let Some(next) = share.next_demand(wait)? {
                 (demand, wait) = (next, Duration::ZERO);
