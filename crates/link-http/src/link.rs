@@ -36,5 +36,5 @@ pub fn open_link(
         open_session: Arc::new(|now| Box::new(FotokiteSigmaSession::open(now))),
         report,
     };
-    Ok(LinkHandle::start(worker, port, faults)?)
+    Ok(LinkHandle::start(worker, Some(port), faults)?)
 }
