@@ -35,5 +35,6 @@ mod tls;
 pub use facts::{CameraInfo, MainVideo};
 pub use inquiry::Inquiry;
 pub use link::open_link;
-pub use settings::{Credential, CredentialError, HttpSettings, Trust};
+pub use settings::{ClientIdentity, Credential, CredentialError, HttpSettings, Trust};
+pub use tls::client_config;
 pub use tls_relay::{RelayFailures, TlsRelay, TlsServer};

@@ -64,7 +64,8 @@ pub struct RunArgs {
     #[arg(long, value_name = "URL")]
     pub mavlink: Option<String>,
     /// Show boat, camera and marks on the maps of TAK (ATAK, WinTAK, servers) there, where latitude and
-    /// longitude are known: udp://host:port, also of a group as udp://239.2.3.1:6969, or tcp://host:port.
+    /// longitude are known: udp://host:port, also of a group as udp://239.2.3.1:6969, tcp://host:port, or
+    /// tls://host:port.
     #[arg(long, value_name = "URL")]
     pub tak: Option<String>,
     /// Serve the annotated live video to other programs (FFmpeg, GStreamer) there, as RTSP with H.264:

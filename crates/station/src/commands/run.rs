@@ -10,6 +10,7 @@ use barrelman_pilot::{CommandPath, Pilot, PilotSettings};
 use super::draw_selection::{draw_selection, has_display};
 use crate::cli::RunArgs;
 use crate::config::{Configuration, ConsoleConfig, RecordingConfig, UnusableConfiguration};
+use super::tak_route::tak_route;
 use crate::link::{LinkUrl, command_path, vehicle_over_http};
 use crate::live::foxglove_server;
 use crate::live::recorder::Extras;
@@ -174,11 +175,11 @@ fn tracking_camera(
 /// Where events for TAK go, where they are asked for.
 ///
 /// # Errors
-/// If the host is not known.
+/// If the host is not known, or a file of TLS is not usable.
 fn tak(configuration: &Configuration) -> Result<Option<TakSetup>> {
     let Some(address) = &configuration.tak.address else { return Ok(None) };
     Ok(Some(TakSetup {
-        to: address.resolve().context("--tak, or tak.address")?,
+        route: tak_route(address, &configuration.tak).context("--tak, or tak.address")?,
         address: address.clone(),
         callsign: configuration.tak.callsign.clone(),
         vehicle: configuration.profile.name.clone(),
