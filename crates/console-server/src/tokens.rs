@@ -153,6 +153,14 @@ impl TokensInForce {
         }
     }
 
+    /// Whether this is one of the tokens.
+    pub(super) fn opens(&self, given: &str) -> bool {
+        self.in_force().as_ref().is_some_and(|tokens| {
+            // Both are compared, whichever it is.
+            is_equal(given, &tokens.control) | is_equal(given, &tokens.watch)
+        })
+    }
+
     /// The tokens in place. A reader holds up the others, and a renewal.
     pub(super) fn in_force(&self) -> MutexGuard<'_, Option<Tokens>> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
