@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Installs the system packages that a step needs, and nothing else. Safe to run again: it asks dpkg first.
 #
-#   scripts/setup.sh build      a C++ compiler, nasm (halves the cost of H.264), and SQLite (maps)
+#   scripts/setup.sh build      a C++ compiler, and nasm (halves the cost of H.264)
 #   scripts/setup.sh media      GStreamer: its libraries and plugins, to build and to run barrelman-media
 #   scripts/setup.sh test       all of this, what the tests talk to, and what makes the fixtures anew: an RTSP server
 #                               (GStreamer), FFmpeg, Chromium for the page and certutil for what it trusts, and
@@ -37,7 +37,7 @@ need_python() {
   fi
 }
 
-build=(g++ nasm pkg-config libsqlite3-dev)
+build=(g++ nasm)
 media=(libgstreamer1.0-dev libgstreamer-plugins-base1.0-dev libgstrtspserver-1.0-dev
   gstreamer1.0-plugins-base gstreamer1.0-plugins-good gstreamer1.0-plugins-bad gstreamer1.0-plugins-ugly gstreamer1.0-libav)
 test=(python3-venv python3-gi gir1.2-gst-rtsp-server-1.0 gstreamer1.0-tools libgl1 libglib2.0-0 ffmpeg

@@ -9,11 +9,13 @@ import json
 import pathlib
 import signal
 import socket
+import ssl
 import subprocess
 import time
 from collections.abc import Callable, Iterable
 from typing import Any, Self
 
+from encrypted import Encrypted
 from machine import PATIENCE_S, wait_until
 from process import Child, HasEndedError, Lines, end, spawn
 
@@ -67,6 +69,7 @@ def ask(
     body: Any = None,
     headers: dict[str, str] | None = None,
     token: str | None = None,
+    tls: ssl.SSLContext | None = None,
 ) -> tuple[int, bytes, Any]:
     """The status, the body and the headers of an answer."""
     headers = dict(headers or {})
@@ -74,7 +77,11 @@ def ask(
         headers.setdefault("Authorization", f"Bearer {token}")
     if body is not None:
         headers.setdefault("Content-Type", "application/json")
-    connection = http.client.HTTPConnection(host, timeout=15)
+    connection = (
+        http.client.HTTPSConnection(host, timeout=15, context=tls)
+        if tls
+        else http.client.HTTPConnection(host, timeout=15)
+    )
     with contextlib.closing(connection):
         connection.request(
             method, path, body if body is None or isinstance(body, str | bytes) else json.dumps(body), headers
@@ -223,13 +230,19 @@ class Socket:
     """A minimal WebSocket client: reads unmasked frames, sends masked frames."""
 
     def __init__(
-        self, host: str, token: str | None, receive_buffer: int | None = None, query: str = ""
+        self,
+        host: str,
+        token: str | None,
+        receive_buffer: int | None = None,
+        query: str = "",
+        tls: ssl.SSLContext | None = None,
     ) -> None:
         name, port = host.split(":")
-        self.socket = socket.create_connection((name, int(port)), timeout=10)
-        self.socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+        plain = socket.create_connection((name, int(port)), timeout=10)
+        plain.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         if receive_buffer:
-            self.socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, receive_buffer)
+            plain.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, receive_buffer)
+        self.socket = Encrypted(plain, tls, name) if tls else plain
         self.socket.sendall(head(f"GET /api/v1/socket{query}", host, token, *UPGRADE))
         first = answer = self._line()
         while answer.strip():

@@ -46,9 +46,10 @@ class Emulator:
         *options: Any,
         name: str = "fotokite",
         is_tcp: bool = False,
+        host: str = "127.0.0.1:0",
     ) -> None:
         self.port, self.log = folder / name, folder / f"{name}.jsonl"
-        where = ["--listen", "127.0.0.1:0"] if is_tcp else ["--pty", self.port]
+        where = ["--listen", host] if is_tcp else ["--pty", self.port]
         command = [barrelman, "emulate", "fotokite-pro", *where, "--log", self.log, *options]
         self.child: Child = spawn(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
         self.lines = Lines(self.child.stdout)

@@ -1,7 +1,9 @@
 """Floods of a console by a watcher, or by somebody without a token; each is a process of its own: flooding.py
-NAME HOST PAUSE."""
+NAME HOST PAUSE [AUTHORITY], with the file of the authority over TLS."""
 
+import contextlib
 import socket
+import ssl
 import sys
 import time
 from typing import Any
@@ -24,6 +26,8 @@ TINY = masked(0x81, b'{"type":"ping","sent_ms":0}')
 LARGE = masked(0x81, b'{"type":"ping","sent_ms":' + b" " * 4000 + b"1}")
 
 STOPS = "POSTs of stops"
+# What a socket that does not wait says.
+WAITS = (BlockingIOError, ssl.SSLWantReadError, ssl.SSLWantWriteError)
 
 # What each connection of a flood sends first, and then again and again; without both, connections are made
 # and closed.
@@ -50,15 +54,21 @@ CONNECTIONS = {
 }
 
 
-def flood(name: str, host: str, pause: float) -> None:
+def connect(host: str, tls: ssl.SSLContext | None) -> socket.socket:
+    name, port = host.split(":")
+    plain = socket.create_connection((name, int(port)), timeout=2)
+    return tls.wrap_socket(plain, server_hostname=name) if tls else plain
+
+
+def flood(name: str, host: str, pause: float, tls: ssl.SSLContext | None = None) -> None:
     """Floods a program until this process is killed, with a pause between two rounds of its connections."""
-    address = (host.split(":")[0], int(host.split(":")[1]))
     first, rounds = FLOODS[name]
     if not first and not rounds:
         while True:
             for _ in range(20):
-                with socket.socket() as new:
-                    new.connect(address)
+                # A program that has too many breaks some of them off.
+                with contextlib.suppress(OSError):
+                    connect(host, tls).close()
             time.sleep(pause)
     begin, again = (data.replace(b"HOST", host.encode()) for data in (first, rounds))
     count, lasts = CONNECTIONS.get(name, (8, 60.0))
@@ -70,7 +80,7 @@ def flood(name: str, host: str, pause: float) -> None:
         for slot in range(count):
             try:
                 if slot not in connections:
-                    new = socket.create_connection(address, timeout=2)
+                    new = connect(host, tls)
                     new.sendall(begin)
                     new.setblocking(False)
                     connections[slot] = [new, b"", time.monotonic()]
@@ -81,14 +91,14 @@ def flood(name: str, host: str, pause: float) -> None:
                         if not held[0].recv(65536):
                             raise ConnectionError
                         is_idle = False
-                    except BlockingIOError:
+                    except WAITS:
                         pass
                 held[1] = held[1] or again
                 if held[1]:
                     try:
                         held[1] = held[1][held[0].send(held[1]) :]
                         is_idle = False
-                    except BlockingIOError:
+                    except WAITS:
                         pass
                 elif time.monotonic() - held[2] > lasts:
                     raise ConnectionError
@@ -99,4 +109,6 @@ def flood(name: str, host: str, pause: float) -> None:
 
 
 if __name__ == "__main__":
-    flood(sys.argv[1], sys.argv[2], float(sys.argv[3]))
+    authority = sys.argv[4] if len(sys.argv) > 4 else None
+    context = ssl.create_default_context(cafile=authority) if authority else None
+    flood(sys.argv[1], sys.argv[2], float(sys.argv[3]), context)

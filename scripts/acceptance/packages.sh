@@ -50,6 +50,34 @@ in_system() {
   unshare --net -- sh -c 'ip link set lo up; exec "$@"' sh chroot "$root" "$@"
 }
 
+# What it takes from a system with nothing but Debian's minimum to the demo in the browser: seconds and megabytes
+# of `apt install ./barrelman_*.deb && barrelman`.
+newcomer() {
+  local release=$1 root=$ROOTS/$1-minimal began installed answered
+  echo "== $release: a newcomer"
+  rm -rf "$root"
+  debootstrap --variant=minbase "$release" "$root" "$mirror" >/dev/null
+  cp "${packages[0]}" "$root/tmp/"
+  cp /etc/resolv.conf "$root/etc/resolv.conf"
+  began=$EPOCHREALTIME
+  chroot "$root" sh -c 'export DEBIAN_FRONTEND=noninteractive
+    apt-get update -qq && apt-get install -y /tmp/barrelman_*.deb' >"$root/tmp/apt" 2>&1 ||
+    { tail -20 "$root/tmp/apt"; exit 1; }
+  installed=$EPOCHREALTIME
+  unshare --net -- sh -c 'ip link set lo up
+    timeout 60 chroot --userspec=nobody "$1" env HOME=/tmp barrelman >"$1/tmp/demo" 2>&1 &
+    for _ in $(seq 300); do curl -fs -o "$1/tmp/page" http://127.0.0.1:8480/ && break; sleep 0.1; done
+    date +%s.%N >"$1/tmp/answered"
+    kill $!
+    wait' sh "$root" || true
+  answered=$(cat "$root/tmp/answered")
+  grep -qi '<title>' "$root/tmp/page" || { cat "$root/tmp/demo"; echo "packages: no page" >&2; exit 1; }
+  grep -h -e '^Need to get' -e '^After this operation' "$root/tmp/apt"
+  awk -v began="$began" -v installed="$installed" -v answered="$answered" \
+    'BEGIN { printf "installed in %.1f s, the page is there %.1f s later\n", installed - began, answered - installed }'
+  rm -rf "$root"
+}
+
 try() {
   local release=$1 root=$ROOTS/$1
   echo "== $release: a fresh system"
@@ -100,6 +128,7 @@ UNIT
 
 lintian --fail-on error --tag-display-limit 0 "${packages[@]}"
 for release in "${@:-bookworm}"; do
+  newcomer "$release"
   try "$release"
 done
 echo "the packages hold"

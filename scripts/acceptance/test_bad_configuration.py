@@ -131,14 +131,12 @@ CONFIGURATIONS = [
 ]
 RUN = "run --video file:clip.mp4 --no-record --link"
 PORTS = [
-    case("does not exist", f"{RUN} serial:/dev/ttyNOWHERE", "/dev/ttyNOWHERE", "plugged|ls "),
     case("a folder", f"{RUN} serial:{{folder}}", "barrelman-", "/dev/tty|--pty|ls "),
     case("a plain file", f"{RUN} serial:{{folder}}/plain", "plain", "/dev/tty|--pty|ls ", plain=""),
     case("a device that is no serial port", f"{RUN} serial:/dev/null", "/dev/null", "/dev/tty|--pty|ls "),
     case("an unknown scheme", f"{RUN} bluetooth:fotokite", "bluetooth", "serial:", "tcp:"),
     case("an impossible baud rate", f"{RUN} serial:/dev/ttyNOWHERE?baud=fast", "fast|baud"),
     case("an unknown option", f"{RUN} serial:/dev/ttyNOWHERE?speed=9600", "speed", "baud"),
-    case("nobody listens there", f"{RUN} tcp://127.0.0.1:9", "127.0.0.1:9", "pass-through|listen|run|reach"),
     case("a misspelt fault", f"{RUN} serial:/dev/ttyNOWHERE?fault=explode@3", "explode", "stall"),
 ]
 

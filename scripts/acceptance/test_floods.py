@@ -10,10 +10,12 @@ answer, and to the zero rate at the emulated ground station, and the largest mem
 import contextlib
 import dataclasses
 import http.client
+import itertools
 import json
 import math
 import pathlib
 import socket
+import ssl
 import subprocess
 import sys
 import threading
@@ -23,6 +25,7 @@ from collections.abc import Iterator
 import pytest
 
 import flooding
+from authority import Authority
 from client import (
     CONTROL_TOKEN,
     DISENGAGE,
@@ -60,8 +63,9 @@ STOPPED = {"kind": "stop", "cause": "operator"}
 class Operator:
     """The page in control: a WebSocket that turns the camera by hand, and whose answers have their times."""
 
-    def __init__(self, host: str) -> None:
-        self.host, self.socket = host, Socket(host, CONTROL_TOKEN, query="?client=ab")
+    def __init__(self, host: str, tls: ssl.SSLContext | None) -> None:
+        self.host, self.tls = host, tls
+        self.socket = Socket(host, CONTROL_TOKEN, query="?client=ab", tls=tls)
         self.lock, self.number, self.pan, self.is_open = threading.Lock(), 1000, 0.0, True
         self.answers: dict[int, tuple[float, str]] = {}
         for act in (self._read, self._turn):
@@ -105,7 +109,7 @@ class Operator:
         """The same, by a request on a new connection."""
         begin = time.monotonic()
         with contextlib.suppress(OSError, http.client.HTTPException):
-            code, body, _ = ask(self.host, "POST", REQUESTS, STOP.body, token=CONTROL_TOKEN)
+            code, body, _ = ask(self.host, "POST", REQUESTS, STOP.body, token=CONTROL_TOKEN, tls=self.tls)
             if code == 200 and json.loads(body)["answer"] == "accepted":
                 return Delay.since(begin, ANSWER_HOPS)
         return NEVER
@@ -122,6 +126,8 @@ class Bench:
     emulator: Emulator
     operator: Operator
     memory_mb: float
+    # The file of the authority; None: without TLS.
+    authority: pathlib.Path | None = None
 
     def rests_after(self, pressed: float) -> Delay | None:
         """The time from a press until no rate is in force; None for a camera that rested already, as its hand
@@ -164,7 +170,26 @@ class Bench:
 
 @pytest.fixture(scope="module")
 def bench(barrelman: pathlib.Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Bench]:
-    folder = tmp_path_factory.mktemp("floods")
+    with started(barrelman, tmp_path_factory.mktemp("floods")) as bench:
+        yield bench
+
+
+@pytest.fixture(scope="module")
+def encrypted_bench(barrelman: pathlib.Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Bench]:
+    folder = tmp_path_factory.mktemp("encrypted-floods")
+    authority = Authority(folder / "authority")
+    with started(barrelman, folder, authority) as bench:
+        yield bench
+
+
+@contextlib.contextmanager
+def started(
+    barrelman: pathlib.Path, folder: pathlib.Path, authority: Authority | None = None
+) -> Iterator[Bench]:
+    path = authority.path if authority else None
+    tls = ssl.create_default_context(cafile=path) if path else None
+    files = authority.issue("127.0.0.1") if authority else ()
+    encryption = zip(("--tls-certificate", "--tls-key"), files, strict=False)
     record, host = folder / "run.mcap", f"127.0.0.1:{free_port()}"
     tokens = secret(folder / "tokens", CONTROL_TOKEN, WATCH_TOKEN)
     with Emulator(barrelman, folder) as emulator:
@@ -177,11 +202,14 @@ def bench(barrelman: pathlib.Path, tmp_path_factory: pytest.TempPathFactory) -> 
             record,
         ]
         program = spawn(
-            [barrelman, "run", *what, "--listen", host, "--console-token-file", tokens],
+            [
+                *(barrelman, "run", *what, "--listen", host, "--console-token-file", tokens),
+                *itertools.chain(*encryption),
+            ],
             stdout=subprocess.PIPE,
         )
         out, errors = Lines(program.stdout), Lines(program.stderr)
-        out.wait_for("console.*http://")
+        out.wait_for("console.*https?://")
         errors.wait_for("link up")
         yield Bench(
             host,
@@ -189,8 +217,9 @@ def bench(barrelman: pathlib.Path, tmp_path_factory: pytest.TempPathFactory) -> 
             out.text() + errors.text(),
             record,
             emulator,
-            Operator(host),
+            Operator(host, tls),
             memory_mb(program, "VmHWM"),
+            path,
         )
         end(program)
 
@@ -210,12 +239,21 @@ def test_recording_is_for_its_owner_alone(bench: Bench) -> None:
 def test_stop_is_answered_and_carried_out_under_a_flood_of(
     bench: Bench, check: Check, name: str | None, stops: int
 ) -> None:
+    stop_under_flood(bench, check, name, stops)
+
+
+@pytest.mark.parametrize("name", ["new connections", "tiny messages"])
+def test_stop_is_answered_and_carried_out_over_tls_under_a_flood_of(
+    encrypted_bench: Bench, check: Check, name: str
+) -> None:
+    stop_under_flood(encrypted_bench, check, name, 4)
+
+
+def stop_under_flood(bench: Bench, check: Check, name: str | None, stops: int) -> None:
     pause = SHORT_PAUSE if stops < 10 else 0
-    flood = (
-        spawn([sys.executable, flooding.__file__, name, bench.host, pause], stderr=subprocess.DEVNULL)
-        if name
-        else None
-    )
+    authority = [bench.authority] if bench.authority else []
+    words = [sys.executable, flooding.__file__, name, bench.host, pause, *authority]
+    flood = spawn(words, stderr=subprocess.DEVNULL) if name else None
     time.sleep(0.5)
     answers, zeros = bench.press_stops(stops, turns=name != STOPS)
     for what, delays in [

@@ -24,7 +24,7 @@ import numpy as np
 import pytest
 
 from camera import HEIGHT, SELECTION, WIDTH, Camera
-from client import CONTROL_TOKEN, WATCH_TOKEN, Program
+from client import CONTROL_TOKEN, WATCH_TOKEN, Program, Request
 from conftest import Check
 from machine import Delay, median, percentile, poll, wait_until
 from process import Child, clear_away, free_port, is_alive, run, secret, spawn, stat, threads_of
@@ -389,6 +389,25 @@ def test_the_process_ends_with_the_run_and_without_the_option_there_is_none(
         program.wait_for_track()
         check("no thread without the option", "share" not in threads_of(program.child))
         check("no process without the option", not media_of(program.child))
+
+
+def test_a_demo_is_shared_too_from_one_drive_to_the_next(barrelman: pathlib.Path, check: Check) -> None:
+    url = f"rtsp://127.0.0.1:{free_port()}/boat"
+    with Program(barrelman, "demo", "--size", "320x180", "--share", url) as program:
+        wait_until(lambda: described(url, "") == 200, "the server", pause=0.2)
+        with RtspClient(url) as client:
+            client.play()
+            check("pictures come", len(client.times(1.0)) > 5)
+            answer = program.request(Request("new-drive", scenario="open", seed=2))
+            check("another drive begins", answer["answer"] == "accepted", answer)
+            # Those of the drive before are still under way.
+            client.times(0.5)
+            check("so do those of the next drive", len(client.times(1.0)) > 5)
+        media = media_of(program.child)[0]
+        check("the demo ends well", program.end() == 0, program.errors.text()[-300:])
+    check("the process ends with it", poll(lambda: not is_alive(media), 10))
+    done = run([barrelman, "demo", "--seconds", "1", "--share", "rtsp://0.0.0.0:8554/boat"])
+    check("others need a token", done.returncode != 0 and "watch token" in done.stderr, done.stderr)
 
 
 @pytest.mark.parametrize(

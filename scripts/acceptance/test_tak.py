@@ -4,12 +4,15 @@ The vehicle is a gimbal with code of its own (independent_gimbal.py), which repo
 a simulated world's, whose boat takes no commands here.
 """
 
+import contextlib
 import itertools
 import json
 import math
 import pathlib
 import select
 import socket
+import ssl
+import threading
 import time
 from collections.abc import Iterator
 from typing import Any
@@ -17,6 +20,7 @@ from typing import Any
 import pytest
 import takproto
 
+from authority import Authority
 from client import Program
 from conftest import Check
 from independent_gimbal import GimbalManager
@@ -41,10 +45,12 @@ def away_m(event: Any, place: tuple[float, float]) -> float:
     return distance_m((event.lat, event.lon), place)
 
 
-def started(barrelman: pathlib.Path, folder: pathlib.Path, gimbal: GimbalManager, *options: str) -> Program:
+def started(
+    barrelman: pathlib.Path, folder: pathlib.Path, gimbal: GimbalManager, *options: str, keys: str = ""
+) -> Program:
     """A run that follows the boat, and has a place and a person marked."""
     config = folder / "barrelman.toml"
-    config.write_text(f"[tak]\ncallsign = {json.dumps(CALLSIGN)}\n", encoding="utf-8")
+    config.write_text(f"[tak]\ncallsign = {json.dumps(CALLSIGN)}\n{keys}", encoding="utf-8")
     return located_run(barrelman, gimbal, config, *options)
 
 
@@ -153,6 +159,120 @@ def test_a_server_gets_a_stream_and_is_found_again(
     check("the run ends well", program.end() == 0, program.errors.text()[-300:])
 
 
+def tls_keys(authority: Authority, client: Authority) -> str:
+    """The keys of the section [tak]: whom to trust, and the own certificate."""
+    certificate, key = client.issue("client.example")
+    paths = {"ca_file": authority.path, "client_certificate": certificate, "client_key": key}
+    return "".join(f"{name} = {json.dumps(str(path))}\n" for name, path in paths.items())
+
+
+@pytest.fixture
+def authorities(tmp_path: pathlib.Path) -> tuple[Authority, Authority]:
+    return Authority(tmp_path / "own"), Authority(tmp_path / "foreign")
+
+
+def test_an_encrypted_server_gets_events_if_it_is_the_right_one(
+    barrelman: pathlib.Path,
+    tmp_path: pathlib.Path,
+    gimbal: LocatedGimbal,
+    authorities: tuple[Authority, Authority],
+    check: Check,
+) -> None:
+    own, foreign = authorities
+    listener = socket.create_server(("127.0.0.1", 0))
+    contexts = [foreign.server("127.0.0.1"), own.server("tak.example"), own.server("127.0.0.1")]
+    alerts, received = [], bytearray()
+
+    def serve() -> None:
+        while contexts:
+            accepted, _ = listener.accept()
+            accepted.settimeout(20)
+            try:
+                with contexts[0].wrap_socket(accepted, server_side=True) as server:
+                    server.sendall(b"<event>of somebody else</event>" * 1000)
+                    while received.count(b"</event>") < 8:
+                        received.extend(server.recv(65_536))
+                    contexts.clear()
+            except ssl.SSLError as error:
+                alerts.append(error.reason)
+                contexts.pop(0)
+
+    thread = threading.Thread(target=serve, daemon=True)
+    thread.start()
+    url = f"tls://127.0.0.1:{listener.getsockname()[1]}"
+    program = started(barrelman, tmp_path, gimbal, "--tak", url, keys=tls_keys(own, own))
+    wait_until(lambda: not thread.is_alive(), lambda: f"the events ({program.errors.text()[-600:]})")
+    refused = ["TLSV1_ALERT_UNKNOWN_CA", "SSLV3_ALERT_BAD_CERTIFICATE"]
+    check("a foreign authority and a wrong name are refused", alerts == refused, alerts)
+    uids = {
+        takproto.parse_proto(bytearray(part + b"</event>")).cotEvent.uid.split("-", 2)[2]
+        for part in received.split(b"</event>")[:8]
+    }
+    check("the right one has all events", {"boat", "camera"} <= uids, uids)
+    told = program.errors.text()
+    check("the foreign authority is told", "UnknownIssuer" in told, told[-600:])
+    check("the wrong name is told", "not valid for name" in told, told[-600:])
+    check("the run ends well", program.end() == 0, program.errors.text()[-300:])
+
+
+@pytest.mark.parametrize(
+    ("trusted", "shown", "name", "says"),
+    [
+        ("own", "own", "127.0.0.1", "encrypted; its certificate is accepted"),
+        ("foreign", "own", "127.0.0.1", "UnknownIssuer"),
+        ("own", "own", "tak.example", "not valid for name"),
+        ("own", "foreign", "127.0.0.1", "received fatal alert"),
+    ],
+    ids=["right", "foreign authority", "wrong name", "foreign client"],
+)
+def test_check_says_whether_an_encrypted_server_is_the_right_one(
+    barrelman: pathlib.Path,
+    tmp_path: pathlib.Path,
+    authorities: tuple[Authority, Authority],
+    trusted: str,
+    shown: str,
+    name: str,
+    says: str,
+) -> None:
+    by_name = {authority.folder.name: authority for authority in authorities}
+    context = by_name["own"].server(name)
+    listener = socket.create_server(("127.0.0.1", 0))
+    url = f"tls://127.0.0.1:{listener.getsockname()[1]}"
+    config = tmp_path / "barrelman.toml"
+    config.write_text(f'[tak]\naddress = "{url}"\n' + tls_keys(by_name[trusted], by_name[shown]))
+
+    def serve() -> None:
+        with contextlib.suppress(OSError):
+            accepted, _ = listener.accept()
+            with context.wrap_socket(accepted, server_side=True) as server:
+                server.recv(1)
+
+    thread = threading.Thread(target=serve, daemon=True)
+    thread.start()
+    found = checked(barrelman, url, config)
+    thread.join(timeout=10)
+    assert says in found["details"], found
+    assert (found["verdict"] == "ok") == says.startswith("encrypted"), found
+
+
+@pytest.mark.parametrize(
+    ("address", "keys", "says"),
+    [
+        ("tcp://127.0.0.1:8087", 'ca_file = "a.pem"', "are about tls://"),
+        ("tls://127.0.0.1:8089", 'client_key = "a.key"', "belong together"),
+        ("tls://127.0.0.1:8089", 'ca_file = "missing.pem"', "missing.pem"),
+    ],
+)
+def test_unusable_keys_of_tls_are_refused(
+    barrelman: pathlib.Path, tmp_path: pathlib.Path, address: str, keys: str, says: str
+) -> None:
+    config = tmp_path / "barrelman.toml"
+    config.write_text(f'[tak]\naddress = "{address}"\n{keys}\n')
+    done = run([barrelman, "run", config, "--headless", "--no-record", "--video", WORLD])
+    assert done.returncode != 0
+    assert says in done.stderr, done.stderr
+
+
 def test_without_the_option_nothing_is_sent(
     barrelman: pathlib.Path, tmp_path: pathlib.Path, gimbal: LocatedGimbal, check: Check
 ) -> None:
@@ -165,7 +285,7 @@ def test_without_the_option_nothing_is_sent(
     ("address", "says"),
     [
         ("239.2.3.1:6969", "udp://HOST:PORT"),
-        ("ssl://127.0.0.1:8089", "TLS are not supported"),
+        ("ssl://127.0.0.1:8089", "write tls://"),
         ("udp://127.0.0.1", "names no host and port"),
         ("tcp://127.0.0.1:99999", "from 1 to 65535"),
         ("tcp://tak.invalid:8087", "give its IP address"),
@@ -178,8 +298,8 @@ def test_other_addresses_are_refused(barrelman: pathlib.Path, address: str, says
     assert "--tak, or tak.address" in done.stderr, done.stderr
 
 
-def checked(barrelman: pathlib.Path, address: str) -> Any:
-    done = run([barrelman, "check", "--json", "--video", WORLD, "--tak", address])
+def checked(barrelman: pathlib.Path, address: str, *config: pathlib.Path) -> Any:
+    done = run([barrelman, "check", *config, "--json", "--video", WORLD, "--tak", address])
     return next(result for result in json.loads(done.stdout) if result["what"] == f"tak {address}")
 
 

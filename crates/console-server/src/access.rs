@@ -12,7 +12,7 @@ use barrelman_vocab::Timestamp;
 
 use super::limits::{REQUESTS, RateLimit};
 use super::origin::{Origin, Scheme};
-use super::tokens::{Tokens, TokensInForce, secret};
+use super::tokens::{Tokens, TokensInForce, is_equal, secret};
 
 /// Largest number of cookies of each role. A further one takes the place of the oldest of its role: a watcher cannot log
 /// a controller out.
@@ -109,10 +109,11 @@ impl Access {
     /// What a request shows, by its `Authorization` and `Cookie` headers. `None`: nothing that permits anything.
     pub(super) fn pass(&self, authorization: Option<&str>, cookies: Option<&str>) -> Option<Pass> {
         let secrets = self.secrets();
-        let Some(tokens) = secrets.tokens.get() else {
-            return Some(Pass { role: Role::Control, proof: Proof::NotAsked });
+        let role = match &*secrets.tokens.in_force() {
+            Some(tokens) => authorization.and_then(|text| bearer_role(tokens, text)),
+            None => return Some(Pass { role: Role::Control, proof: Proof::NotAsked }),
         };
-        if let Some(role) = authorization.and_then(|text| bearer_role(&tokens, text)) {
+        if let Some(role) = role {
             return Some(Pass { role, proof: Proof::Token(secrets.generation) });
         }
         let found = cookies?.split(';').filter_map(|pair| pair.trim().split_once('='));
@@ -124,7 +125,12 @@ impl Access {
 
     /// The role of an `Authorization` header with a token.
     pub fn bearer_role(&self, authorization: &str) -> Option<Role> {
-        bearer_role(&self.tokens()?, authorization)
+        bearer_role(self.secrets().tokens.in_force().as_ref()?, authorization)
+    }
+
+    /// Whether a token is asked for.
+    pub(super) fn asks_for_tokens(&self) -> bool {
+        self.secrets().tokens.are_asked_for()
     }
 
     /// Whether what was shown is still in force.
@@ -203,12 +209,6 @@ fn bearer_role(tokens: &Tokens, authorization: &str) -> Option<Role> {
     } else {
         None
     }
-}
-
-/// Compares two texts in a time that does not depend on where they differ.
-fn is_equal(a: &str, b: &str) -> bool {
-    let difference = a.bytes().zip(b.bytes()).fold(0, |sum, (a, b)| sum | (a ^ b));
-    a.len() == b.len() && difference == 0
 }
 
 #[cfg(test)]

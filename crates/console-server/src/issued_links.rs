@@ -92,9 +92,9 @@ impl IssuedLinks {
         self.publish(Some(tokens))
     }
 
-    /// Whether the tokens are too old.
-    pub(super) fn is_due(&self, now: Timestamp) -> bool {
-        self.state().renew_at.is_some_and(|at| now >= at)
+    /// When the tokens are too old; `None`: never.
+    pub(super) fn due(&self) -> Option<Timestamp> {
+        self.state().renew_at
     }
 
     /// The links in force.
@@ -135,20 +135,21 @@ mod tests {
         let links = IssuedLinks::new(origin, None, kept, Some(published.clone()), clock.now());
         links.publish(Some(first.clone())).unwrap();
         let later = |seconds| clock.now().plus(Duration::from_secs(seconds));
-        assert!(!links.is_due(later(3500)) && links.is_due(later(3600)));
+        let is_due = |at| links.due().is_some_and(|due| due <= at);
+        assert!(!is_due(later(3500)) && is_due(later(3600)));
         links.renew(&access, &[]).unwrap();
         let now = Tokens::read(&file).unwrap();
         assert!(now != first && links_file::read(&published).unwrap().tokens == now);
         assert_eq!(access.bearer_role(&format!("Bearer {}", now.watch)), Some(Role::Watch));
         assert_eq!(access.bearer_role(&format!("Bearer {}", first.control)), None);
         assert_eq!(links.body(&access).control, format!("http://127.0.0.1:8480/#token={}", now.control));
-        assert!(!links.is_due(later(3500)));
+        assert!(!is_due(later(3500)));
         // Tokens that cannot be kept are not in force, and the attempt is repeated later.
         std::fs::remove_file(&file).unwrap();
         std::fs::create_dir(&file).unwrap();
         let error = links.renew(&access, &[]).unwrap_err();
         assert!(format!("{error:#}").contains("cannot be kept in"), "{error:#}");
-        assert!(access.tokens().unwrap() == now && links.is_due(later(601)) && !links.is_due(later(599)));
+        assert!(access.tokens().unwrap() == now && is_due(later(601)) && !is_due(later(599)));
         drop(links);
         assert!(!published.exists());
         std::fs::remove_dir_all(&folder).unwrap();

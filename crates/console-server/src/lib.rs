@@ -19,6 +19,7 @@ mod library;
 mod map;
 mod routes;
 mod socket;
+mod token_door;
 mod upgrade;
 
 pub mod access;
@@ -78,5 +79,6 @@ pub use server::ConsoleServer;
 pub use session_time::SessionTime;
 pub use settings::{ConsoleAddress, ConsoleSettings, Encryption};
 pub use shared::{ConsoleParts, SessionFacts, VideoOutlet};
+pub use token_door::TokenDoor;
 pub use tokens::{KeptTokens, TokensInForce};
 pub use video_relay::VideoRelay;

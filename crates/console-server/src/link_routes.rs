@@ -68,7 +68,7 @@ async fn renew(State(console): Shared, headers: HeaderMap) -> Response {
         Ok(pass) => pass,
         Err(refusal) => return *refusal,
     };
-    if console.access.tokens().is_none() {
+    if !console.access.asks_for_tokens() {
         return (StatusCode::CONFLICT, "this console asks for no token\n").into_response();
     }
     // The disk may be slow; a Stop does not wait for it.

@@ -235,8 +235,8 @@ async fn login(State(console): Shared, headers: HeaderMap) -> Response {
 /// A cookie for the token of a request.
 pub(super) fn log_in(access: &Access, headers: &HeaderMap) -> Response {
     // A token that is not known is said so, whatever the cookie permits.
-    let role = match (access.tokens(), text_of(headers, header::AUTHORIZATION)) {
-        (Some(_), Some(token)) => access.bearer_role(token).ok_or_else(refused),
+    let role = match text_of(headers, header::AUTHORIZATION) {
+        Some(token) if access.asks_for_tokens() => access.bearer_role(token).ok_or_else(refused),
         _ => may_enter(access, headers),
     };
     let role = match role {

@@ -34,8 +34,6 @@ use super::shared::{Console, ConsoleParts};
 
 /// Interval at which seats of lost pages are looked at.
 const SEAT_INTERVAL: Duration = Duration::from_millis(100);
-/// Interval at which the age of the tokens is looked at.
-const TOKEN_INTERVAL: Duration = Duration::from_secs(1);
 /// Send buffer of a connection, bytes: bounds how far a slow viewer's video lies behind.
 const SEND_BUFFER_BYTES: usize = 256 << 10;
 /// Bytes of a request's head, at most.
@@ -128,10 +126,12 @@ async fn watch_seats(console: &Console) {
 
 /// Renews the tokens when they are too old. The pages that are connected stay.
 async fn watch_tokens(console: &Arc<Console>) {
-    let mut interval = tokio::time::interval(TOKEN_INTERVAL);
     loop {
-        interval.tick().await;
-        if !console.links.is_due(console.access.clock().now()) {
+        let Some(due) = console.links.due() else { return std::future::pending().await };
+        let wait = due.since(console.access.clock().now());
+        if wait > Duration::ZERO {
+            tokio::time::sleep(wait).await;
+            // A page may have renewed them meanwhile.
             continue;
         }
         let worker = Arc::clone(console);
@@ -232,7 +232,7 @@ where
 }
 
 /// Small messages go out at once, little is buffered, and a client that takes nothing is disconnected.
-fn prepare(stream: &TcpStream) {
+pub(super) fn prepare(stream: &TcpStream) {
     let _ = stream.set_nodelay(true);
     let _ = rustix::net::sockopt::set_tcp_user_timeout(stream, SEND_TIMEOUT.as_millis() as u32);
     let _ = rustix::net::sockopt::set_socket_send_buffer_size(stream, SEND_BUFFER_BYTES);

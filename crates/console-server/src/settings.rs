@@ -157,7 +157,11 @@ impl ConsoleSettings {
 }
 
 /// The certificate of a console at this address; `None`: the console is not encrypted.
-fn identity(encryption: Encryption, address: IpAddr, host_names: &[String]) -> Result<Option<Identity>> {
+pub(super) fn identity(
+    encryption: Encryption,
+    address: IpAddr,
+    host_names: &[String],
+) -> Result<Option<Identity>> {
     match encryption {
         Encryption::Given(files) => Identity::given(&files).map(Some),
         Encryption::OffLoopback if address.is_loopback() => Ok(None),
@@ -180,7 +184,7 @@ fn identity(encryption: Encryption, address: IpAddr, host_names: &[String]) -> R
     }
 }
 
-fn listener_at(address: Option<SocketAddr>) -> Result<TcpListener> {
+pub(super) fn listener_at(address: Option<SocketAddr>) -> Result<TcpListener> {
     if let Some(address) = address {
         return TcpListener::bind(address).with_context(|| {
             format!(

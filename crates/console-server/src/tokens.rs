@@ -3,7 +3,7 @@
 use std::fmt;
 use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, SystemTime};
 
 use anyhow::{Context, Result, bail};
@@ -137,11 +137,37 @@ impl TokensInForce {
 
     /// The tokens; `None`: no token is asked for.
     pub fn get(&self) -> Option<Tokens> {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner).clone()
+        self.in_force().clone()
+    }
+
+    /// Whether a token is asked for.
+    pub fn are_asked_for(&self) -> bool {
+        self.in_force().is_some()
+    }
+
+    /// Whether this is the token for watching; `None`: whether no token is asked for.
+    pub fn is_watch(&self, given: Option<&str>) -> bool {
+        match (&*self.in_force(), given) {
+            (Some(tokens), Some(given)) => is_equal(given, &tokens.watch),
+            (tokens, given) => tokens.is_none() && given.is_none(),
+        }
+    }
+
+    /// Whether this is one of the tokens.
+    pub(super) fn opens(&self, given: &str) -> bool {
+        self.in_force().as_ref().is_some_and(|tokens| {
+            // Both are compared, whichever it is.
+            is_equal(given, &tokens.control) | is_equal(given, &tokens.watch)
+        })
+    }
+
+    /// The tokens in place. A reader holds up the others, and a renewal.
+    pub(super) fn in_force(&self) -> MutexGuard<'_, Option<Tokens>> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     pub(super) fn replace(&self, tokens: Tokens) {
-        *self.0.lock().unwrap_or_else(PoisonError::into_inner) = Some(tokens);
+        *self.in_force() = Some(tokens);
     }
 }
 
@@ -149,6 +175,12 @@ impl fmt::Debug for TokensInForce {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         formatter.write_str("TokensInForce")
     }
+}
+
+/// Compares two texts in a time that does not depend on where they differ.
+pub(super) fn is_equal(a: &str, b: &str) -> bool {
+    let difference = a.bytes().zip(b.bytes()).fold(0, |sum, (a, b)| sum | (a ^ b));
+    a.len() == b.len() && difference == 0
 }
 
 /// How long ago a file was written.

@@ -37,5 +37,6 @@ mod tls;
 
 pub use link::open_link;
 pub use main_video::{MainVideo, main_video};
-pub use settings::{Credential, CredentialError, HttpProtocol, HttpSettings, Trust};
+pub use settings::{ClientIdentity, Credential, CredentialError, HttpProtocol, HttpSettings, Trust};
+pub use tls::client_config;
 pub use tls_relay::{RelayFailures, TlsRelay, TlsServer};

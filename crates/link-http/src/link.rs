@@ -80,7 +80,7 @@ where
         open_session,
         report,
     };
-    Ok(LinkHandle::start(worker, port, faults)?)
+    Ok(LinkHandle::start(worker, Some(port), faults)?)
 }
 
 /// The seed of the session of this number.

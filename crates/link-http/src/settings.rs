@@ -38,6 +38,21 @@ pub enum Trust {
     Fingerprint(Fingerprint),
 }
 
+/// The own certificate for a server that asks for one. `Debug` shows nothing of the key.
+#[derive(Clone)]
+pub struct ClientIdentity {
+    /// The certificate, with those of the authorities above it (PEM).
+    pub certificate: Vec<u8>,
+    /// Its key (PEM).
+    pub key: Vec<u8>,
+}
+
+impl fmt::Debug for ClientIdentity {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("ClientIdentity(***)")
+    }
+}
+
 /// SHA-256 of a certificate (DER).
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub struct Fingerprint([u8; 32]);

@@ -86,12 +86,12 @@ pub struct GuardedLink<C: Commands = VehicleRates> {
 }
 
 impl<C: Commands> GuardedLink<C> {
-    /// Starts the guard, waits until it has opened the port, and starts the thread that reads what it reports. `report`
+    /// Starts the guard, waits until it has tried to open the port, and starts the thread that reads what it reports. `report`
     /// takes the reports; it must not block, and returns whether there was room.
     ///
     /// # Errors
-    /// If the guard cannot be started, or cannot open the port now. A port that is lost later is reopened, and a guard that
-    /// is gone is replaced.
+    /// If the guard cannot be started, or cannot open the port, unless the vehicle may come: that is reported, and the guard
+    /// goes on trying. A port that is lost later is reopened, and a guard that is gone is replaced.
     pub fn open(
         settings: GuardedLinkSettings<impl OpenSession<Command = C>>,
         report: impl Fn(LinkReport) -> bool + Send + 'static,
@@ -108,6 +108,7 @@ impl<C: Commands> GuardedLink<C> {
             client: shared,
             report,
             history: LinkHistory::default(),
+            was_opened: false,
             opened: Some(opened),
         };
         let thread = std::thread::Builder::new()
@@ -137,7 +138,7 @@ impl<C: Commands> GuardedLink<C> {
         state.pass_on_control();
     }
 
-    /// Ends the link: zeros, stop, and the guard's end. Returns whether they were sent.
+    /// Ends the link: zeros, stop, and the guard's end. Returns whether they were sent, or nothing ever was.
     pub fn close(mut self) -> bool {
         self.end()
     }
@@ -164,7 +165,7 @@ impl<C: Commands> Drop for GuardedLink<C> {
 /// The thread of the link bounds the wait: it watches the guard.
 fn wait_until_open(first: &Receiver<FirstOpening>, path: PathBuf) -> Result<(), GuardError> {
     match first.recv() {
-        Ok(FirstOpening::Opened) => Ok(()),
+        Ok(FirstOpening::Started) => Ok(()),
         Ok(FirstOpening::PortRefused(reason)) => Err(GuardError::Port(reason)),
         Ok(FirstOpening::GuardFailed(reason)) => Err(GuardError::NoAnswer { path, reason }),
         Err(_) => Err(GuardError::NoAnswer { path, reason: "the thread of the link is gone".to_owned() }),

@@ -12,7 +12,7 @@ use barrelman_wire::{ByteSession, LinkHistory, OpenSession, Session};
 
 use crate::dead_mans_switch::RequestedCommand;
 use crate::mailbox::Mailbox;
-use crate::port::{Port, PortError};
+use crate::port::PortError;
 use crate::port_io::{MachineIo, PortIo};
 use crate::report::LinkReport;
 use crate::url::LinkUrl;
@@ -44,14 +44,23 @@ impl<C: LinkCommand> LinkHandle<C> {
     /// block, and returns whether there was room for the report.
     ///
     /// # Errors
-    /// If the port cannot be opened now. The thread reopens a port that is lost later.
+    /// If the port cannot be opened, unless the vehicle may come ([`PortError::may_pass`]): that is reported, and the
+    /// thread goes on trying, as it does with a port that is lost later.
     pub fn open(
         url: &LinkUrl,
         protocol: impl OpenSession<Command = C>,
         clock: Clock,
         report: impl Fn(LinkReport) -> bool + Send + 'static,
     ) -> Result<Self, LinkError> {
-        let (worker, port) = Self::worker(url, protocol, clock, report)?;
+        let worker = Self::worker(url, protocol, clock, report)?;
+        let port = match worker.io.open() {
+            Ok(port) => Some(port),
+            Err(error) if error.may_pass() => {
+                (worker.report)(LinkReport::NotReached(error.to_string()));
+                None
+            }
+            Err(error) => return Err(error.into()),
+        };
         Ok(Self::start(worker, port, url.faults.clone())?)
     }
 
@@ -65,8 +74,9 @@ impl<C: LinkCommand> LinkHandle<C> {
         clock: Clock,
         history: LinkHistory,
     ) -> Result<bool, LinkError> {
-        let (worker, port) = Self::worker(url, protocol, clock, |_| true)?;
-        Ok(Self::start(Worker { history, ..worker }, port, url.faults.clone())?.close())
+        let worker = Self::worker(url, protocol, clock, |_| true)?;
+        let port = worker.io.open()?;
+        Ok(Self::start(Worker { history, ..worker }, Some(port), url.faults.clone())?.close())
     }
 
     fn worker<R: Fn(LinkReport) -> bool>(
@@ -74,27 +84,29 @@ impl<C: LinkCommand> LinkHandle<C> {
         protocol: impl OpenSession<Command = C>,
         clock: Clock,
         report: R,
-    ) -> Result<(ByteWorker<C, R>, Port), LinkError> {
+    ) -> io::Result<ByteWorker<C, R>> {
         let mailbox = Arc::new(Mailbox::new()?);
         let io = MachineIo { endpoint: url.endpoint.clone(), clock, mailbox: Arc::clone(&mailbox) };
-        let port = io.open()?;
-        let worker = Worker {
+        Ok(Worker {
             persistence: Duration::ZERO,
             mailbox: Arc::clone(&mailbox),
             io,
             history: LinkHistory::default(),
             open_session: Arc::new(move |now| protocol.open(now)),
             report,
-        };
-        Ok((worker, port))
+        })
     }
 
-    /// Starts the thread of a worker on its open port, which has these deliberate faults, if there are any: for
+    /// Starts the thread of a worker on its port (`None`: it opens the port), which has these deliberate faults, if there are any: for
     /// vehicles of any packets.
     ///
     /// # Errors
     /// If the system has no more threads.
-    pub fn start<S, I, R>(worker: Worker<S, I, R>, port: I::Port, faults: FaultPlan) -> io::Result<Self>
+    pub fn start<S, I, R>(
+        worker: Worker<S, I, R>,
+        port: Option<I::Port>,
+        faults: FaultPlan,
+    ) -> io::Result<Self>
     where
         S: Session<Command = C> + ?Sized + 'static,
         I: PortIo<Sent = S::Sent, Received = S::Received> + Send + 'static,
@@ -102,7 +114,7 @@ impl<C: LinkCommand> LinkHandle<C> {
         R: Fn(LinkReport) -> bool + Send + 'static,
     {
         let mailbox = Arc::clone(&worker.mailbox);
-        let work = move || worker.run(Some(port), faults);
+        let work = move || worker.run(port, faults);
         let thread = std::thread::Builder::new().name("link".to_owned()).spawn(work)?;
         Ok(Self { mailbox, thread: Some(thread) })
     }
@@ -119,7 +131,7 @@ impl<C: LinkCommand> LinkHandle<C> {
         self.mailbox.take_control();
     }
 
-    /// Ends the link: zeros, half a second, stop. Returns whether they were sent.
+    /// Ends the link: zeros, half a second, stop. Returns whether they were sent, or nothing ever was.
     pub fn close(mut self) -> bool {
         self.end()
     }

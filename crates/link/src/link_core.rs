@@ -49,7 +49,7 @@ pub enum LinkAction {
     ClosePort,
     /// The link has ended.
     Ended {
-        /// Whether zeros and stop were sent.
+        /// Whether zeros and stop were sent, or nothing ever was that they would end.
         is_stop_sent: bool,
     },
 }
@@ -62,6 +62,8 @@ pub struct LinkCore<S: Session + ?Sized> {
     requested: RequestedCommand<S::Command>,
     switch: DeadMansSwitch,
     session: Option<OpenSession<S>>,
+    /// Whether the port was ever open.
+    was_opened: bool,
     reopen_at: Timestamp,
     closing: Option<Closing>,
     reported_state: Option<LinkState>,
@@ -86,7 +88,7 @@ struct Closing {
 }
 
 impl<S: Session + ?Sized> LinkCore<S> {
-    /// A link without an open port. A link that is closed without a port tries once more to reach its vehicle, and goes on
+    /// A link without an open port. A link that is closed after its port was lost tries once more to reach its vehicle, and goes on
     /// trying for `persistence`.
     pub fn new(open_session: SessionOpener<S>, persistence: Duration) -> Self {
         Self {
@@ -95,6 +97,7 @@ impl<S: Session + ?Sized> LinkCore<S> {
             requested: RequestedCommand::default(),
             switch: DeadMansSwitch::default(),
             session: None,
+            was_opened: false,
             reopen_at: Timestamp::ZERO,
             closing: None,
             reported_state: None,
@@ -136,6 +139,7 @@ impl<S: Session + ?Sized> LinkCore<S> {
 
     /// The port was opened.
     pub fn opened(&mut self, now: Timestamp) {
+        self.was_opened = true;
         self.session = Some(OpenSession { session: self.new_session(now), since: now, is_closing: false });
     }
 
@@ -234,6 +238,9 @@ impl<S: Session + ?Sized> LinkCore<S> {
 
     fn poll_without_port(&mut self, now: Timestamp, report: ReportSink<'_>) -> LinkAction {
         self.report_state(LinkState::Opening, now, report);
+        if self.closing.is_some() && !self.was_opened && !self.history.may_be_turning {
+            return LinkAction::Ended { is_stop_sent: true };
+        }
         if let Some(closing) = self.closing
             && closing.has_tried
             && now.since(closing.since) >= self.persistence
@@ -394,9 +401,21 @@ mod tests {
     }
 
     #[test]
+    fn a_link_that_reached_nobody_has_nothing_to_stop() {
+        let now = Timestamp::from_secs_f64(5.0);
+        let mut core = LinkCore::new(Box::new(|_| Box::new(NoSession::default())), Duration::from_secs(10));
+        let poll = |core: &mut LinkCore<NoSession>| core.poll(now, &mut Vec::new(), &mut |_| true);
+        assert_eq!(poll(&mut core), LinkAction::Open);
+        core.open_failed(now);
+        core.close(now);
+        assert_eq!(poll(&mut core), LinkAction::Ended { is_stop_sent: true });
+    }
+
+    #[test]
     fn a_link_that_closes_without_a_port_waits_between_its_attempts() {
         let persistence = Duration::from_secs(10);
         let mut core = LinkCore::new(Box::new(|_| Box::new(NoSession::default())), persistence);
+        core.resume(LinkHistory { may_be_turning: true, ..LinkHistory::default() });
         let (mut now, mut attempts) = (Timestamp::from_secs_f64(5.0), 0);
         loop {
             // The worker says so each time.

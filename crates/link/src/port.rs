@@ -92,6 +92,22 @@ pub enum PortError {
     },
 }
 
+impl PortError {
+    /// Whether the vehicle may just not be there yet: its device is not plugged in, or nobody answers. Every other
+    /// error stays until somebody corrects it.
+    pub const fn may_pass(&self) -> bool {
+        match self {
+            Self::Missing { .. } | Self::Unreachable { .. } => true,
+            Self::NotAllowed { .. }
+            | Self::InUse { .. }
+            | Self::NotSerial { .. }
+            | Self::Simulated
+            | Self::NotUsable { .. }
+            | Self::Other { .. } => false,
+        }
+    }
+}
+
 /// An open port.
 #[derive(Debug)]
 pub enum Port {

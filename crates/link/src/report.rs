@@ -10,6 +10,8 @@ use barrelman_wire::RestEvidence;
 pub enum LinkReport {
     /// A report of the vehicle, or of the link itself.
     Telemetry(Telemetry),
+    /// The port could not be opened at first, for this reason; the link goes on trying.
+    NotReached(String),
     /// The port was lost; the link reopens it.
     Lost {
         /// The reason.

@@ -121,6 +121,9 @@ impl Safety {
                 return Err(Refusal::Engaged);
             }
             CameraRequest::Law { .. } => self.licences.end_behaviours(),
+            CameraRequest::Engage if self.vehicle.is_absent() => {
+                return Err(Refusal::NoMotion(HoldCause::LinkDown));
+            }
             CameraRequest::Engage => {
                 self.licences.consent(Purpose::Follow, now)?;
                 if let Some(seen_at) = self.last_fresh_at {

@@ -4,7 +4,7 @@
 //!   level: rests the camera as long as it lasts         edge: ends the engagement, until the next Engage
 //!   dry run                                             control was taken away
 //!   link not up                                         the vehicle restarted
-//!   commands not accepted                               the vehicle fell silent
+//!   commands not accepted                               the vehicle fell silent, or was not there at first
 //!                                                       an emergency, or a landing, begins
 //!   landing, emergency                                  a battery becomes low
 //! ```
@@ -35,6 +35,10 @@ const UPTIME_TOLERANCE_S: f64 = 1.0;
 pub struct VehicleState {
     path: CommandPath,
     link: LinkState,
+    /// Whether the link has reported its state.
+    has_reported: bool,
+    /// Whether it has reported no more than that it is being opened: the vehicle was never there.
+    is_absent: bool,
     /// Since the link came up.
     control: Option<ControlState>,
     /// Since the link began to come up, of a vehicle that answers commands.
@@ -52,6 +56,8 @@ impl VehicleState {
         Self {
             path,
             link: LinkState::Opening,
+            has_reported: false,
+            is_absent: false,
             control: None,
             acceptance: None,
             has_accepted: false,
@@ -73,11 +79,13 @@ impl VehicleState {
         }
         match *report {
             Report::Link(link) => {
-                self.link = link;
+                let was_absent = self.is_absent || !self.has_reported;
+                self.is_absent = was_absent && link == LinkState::Opening;
+                (self.link, self.has_reported) = (link, true);
                 if link != LinkState::Up {
                     (self.control, self.acceptance, self.has_accepted) = (None, None, false);
                 }
-                (link == LinkState::Silent).then_some(StopCause::VehicleSilent)
+                (link == LinkState::Silent || self.is_absent).then_some(StopCause::VehicleSilent)
             }
             Report::Ground { control, uptime_s, .. } | Report::Control { control, uptime_s } => {
                 let last_uptime_s = self.uptime_s.replace(uptime_s);
@@ -110,6 +118,11 @@ impl VehicleState {
             }
             _ => None,
         }
+    }
+
+    /// Whether the vehicle was never there: a consent now would move the camera whenever it comes.
+    pub const fn is_absent(&self) -> bool {
+        self.is_absent
     }
 
     /// Why no command may move the camera now; `None`: commands reach a camera that may move.

@@ -1,6 +1,7 @@
 //! Logins and tokens that stay off the command line: in a file, or in an environment variable that the configuration names.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::time::{SystemTime, UNIX_EPOCH};
 
 use anyhow::{Context, Result, anyhow, bail};
@@ -9,12 +10,13 @@ use barrelman_host::clock::Clock;
 use barrelman_host::input;
 use barrelman_link::url::HttpAddress;
 use barrelman_link_http::settings::Fingerprint;
-use barrelman_link_http::{Credential, HttpProtocol, HttpSettings, Trust};
+use barrelman_link_http::{ClientIdentity, Credential, HttpProtocol, HttpSettings, Trust, client_config};
 use barrelman_video::VideoUrl;
 use barrelman_video::url::Login;
 use barrelman_vocab::{Timestamp, VehicleProfile};
 use barrelman_wire::onvif::{self, OnvifSettings};
 use barrelman_wire::{Signing, SigningKey};
+use tokio_rustls::rustls::ClientConfig;
 
 use crate::source_url::SourceUrl;
 
@@ -61,6 +63,15 @@ pub struct TrustFiles {
     pub certificate_sha256: Option<String>,
     /// The file of the authorities that sign the certificate.
     pub ca_file: Option<PathBuf>,
+}
+
+/// The own certificate for a server, and its key.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ClientFiles {
+    /// The certificate.
+    pub certificate: PathBuf,
+    /// Its key.
+    pub key: PathBuf,
 }
 
 impl LoginSource {
@@ -222,6 +233,20 @@ pub fn trust(files: &TrustFiles) -> Result<Trust> {
         (None, Some(path)) => Trust::Authorities(input::read(path)?),
         (None, None) => Trust::WellKnown,
     })
+}
+
+/// TLS to a server that is not a vehicle's. If others may read the key, a warning is logged.
+///
+/// # Errors
+/// If a file is not usable. The message repeats nothing of the key.
+pub fn tls_client(files: &TrustFiles, client: Option<&ClientFiles>) -> Result<Arc<ClientConfig>> {
+    let read = |files: &ClientFiles| -> Result<ClientIdentity> {
+        let certificate = input::read(&files.certificate)?;
+        Ok(ClientIdentity { certificate, key: read_secret(&files.key, "key")?.into_bytes() })
+    };
+    let identity = client.map(read).transpose()?;
+    let config = client_config(&trust(files)?, identity.as_ref());
+    config.context("the files of TLS are not usable").map(Arc::new)
 }
 
 /// How the packets of a MAVLink link are signed, with the key of this file; without a file, they are not. If others may read

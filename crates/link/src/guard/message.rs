@@ -13,7 +13,7 @@ mod fields;
 mod packets;
 
 /// Version of the messages. Program and guard come from one build; another version is refused.
-pub const VERSION: u16 = 7;
+pub const VERSION: u16 = 8;
 /// Largest message, bytes.
 pub const MAX_MESSAGE_BYTES: usize = 4096;
 
@@ -78,8 +78,13 @@ pub enum ToGuard<C = VehicleRates> {
 pub enum FromGuard {
     /// The port was opened.
     Opened,
-    /// The port could not be opened at first, for this reason; the guard goes on trying.
-    NotOpened(String),
+    /// The port could not be opened at first; the guard goes on trying.
+    NotOpened {
+        /// Whether the vehicle may just not be there yet.
+        may_pass: bool,
+        /// The reason.
+        reason: String,
+    },
     /// The state of the link.
     State(LinkState, Timestamp),
     /// Bytes of the vehicle.

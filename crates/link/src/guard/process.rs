@@ -100,7 +100,8 @@ impl Parts<'_> {
                 Some(port)
             }
             Err(error) => {
-                pipe.send(&FromGuard::NotOpened(error.to_string()).encode());
+                let (may_pass, reason) = (error.may_pass(), error.to_string());
+                pipe.send(&FromGuard::NotOpened { may_pass, reason }.encode());
                 None
             }
         };
@@ -132,7 +133,8 @@ impl Parts<'_> {
 fn message_of(report: LinkReport) -> Option<FromGuard> {
     Some(match report {
         LinkReport::Telemetry(Telemetry { at, report: Report::Link(state) }) => FromGuard::State(state, at),
-        LinkReport::Telemetry(_) | LinkReport::GuardLost(_) => return None,
+        // The guard has told its first opening itself.
+        LinkReport::Telemetry(_) | LinkReport::GuardLost(_) | LinkReport::NotReached(_) => return None,
         LinkReport::Lost { reason, may_be_turning } => FromGuard::Lost { may_be_turning, reason },
         LinkReport::Control { is_anothers } => FromGuard::Control { is_anothers },
         LinkReport::HeldUp => FromGuard::HeldUp,

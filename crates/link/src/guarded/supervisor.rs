@@ -29,8 +29,9 @@ const CLOSING_TIMEOUT: Duration = Duration::from_secs(7);
 
 /// What became of the first opening of the port.
 pub(super) enum FirstOpening {
-    Opened,
-    /// The port's error.
+    /// The port is open, or its vehicle may come.
+    Started,
+    /// The port's error, which stays.
     PortRefused(String),
     /// The guard is gone, or hangs.
     GuardFailed(String),
@@ -56,6 +57,8 @@ pub(super) struct Supervisor<P: OpenSession, R> {
     pub(super) reader: ReportReader,
     /// What the guard before has left.
     pub(super) history: LinkHistory,
+    /// Whether a guard has opened the port: before that, nothing was sent that a guard could leave.
+    pub(super) was_opened: bool,
     /// Takes whether the first guard has opened the port.
     pub(super) opened: Option<SyncSender<FirstOpening>>,
 }
@@ -86,7 +89,9 @@ where
             let end = self.serve(&served);
             let is_stop_sent = matches!(end, GuardEnd::Ended { is_stop_sent: true });
             let is_anothers = self.client.state().is_anothers;
-            self.history = LinkHistory::after(is_stop_sent, is_anothers, self.reader.vehicle());
+            if self.was_opened {
+                self.history = LinkHistory::after(is_stop_sent, is_anothers, self.reader.vehicle());
+            }
             self.client.state().pipe = None;
             let is_closing = self.client.state().is_closing;
             let reason = match end {
@@ -134,7 +139,7 @@ where
                         match FromGuard::decode(&packet) {
                             Ok(FromGuard::OpensPort) => watch.heard_opening(),
                             Ok(FromGuard::Ended { is_stop_sent }) => return GuardEnd::Ended { is_stop_sent },
-                            Ok(FromGuard::NotOpened(reason)) if self.opened.is_some() => {
+                            Ok(FromGuard::NotOpened { may_pass: false, reason }) if self.opened.is_some() => {
                                 self.answer_opening(FirstOpening::PortRefused(reason));
                                 return GuardEnd::NeverOpened;
                             }
@@ -173,8 +178,18 @@ where
 
     fn on_message(&mut self, message: FromGuard) {
         match message {
-            FromGuard::Opened => self.answer_opening(FirstOpening::Opened),
-            FromGuard::State(state, at) => self.report_state(state, at),
+            FromGuard::Opened => {
+                self.was_opened = true;
+                self.answer_opening(FirstOpening::Started);
+            }
+            FromGuard::NotOpened { reason, .. } if self.opened.is_some() => {
+                (self.report)(LinkReport::NotReached(reason));
+                self.answer_opening(FirstOpening::Started);
+            }
+            FromGuard::State(state, at) => {
+                self.was_opened |= state != LinkState::Opening;
+                self.report_state(state, at);
+            }
             FromGuard::Received(at, bytes) => {
                 let report = &self.report;
                 self.reader.read(&bytes, |content| {
@@ -190,7 +205,10 @@ where
             FromGuard::Stopped(evidence) => drop((self.report)(LinkReport::Stopped(evidence))),
             FromGuard::Panicked => drop((self.report)(LinkReport::Panicked)),
             // A later guard goes on trying; its state says so.
-            FromGuard::NotOpened(_) | FromGuard::Alive | FromGuard::OpensPort | FromGuard::Ended { .. } => {}
+            FromGuard::NotOpened { .. }
+            | FromGuard::Alive
+            | FromGuard::OpensPort
+            | FromGuard::Ended { .. } => {}
         }
     }
 

@@ -226,7 +226,9 @@ fn serve_with_room(faults: &str, script: &[(u64, Action)], room_from_ms: Option<
                 LinkReport::Telemetry(_) => return true,
                 LinkReport::Lost { reason, .. } => format!("lost: {reason}"),
                 LinkReport::Control { .. } | LinkReport::HeldUp | LinkReport::Stopped(_) => return true,
-                LinkReport::Suspended(_) | LinkReport::GuardLost(_) => panic!("not here"),
+                LinkReport::Suspended(_) | LinkReport::GuardLost(_) | LinkReport::NotReached(_) => {
+                    panic!("not here")
+                }
                 LinkReport::Panicked => "panicked".to_owned(),
             };
             let mut reported = reported.borrow_mut();

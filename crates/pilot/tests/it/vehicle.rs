@@ -82,13 +82,28 @@ const DOWN: Mode = Mode::Holding(HoldCause::LinkDown);
 #[test]
 fn nothing_moves_before_the_link_is_up() {
     check(&[ENGAGE, SEEN], DOWN, REST);
-    for state in [LinkState::Opening, LinkState::Starting, LinkState::Closing, LinkState::Closed] {
+    for state in [LinkState::Starting, LinkState::Closing, LinkState::Closed] {
         check(&[ENGAGE, Link(state), SEEN], DOWN, REST);
+    }
+    for state in [LinkState::Opening, LinkState::Starting, LinkState::Closing, LinkState::Closed] {
         check(&[UP, ENGAGE, SEEN, Link(state)], DOWN, REST);
         check(&[UP, ENGAGE, SEEN, Link(state), SEEN], DOWN, REST);
     }
     check(&[SEEN], Mode::Idle, REST);
     check(&[ENGAGE, UP, SEEN], Mode::Servoing, PAN_RIGHT);
+}
+
+#[test]
+fn a_vehicle_that_was_never_there_cannot_be_engaged_and_ends_an_engagement() {
+    let absent = Link(LinkState::Opening);
+    let silent = Mode::Stopped(StopCause::VehicleSilent);
+    check(&[ENGAGE, absent, UP, SEEN], silent, REST);
+    check(&[absent, ENGAGE, UP, SEEN], Mode::Idle, REST);
+    let refused = last(CommandPath::Link, &[absent, ENGAGE]).notice;
+    assert_eq!(refused, Some(Notice::RequestRefused(Refusal::NoMotion(HoldCause::LinkDown))));
+    check(&[absent, Link(LinkState::Starting), ENGAGE, UP, SEEN], Mode::Servoing, PAN_RIGHT);
+    // A link that was lost is another matter: the operator knows the vehicle.
+    check(&[UP, absent, ENGAGE, UP, SEEN], Mode::Servoing, PAN_RIGHT);
 }
 
 #[test]

@@ -40,7 +40,7 @@ pub struct ConsoleOptions {
     /// Key of the certificate (PEM).
     #[arg(long, value_name = "FILE.pem", requires = "tls_certificate")]
     pub tls_key: Option<PathBuf>,
-    /// Serve HTTPS on loopback, too. Off loopback HTTPS is the default.
+    /// Serve HTTPS on loopback, too, and Foxglove there for a token. Off loopback that is the default.
     #[arg(long, conflicts_with = "insecure")]
     pub tls_on_loopback: bool,
     /// Serve HTTP off loopback: anyone who can read the network can read the token, and command camera and boat.

@@ -13,7 +13,7 @@ use super::values::{parse_seconds, parse_world_size};
 
 /// Options that have no effect with `--clip`. (A requirement of `--clip` alone is not checked beside an
 /// option that excludes it.)
-const WITHOUT_CLIP: [&str; 10] = [
+const WITHOUT_CLIP: [&str; 11] = [
     "scenario",
     "drill",
     "ConsoleOptions",
@@ -24,6 +24,7 @@ const WITHOUT_CLIP: [&str; 10] = [
     "store",
     "replay",
     "hands_on",
+    "share",
 ];
 
 /// `demo`.
@@ -66,6 +67,10 @@ pub struct DemoArgs {
         conflicts_with_all = ["scenario", "hands_on", "replay"],
     )]
     pub drill: Option<DrillName>,
+    /// Serve the annotated video to other programs there, as in rtsp://127.0.0.1:8554/boat. Off loopback they
+    /// give the user watch and the console's watch token. Needs barrelman-media.
+    #[arg(long, value_name = "URL", conflicts_with = "replay")]
+    pub share: Option<String>,
     /// Size of the picture; the field of view stays the same. Default: the scenario's, at most 960 wide.
     #[arg(long, value_name = "WxH", value_parser = parse_world_size)]
     pub size: Option<PictureSize>,
@@ -112,6 +117,7 @@ impl Default for DemoArgs {
             console: ConsoleOptions::default(),
             hands_on: false,
             drill: None,
+            share: None,
             size: None,
             seed: 1,
             seconds: None,

@@ -64,7 +64,8 @@ pub struct RunArgs {
     #[arg(long, value_name = "URL")]
     pub mavlink: Option<String>,
     /// Show boat, camera and marks on the maps of TAK (ATAK, WinTAK, servers) there, where latitude and
-    /// longitude are known: udp://host:port, also of a group as udp://239.2.3.1:6969, or tcp://host:port.
+    /// longitude are known: udp://host:port, also of a group as udp://239.2.3.1:6969, tcp://host:port, or
+    /// tls://host:port.
     #[arg(long, value_name = "URL")]
     pub tak: Option<String>,
     /// Serve the annotated live video to other programs (FFmpeg, GStreamer) there, as RTSP with H.264:
@@ -104,8 +105,8 @@ pub struct RunArgs {
     /// Record to this file; default: a file of its own in the folder of the configuration, or `recordings`.
     #[arg(long, value_name = "FILE.mcap")]
     pub record: Option<PathBuf>,
-    /// Let Foxglove or Lichtblick on this machine watch what is recorded: the address of a WebSocket server,
-    /// as in 127.0.0.1:8765.
+    /// Let Foxglove or Lichtblick watch what is recorded: the address of a WebSocket server, as in
+    /// 127.0.0.1:8765. Other devices connect to wss://ADDR/?token= and the console's watch token.
     #[arg(long, value_name = "ADDR", value_parser = parse_listen, conflicts_with = "no_record")]
     pub foxglove: Option<SocketAddr>,
     /// Do not record.

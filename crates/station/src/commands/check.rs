@@ -69,7 +69,7 @@ pub fn run(args: &CheckArgs, clock: Clock) -> Result<ExitCode> {
         }
     }
     if let Some(found) = configuration {
-        results.extend(found.tak.address.as_ref().map(check_tak));
+        results.extend(found.tak.address.as_ref().map(|address| check_tak(address, &found.tak)));
         results.extend(found.share.as_ref().map(check_share));
     }
     print(&results, args.json)

@@ -8,7 +8,7 @@ use std::path::Path;
 use std::process::ExitCode;
 use std::time::Duration;
 
-use anyhow::Result;
+use anyhow::{Context as _, Result};
 use barrelman_console_server::{ConsoleAddress, ConsoleSettings, KeptTokens};
 use barrelman_vocab::{NewDrill, NewDrive};
 
@@ -19,6 +19,7 @@ use crate::demo::drive_plan::{DrivePlan, Purpose};
 use crate::demo::live_drive::DriveEnd;
 use crate::demo::replay;
 use crate::demo::session::{DriveSession, SessionEnd};
+use crate::share::{ShareAddress, ShareSetup};
 use barrelman_experiments::law_choice::LawChoice;
 use barrelman_host::clock::Clock;
 use barrelman_host::output::OutputFile;
@@ -62,8 +63,10 @@ fn drive(args: &DemoArgs, files: DriveFiles, first_files: OpenFiles, clock: Cloc
     let mut console = ConsoleSettings::without_tokens_on_loopback(address, tokens)?;
     console.map = options.open_map(None)?;
     console.on_lost = options.on_console_lost.unwrap_or_default();
+    let share = args.share.as_deref().map(|address| share(address, &console)).transpose()?;
     let max_duration = args.seconds.map(Duration::from_secs_f64);
-    let session = DriveSession { plan, files: files.clone(), first_files, console, max_duration, clock };
+    let session =
+        DriveSession { plan, files: files.clone(), first_files, console, share, max_duration, clock };
     let SessionEnd { end, drives } = session.run()?;
     print_outputs(&files, drives)?;
     Ok(match end {
@@ -77,6 +80,12 @@ fn drive(args: &DemoArgs, files: DriveFiles, first_files: OpenFiles, clock: Cloc
             ExitCode::FAILURE
         }
     })
+}
+
+/// The socket of the annotated video. Readers know the console's watch token, where the console has tokens.
+fn share(address: &str, console: &ConsoleSettings) -> Result<ShareSetup> {
+    let open = |address| ShareSetup::open(address, console.tokens.clone());
+    ShareAddress::parse(address).and_then(open).context("--share")
 }
 
 /// Prints what was written, and the commands that use it.

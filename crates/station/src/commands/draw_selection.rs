@@ -43,7 +43,7 @@ pub(super) fn draw_selection(
 
 /// Whether the page's link may be in the command line of a browser: it then holds no token.
 fn may_open_browser(settings: &ConsoleSettings) -> bool {
-    settings.tokens.get().is_none()
+    !settings.tokens.are_asked_for()
 }
 
 /// Opens the page in the user's browser, where the system knows one. Without one, the link is on the terminal.

@@ -40,6 +40,7 @@ mod comparison_table;
 mod recorded_sortie;
 mod stored_frame;
 mod summary_table;
+mod tak_route;
 mod track_figures;
 mod trial_input;
 mod trials_progress;

@@ -82,7 +82,7 @@ pub fn run(args: &DemoArgs, clock: Clock) -> Result<ExitCode> {
     out.flush()?;
     let code = run::run_with_outputs(
         &run_args(args, [clip, &port, recording, film], practice.truth(0).selection)?,
-        |_| Ok(outputs),
+        |_, _| Ok(outputs),
         clock,
     );
     ended.store(true, Ordering::Relaxed);

@@ -4,14 +4,17 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use anyhow::{Context, Result, bail};
-use barrelman_console_server::{AfterPicking, ConsoleSettings, TokensInForce};
+use barrelman_console_server::{
+    AfterPicking, ConsoleAddress, ConsoleSettings, Encryption, TokenDoor, TokensInForce,
+};
 use barrelman_pilot::{CommandPath, Pilot, PilotSettings};
 
 use super::draw_selection::{draw_selection, has_display};
+use super::tak_route::tak_route;
 use crate::cli::RunArgs;
 use crate::config::{Configuration, ConsoleConfig, RecordingConfig, UnusableConfiguration};
 use crate::link::{LinkUrl, command_path, vehicle_over_http};
-use crate::live::foxglove_server;
+use crate::live::foxglove_server::FoxgloveEntrance;
 use crate::live::recorder::Extras;
 use crate::live::recording_folder::{self, DiskReserve};
 use crate::live::run_loop::RunEnd;
@@ -40,7 +43,7 @@ use sources::{ensure_camera_has_world, first_source, second_source};
 /// # Errors
 /// If the configuration, the video, the link or an output cannot be used.
 pub fn run(args: &RunArgs, clock: Clock) -> Result<ExitCode> {
-    run_with_outputs(args, |recording| open_outputs(args, recording), clock)
+    run_with_outputs(args, |recording, foxglove| open_outputs(args, recording, foxglove), clock)
 }
 
 /// Runs the command with the outputs of `open`, instead of those that the arguments name.
@@ -49,7 +52,7 @@ pub fn run(args: &RunArgs, clock: Clock) -> Result<ExitCode> {
 /// If the configuration, the video, the link or an output cannot be used.
 pub fn run_with_outputs(
     args: &RunArgs,
-    open: impl FnOnce(&RecordingConfig) -> Result<Outputs>,
+    open: impl FnOnce(&RecordingConfig, Option<FoxgloveEntrance>) -> Result<Outputs>,
     clock: Clock,
 ) -> Result<ExitCode> {
     let (mut configuration, latency_is_known) = effective_configuration(args)?;
@@ -69,13 +72,14 @@ pub fn run_with_outputs(
     let vessel_guard = needed_vessel_guard(&configuration)?;
     let console = (!args.headless).then(|| open_console(args, &configuration.console)).transpose()?;
     let share = share(&configuration, console.as_ref())?;
+    let foxglove = foxglove(args, &configuration.console, console.as_ref(), clock)?;
     let pilot = build_pilot(&configuration, command_path(link.as_ref()))?;
     let selection = match args.select {
         None => drawn_selection(args, &source, console.as_ref())?,
         selection => selection,
     };
     // The last to be opened: making room for a recording removes older ones.
-    let outputs = open(&configuration.recording)?;
+    let outputs = open(&configuration.recording, foxglove)?;
     let session = Session {
         pilot,
         configuration: &configuration,
@@ -174,32 +178,57 @@ fn tracking_camera(
 /// Where events for TAK go, where they are asked for.
 ///
 /// # Errors
-/// If the host is not known.
+/// If the host is not known, or a file of TLS is not usable.
 fn tak(configuration: &Configuration) -> Result<Option<TakSetup>> {
     let Some(address) = &configuration.tak.address else { return Ok(None) };
     Ok(Some(TakSetup {
-        to: address.resolve().context("--tak, or tak.address")?,
+        route: tak_route(address, &configuration.tak).context("--tak, or tak.address")?,
         address: address.clone(),
         callsign: configuration.tak.callsign.clone(),
         vehicle: configuration.profile.name.clone(),
     }))
 }
 
-/// The socket of the annotated video, where it is asked for. Readers know the watch token: the console's, or
-/// without a console that of the file of tokens, where one is named.
+/// The socket of the annotated video, where it is asked for.
 ///
 /// # Errors
 /// If the tokens cannot be read, or the address cannot be served.
 fn share(configuration: &Configuration, console: Option<&ConsoleSettings>) -> Result<Option<ShareSetup>> {
     let Some(address) = &configuration.share else { return Ok(None) };
-    let kept = &configuration.console.tokens;
-    let tokens = match console {
+    let setup = ShareSetup::open(address.clone(), tokens(&configuration.console, console)?);
+    setup.context("--share, or share.address").map(Some)
+}
+
+/// Where Foxglove reads, where that is asked for: off loopback through a door with the encryption of the console.
+///
+/// # Errors
+/// If there are no tokens for other devices, or the address cannot be served.
+fn foxglove(
+    args: &RunArgs,
+    config: &ConsoleConfig,
+    console: Option<&ConsoleSettings>,
+    clock: Clock,
+) -> Result<Option<FoxgloveEntrance>> {
+    let Some(address) = args.foxglove else { return Ok(None) };
+    let at = ConsoleAddress { listen: Some(address), ..args.console.address(config.address.clone()) };
+    if address.ip().is_loopback() && at.encryption != Encryption::Always {
+        return Ok(Some(FoxgloveEntrance::Loopback(address)));
+    }
+    let door = TokenDoor::open(at, tokens(config, console)?, clock);
+    door.with_context(|| format!("--foxglove {address}")).map(|door| Some(FoxgloveEntrance::Door(door)))
+}
+
+/// The tokens that other devices show: the console's, or without a console those of the file, where one is named.
+///
+/// # Errors
+/// If they cannot be read.
+fn tokens(config: &ConsoleConfig, console: Option<&ConsoleSettings>) -> Result<TokensInForce> {
+    let kept = &config.tokens;
+    Ok(match console {
         Some(console) => console.tokens.clone(),
         None if kept.file.is_some() => TokensInForce::new(Some(kept.take()?)),
         None => TokensInForce::default(),
-    };
-    let setup = ShareSetup::open(address.clone(), tokens);
-    setup.context("--share, or share.address").map(Some)
+    })
 }
 
 /// Opens the console's socket. A live run always asks for a token: any program of this machine could reach the socket.
@@ -214,14 +243,18 @@ fn open_console(args: &RunArgs, config: &ConsoleConfig) -> Result<ConsoleSetting
 }
 
 /// Opens the output files that the arguments name.
-fn open_outputs(args: &RunArgs, recording: &RecordingConfig) -> Result<Outputs> {
+fn open_outputs(
+    args: &RunArgs,
+    recording: &RecordingConfig,
+    foxglove: Option<FoxgloveEntrance>,
+) -> Result<Outputs> {
     let open =
         |path: &Option<PathBuf>| path.as_deref().map(|path| OutputFile::open(path, args.force)).transpose();
     let makes_recording = recording.enabled && !args.no_record;
     if args.foxglove.is_some() && args.record.is_none() && !makes_recording {
         bail!("--foxglove shows what is recorded: give --record FILE.mcap, or set recording.enabled");
     }
-    let live = args.foxglove.map(foxglove_server::serve).transpose()?;
+    let live = foxglove.map(FoxgloveEntrance::serve).transpose()?;
     let mut outputs = Outputs {
         record: open(&args.record)?,
         overlay: open(&args.overlay)?,

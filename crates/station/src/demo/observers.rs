@@ -12,6 +12,8 @@ use barrelman_trial::campaign::StepObserver;
 use barrelman_trial::target_in_picture::TargetInPicture;
 use barrelman_vocab::{EncodedUnit, LawId, Timestamp, VehicleRates};
 
+use crate::share::ShareInput;
+
 /// The step observers of a drive.
 #[derive(Default)]
 pub(super) struct DriveObservers<'a> {
@@ -21,6 +23,8 @@ pub(super) struct DriveObservers<'a> {
     pub(super) recorder: Option<TrialRecorder>,
     /// What the console shows; `None`: there is no console.
     pub(super) console: Option<ConsoleObserver<'a>>,
+    /// The annotated video for other programs.
+    pub(super) share: Option<ShareInput>,
     /// Whether the target is in the newest picture.
     pub(super) is_in_picture: Option<bool>,
     /// What the person has to see before the first selection, and what became of a selection.
@@ -45,6 +49,9 @@ impl StepObserver for DriveObservers<'_> {
             recorder.on_step(now, input, outcome, rates);
         }
         self.first_selection.on_step(input, outcome);
+        if let Some(share) = &self.share {
+            share.put(input, outcome, rates);
+        }
         if let Some(console) = &mut self.console {
             if let Input::Frame(frame) = input {
                 console.pictures.put(frame, outcome, rates);

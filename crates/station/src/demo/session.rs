@@ -30,6 +30,7 @@ use crate::live::event::{Event, report_panics, wake_by};
 use crate::live::faults::FaultInjector;
 use crate::live::recording_folder::library;
 use crate::live::terminal::Terminal;
+use crate::share::{ShareSetup, ShareThread};
 use barrelman_vocab::{Timestamp, VideoNumber, Videos};
 
 /// Capacity of the queue of events.
@@ -45,6 +46,8 @@ pub struct DriveSession {
     pub first_files: OpenFiles,
     /// The console.
     pub console: ConsoleSettings,
+    /// Where the annotated video is served; `None`: nowhere.
+    pub share: Option<ShareSetup>,
     /// How long the session lasts at most.
     pub max_duration: Option<Duration>,
     /// The program's clock.
@@ -66,13 +69,16 @@ impl DriveSession {
     /// # Errors
     /// If the world, a thread or the console cannot be started, or a file cannot be written.
     pub fn run(self) -> Result<SessionEnd> {
-        let Self { plan, files, first_files, console, max_duration, clock } = self;
+        let Self { plan, files, first_files, console, share, max_duration, clock } = self;
         let (setup, judge) = (plan.setup(&plan.first)?, plan.first.judge());
         let threads = RenderThreads::new()?;
         let (events, queue) = sync_channel(EVENTS);
         let gateway = Arc::new(Gateway::new(wake_by(events.clone())));
         let terminal =
             Terminal::watch(Arc::clone(&gateway), events.clone(), clock, FaultInjector::default())?;
+        let time = SessionTime::new(clock);
+        let start_share = |setup| ShareThread::start(setup, clock, time.clone(), events.clone());
+        let share = share.map(start_share).transpose()?;
         let recording = recording_state(&first_files);
         let publisher = Publisher::new(&setup.profile, LinkStatus::Simulated, recording);
         let mut drives = Drives {
@@ -81,8 +87,9 @@ impl DriveSession {
             gateway: &gateway,
             threads: &threads,
             clock,
-            time: SessionTime::new(clock),
+            time,
             outlet: VideoOutlet::default(),
+            share: share.as_ref(),
             publisher,
         };
         let parts = ConsoleParts {
@@ -121,6 +128,7 @@ struct Drives<'a> {
     clock: Clock,
     time: SessionTime,
     outlet: VideoOutlet,
+    share: Option<&'a ShareThread>,
     publisher: Publisher,
 }
 
@@ -153,6 +161,7 @@ impl Drives<'_> {
                 observers: DriveObservers {
                     recorder: recording::begin(open.record, &setup)?,
                     console: Some(console),
+                    share: self.share.map(ShareThread::input),
                     ..DriveObservers::default()
                 },
                 store: open.store.map(|file| DriveWriter::begin(file, &setup)).transpose()?,

@@ -280,7 +280,8 @@ impl PartOpener<'_> {
     }
 
     fn start_share(&self, setup: ShareSetup) -> Result<ShareThread> {
-        ShareThread::start(setup, self.clock, self.events.clone()).context("--share")
+        let time = SessionTime::new(self.clock);
+        ShareThread::start(setup, self.clock, time, self.events.clone()).context("--share")
     }
 }
 

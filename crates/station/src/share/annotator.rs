@@ -24,6 +24,7 @@ pub(super) struct Annotator {
     /// Whether a reader waits for a key frame.
     needs_key: bool,
     last_key: Option<Timestamp>,
+    last: Timestamp,
 }
 
 impl Annotator {
@@ -34,6 +35,7 @@ impl Annotator {
             encoder: None,
             needs_key: false,
             last_key: None,
+            last: Timestamp::ZERO,
         }
     }
 
@@ -42,7 +44,8 @@ impl Annotator {
         self.needs_key |= demand == Demand::KeyFrame;
     }
 
-    /// Draws and encodes a frame.
+    /// Draws and encodes a frame. Where the time begins anew, as in a new drive, the video begins with a key
+    /// frame.
     ///
     /// # Errors
     /// A size that H.264 does not allow.
@@ -62,9 +65,10 @@ impl Annotator {
         };
         let size = picture.size();
         let new = || (size, H264Encoder::new(EncoderSettings::for_pictures(size, NOMINAL_FPS)));
-        let kept = self.encoder.take().filter(|(before, _)| *before == size);
+        let begins_anew = at < std::mem::replace(&mut self.last, at);
+        let kept = self.encoder.take().filter(|(before, _)| *before == size && !begins_anew);
         let (_, encoder) = self.encoder.insert(kept.unwrap_or_else(new));
-        let is_due = self.last_key.is_none_or(|last| at.since(last) >= MIN_KEY_INTERVAL);
+        let is_due = self.last_key.is_none_or(|last| at < last || at.since(last) >= MIN_KEY_INTERVAL);
         let encoded = if self.needs_key && is_due {
             encoder.encode_key_frame(picture, at)?
         } else {
@@ -112,5 +116,8 @@ mod tests {
             keys.extend(annotator.encode(&shown(ms, SMALL), None).unwrap().key.then_some(ms));
         }
         assert_eq!(keys, [0, 200, 400]);
+        // The first frames of another drive.
+        assert!(annotator.encode(&shown(40, SMALL), None).unwrap().key);
+        assert!(!annotator.encode(&shown(80, SMALL), None).unwrap().key);
     }
 }

@@ -15,4 +15,5 @@ mod thread;
 
 pub use address::ShareAddress;
 pub use setup::{ShareSetup, listen};
+pub use slot::ShareInput;
 pub use thread::ShareThread;

@@ -29,14 +29,13 @@ impl ShareSetup {
     /// If there is no password off loopback, if the socket cannot be opened, or if `barrelman-media` is
     /// missing.
     pub fn open(address: ShareAddress, tokens: TokensInForce) -> Result<Self> {
-        if tokens.get().is_none() && !address.is_loopback() {
+        if !tokens.are_asked_for() && !address.is_loopback() {
             bail!(
                 "{address}: other devices read the video with the console's watch token, and there is none: leave out \
-                 --headless, name a file of tokens (console.token_file), or share at 127.0.0.1"
+                 --headless, name a file of tokens (--console-token-file, console.token_file), or share at 127.0.0.1"
             );
         }
-        let program = media_program()?;
-        let listener = listen(&address)?;
+        let (listener, program) = listen(&address)?;
         let socket = ShareSocket::new(listener, address.path.clone());
         Ok(Self { socket, address, program, tokens })
     }
@@ -45,25 +44,26 @@ impl ShareSetup {
     pub(super) fn password(&self) -> Option<String> {
         self.tokens.get().map(|tokens| tokens.watch)
     }
+
+    /// Whether this is the password in force.
+    pub(super) fn is_password(&self, password: Option<&str>) -> bool {
+        self.tokens.is_watch(password)
+    }
 }
 
-/// The program that serves.
-fn media_program() -> Result<MediaProgram> {
-    let build = MediaProgram::BUILD_COMMANDS;
-    MediaProgram::installed().with_context(|| {
+/// Opens the socket, and finds the program that serves it.
+///
+/// # Errors
+/// If `barrelman-media` is missing, or the address is not this machine's, or is in use.
+pub fn listen(address: &ShareAddress) -> Result<(TcpListener, MediaProgram)> {
+    let program = MediaProgram::installed().with_context(|| {
+        let build = MediaProgram::BUILD_COMMANDS;
         format!(
             "the video is shared by barrelman-media, which is not installed: install its package, or {build}"
         )
-    })
-}
-
-/// Opens the socket, and says what keeps it from being opened.
-///
-/// # Errors
-/// If the address is not this machine's, or is in use, or `barrelman-media` is missing.
-pub fn listen(address: &ShareAddress) -> Result<TcpListener> {
-    media_program()?;
-    TcpListener::bind(address.listen).with_context(|| {
+    })?;
+    let listener = TcpListener::bind(address.listen).with_context(|| {
         format!("{address} cannot be listened on: give an address of this machine, and a port that no other program uses")
-    })
+    })?;
+    Ok((listener, program))
 }

@@ -34,12 +34,18 @@ impl ShareSlot {
 #[derive(Debug)]
 pub struct ShareInput(pub(super) Arc<ShareSlot>);
 
+impl ShareInput {
+    /// Passes the frame of a step on, if it has one.
+    pub fn put(&self, input: &Input<'_>, outcome: &Outcome, rates: VehicleRates) {
+        let Input::Frame(frame) = *input else { return };
+        if self.0.is_wanted.load(Ordering::Relaxed) {
+            self.0.frames.put(Box::new(Shown { frame: frame.clone(), outcome: outcome.clone(), rates }));
+        }
+    }
+}
+
 impl LiveStepObserver for ShareInput {
     fn on_step(&mut self, step: &LiveStep<'_>) {
-        let Input::Frame(frame) = step.input else { return };
-        if self.0.is_wanted.load(Ordering::Relaxed) {
-            let (frame, outcome) = (frame.clone(), step.outcome.clone());
-            self.0.frames.put(Box::new(Shown { frame, outcome, rates: step.rates }));
-        }
+        self.put(&step.input, step.outcome, step.rates);
     }
 }

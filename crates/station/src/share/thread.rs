@@ -32,11 +32,16 @@ pub struct ShareThread {
 }
 
 impl ShareThread {
-    /// Starts the thread.
+    /// Starts the thread. `time`: that of the frames.
     ///
     /// # Errors
     /// If the system has no more threads.
-    pub fn start(setup: ShareSetup, clock: Clock, events: SyncSender<Event>) -> io::Result<Self> {
+    pub fn start(
+        setup: ShareSetup,
+        clock: Clock,
+        time: SessionTime,
+        events: SyncSender<Event>,
+    ) -> io::Result<Self> {
         let login = match setup.password().is_some() {
             true => format!("user {SHARE_USER}, password: the console's watch token"),
             false => "no password".to_owned(),
@@ -46,7 +51,7 @@ impl ShareThread {
             setup.address
         );
         let slot = Arc::new(ShareSlot::default());
-        let work = Work { setup, slot: Arc::clone(&slot), clock, time: SessionTime::new(clock) };
+        let work = Work { setup, slot: Arc::clone(&slot), clock, time };
         spawn("share", events, move || work.run())?;
         Ok(Self { slot })
     }
@@ -99,7 +104,7 @@ impl Work {
     fn serve(&self, mut share: Share, password: Option<String>) -> Result<(), String> {
         let (mut annotator, mut demand) = (Annotator::new(), Demand::Nothing);
         let mut is_failure_told = false;
-        while !self.slot.frames.is_closed() && self.setup.password() == password {
+        while !self.slot.frames.is_closed() && self.setup.is_password(password.as_deref()) {
             let mut wait = if demand == Demand::Nothing { IDLE_WAIT } else { Duration::ZERO };
             while let Some(next) = share.next_demand(wait)? {
                 (demand, wait) = (next, Duration::ZERO);

@@ -1,4 +1,4 @@
-//! Where events of Cursor on Target go: `udp://host:port` or `tcp://host:port`.
+//! Where events of Cursor on Target go: `udp://host:port`, `tcp://host:port` or `tls://host:port`.
 
 use std::fmt;
 use std::net::{SocketAddr, ToSocketAddrs as _};
@@ -7,8 +7,7 @@ use anyhow::{Context as _, Result, bail};
 use barrelman_host::redaction::without_logins;
 
 /// What every error about an address ends with.
-const FORMS: &str =
-    "use udp://HOST:PORT (a display, or a group as udp://239.2.3.1:6969) or tcp://HOST:PORT (a server)";
+const FORMS: &str = "use udp://HOST:PORT (a display, or a group as udp://239.2.3.1:6969), tcp://HOST:PORT or tls://HOST:PORT (a server)";
 
 /// How events are carried.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -17,6 +16,8 @@ pub enum Transport {
     Udp,
     /// A connection.
     Tcp,
+    /// An encrypted connection.
+    Tls,
 }
 
 /// An address of TAK.
@@ -43,7 +44,8 @@ impl TakAddress {
         let transport = match scheme {
             "udp" => Transport::Udp,
             "tcp" => Transport::Tcp,
-            "ssl" | "tls" => bail!("{shown:?}: connections with TLS are not supported; {FORMS}"),
+            "tls" => Transport::Tls,
+            "ssl" => bail!("{shown:?}: write tls:// in place of ssl://; {FORMS}"),
             _ => bail!("{shown:?} is no address of TAK: {FORMS}"),
         };
         let split = rest.rsplit_once(':').and_then(|(host, port)| Some((host_of(host)?, port)));
@@ -52,6 +54,11 @@ impl TakAddress {
             Ok(port) if port > 0 => Ok(Self { transport, host: host.to_owned(), port }),
             _ => bail!("{shown:?}: the port is a number from 1 to 65535; {FORMS}"),
         }
+    }
+
+    /// A name or an IP address, without brackets.
+    pub fn host(&self) -> &str {
+        &self.host
     }
 
     /// Looks the host up. May wait for a name server.
@@ -82,6 +89,7 @@ impl fmt::Display for TakAddress {
         let scheme = match transport {
             Transport::Udp => "udp",
             Transport::Tcp => "tcp",
+            Transport::Tls => "tls",
         };
         if host.contains(':') {
             write!(f, "{scheme}://[{host}]:{port}")
@@ -97,7 +105,9 @@ mod tests {
 
     #[test]
     fn addresses_are_read_and_shown_as_they_were_given() {
-        for text in ["udp://239.2.3.1:6969", "tcp://tak.example:8087", "udp://[::1]:4242"] {
+        for text in
+            ["udp://239.2.3.1:6969", "tcp://tak.example:8087", "tls://tak.example:8089", "udp://[::1]:4242"]
+        {
             assert_eq!(TakAddress::parse(text).unwrap().to_string(), text);
         }
         let resolved = TakAddress::parse("udp://[::1]:4242").unwrap().resolve().unwrap();
@@ -109,7 +119,7 @@ mod tests {
         for (text, part) in [
             ("239.2.3.1:6969", "no address of TAK"),
             ("http://tak.example:8080", "no address of TAK"),
-            ("ssl://tak.example:8089", "TLS are not supported"),
+            ("ssl://tak.example:8089", "write tls://"),
             ("udp://239.2.3.1", "no host and port"),
             ("udp://:6969", "no host and port"),
             ("udp://::1:6969", "no host and port"),

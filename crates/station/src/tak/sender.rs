@@ -1,22 +1,17 @@
 //! Events on their way: datagrams, or a connection that is made again.
 
-use std::io::{self, ErrorKind, Read as _, Write as _};
-use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, SocketAddr, TcpStream, UdpSocket};
+use std::io;
+use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, SocketAddr, UdpSocket};
 use std::time::Duration;
 
 use barrelman_vocab::Timestamp;
 
-use super::address::Transport;
+use super::line::{Encryption, Line};
+use super::route::TakRoute;
 use super::send_log::Sent;
 
-/// How long a connection may take to be made.
-const CONNECT_TIMEOUT: Duration = Duration::from_secs(2);
-/// A server that takes nothing for this long is given up.
-const WRITE_TIMEOUT: Duration = Duration::from_secs(1);
 /// Pauses between attempts to connect: the first, which doubles up to the last.
 const PAUSES: (Duration, Duration) = (Duration::from_secs(1), Duration::from_secs(30));
-/// Most bytes that are read and dropped at a time: a server sends the events of all others.
-const MOST_READ: usize = 1 << 20;
 
 /// Where events go.
 #[derive(Debug)]
@@ -30,10 +25,12 @@ impl Sender {
     ///
     /// # Errors
     /// If the system gives no socket.
-    pub(super) fn open(transport: Transport, to: SocketAddr) -> io::Result<Self> {
-        Ok(match transport {
-            Transport::Udp => Self::Udp { socket: datagram_socket(to)?, to },
-            Transport::Tcp => Self::Tcp(Connection { to, stream: None, pause: PAUSES.0, retry: None }),
+    pub(super) fn open(route: TakRoute) -> io::Result<Self> {
+        Ok(match route {
+            TakRoute::Udp(to) => Self::Udp { socket: datagram_socket(to)?, to },
+            TakRoute::Tcp(to, encryption) => {
+                Self::Tcp(Connection { to, encryption, line: None, pause: PAUSES.0, retry: None })
+            }
         })
     }
 
@@ -65,7 +62,8 @@ fn datagram_socket(to: SocketAddr) -> io::Result<UdpSocket> {
 #[derive(Debug)]
 pub(super) struct Connection {
     to: SocketAddr,
-    stream: Option<TcpStream>,
+    encryption: Option<Encryption>,
+    line: Option<Line>,
     pause: Duration,
     /// When the next attempt is due, and why the last one failed.
     retry: Option<(Timestamp, String)>,
@@ -83,7 +81,7 @@ impl Connection {
                 Sent { lost: 0, failure: None }
             }
             Err(error) => {
-                self.stream = None;
+                self.line = None;
                 self.retry = Some((now.plus(self.pause), error.to_string()));
                 self.pause = (self.pause * 2).min(PAUSES.1);
                 // Some of them may have arrived.
@@ -93,57 +91,33 @@ impl Connection {
     }
 
     fn try_send(&mut self, events: &[Vec<u8>]) -> io::Result<()> {
-        let stream = match self.stream.take() {
-            Some(stream) => stream,
-            None => connected(self.to)?,
+        let mut line = match self.line.take() {
+            Some(line) => line,
+            None => Line::connect(self.to, self.encryption.as_ref())?,
         };
-        drop_received(&stream)?;
-        (&stream).write_all(&events.concat())?;
-        self.stream = Some(stream);
+        line.drop_received()?;
+        line.send(&events.concat())?;
+        self.line = Some(line);
         Ok(())
     }
 }
 
-fn connected(to: SocketAddr) -> io::Result<TcpStream> {
-    let stream = TcpStream::connect_timeout(&to, CONNECT_TIMEOUT)?;
-    stream.set_write_timeout(Some(WRITE_TIMEOUT))?;
-    stream.set_nodelay(true)?;
-    Ok(stream)
-}
-
-/// Reads what the server sent, so that it need not wait.
-///
-/// # Errors
-/// If the server has closed the connection.
-fn drop_received(mut stream: &TcpStream) -> io::Result<()> {
-    stream.set_nonblocking(true)?;
-    let mut buffer = [0; 16_384];
-    let mut read = 0;
-    while read < MOST_READ {
-        match stream.read(&mut buffer) {
-            Ok(0) => {
-                return Err(io::Error::new(ErrorKind::ConnectionAborted, "the server closed the connection"));
-            }
-            Ok(bytes) => read += bytes,
-            Err(error) if error.kind() == ErrorKind::WouldBlock => break,
-            Err(error) => return Err(error),
-        }
-    }
-    stream.set_nonblocking(false)
-}
-
-/// Whether events can be sent to an address: the own address from which they would go. A datagram is not sent.
+/// Whether events can be sent on a route: the own address from which they would go. A datagram is not sent.
 ///
 /// # Errors
 /// If there is no way there, or nobody takes the connection.
-pub fn probe(transport: Transport, to: SocketAddr) -> io::Result<IpAddr> {
-    let own = match transport {
-        Transport::Udp => {
-            let socket = datagram_socket(to)?;
+pub fn probe(route: &TakRoute) -> io::Result<IpAddr> {
+    let own = match route {
+        TakRoute::Udp(to) => {
+            let socket = datagram_socket(*to)?;
             socket.connect(to)?;
             socket.local_addr()?
         }
-        Transport::Tcp => connected(to)?.local_addr()?,
+        TakRoute::Tcp(to, encryption) => {
+            let mut line = Line::connect(*to, encryption.as_ref())?;
+            line.wait_for_refusal()?;
+            line.socket().local_addr()?
+        }
     };
     Ok(own.ip())
 }

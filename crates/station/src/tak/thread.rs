@@ -38,7 +38,7 @@ impl TakThread {
         clock: Clock,
         events: SyncSender<Event>,
     ) -> io::Result<Self> {
-        let sender = Sender::open(setup.address.transport, setup.to)?;
+        let sender = Sender::open(setup.route.clone())?;
         let origin =
             Origin { run: run_name()?, callsign: setup.callsign.clone(), vehicle: setup.vehicle.clone() };
         let (runs, ended) = sync_channel(0);

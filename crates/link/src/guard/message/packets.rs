@@ -114,8 +114,8 @@ impl FromGuard {
         let mut out = Vec::new();
         match self {
             Self::Opened => out.push(1),
-            Self::NotOpened(reason) => {
-                out.push(2);
+            Self::NotOpened { may_pass, reason } => {
+                out.extend_from_slice(&[2, u8::from(*may_pass)]);
                 put_text(&mut out, reason);
             }
             Self::State(state, at) => {
@@ -163,7 +163,7 @@ impl FromGuard {
         let mut fields = Fields(packet);
         let message = match fields.byte()? {
             1 => Self::Opened,
-            2 => Self::NotOpened(fields.text()?),
+            2 => Self::NotOpened { may_pass: fields.flag()?, reason: fields.text()? },
             3 => {
                 let state =
                     STATES.get(usize::from(fields.byte()?)).copied().ok_or(MessageError::Malformed)?;

@@ -69,7 +69,7 @@ fn every_message_is_read_as_it_was_written() {
     let states = STATES.map(|state| FromGuard::State(state, at));
     let others = [
         FromGuard::Opened,
-        FromGuard::NotOpened("no such port".to_owned()),
+        FromGuard::NotOpened { may_pass: true, reason: "no such port".to_owned() },
         FromGuard::Received(at, b"!GSStatus 10".to_vec()),
         FromGuard::Lost { may_be_turning: true, reason: "unplugged".to_owned() },
         FromGuard::Control { is_anothers: true },
@@ -106,7 +106,7 @@ fn what_is_no_message_is_refused() {
 
 #[test]
 fn a_text_that_is_too_long_is_cut_between_characters() {
-    let long = FromGuard::NotOpened("ü".repeat(MAX_MESSAGE_BYTES)).encode();
+    let long = FromGuard::NotOpened { may_pass: false, reason: "ü".repeat(MAX_MESSAGE_BYTES) }.encode();
     assert!(long.len() <= MAX_MESSAGE_BYTES);
-    assert!(matches!(FromGuard::decode(&long), Ok(FromGuard::NotOpened(_))));
+    assert!(matches!(FromGuard::decode(&long), Ok(FromGuard::NotOpened { .. })));
 }

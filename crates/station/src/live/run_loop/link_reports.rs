@@ -19,6 +19,11 @@ impl RunLoop<'_> {
                 }
                 self.step(state, Input::Telemetry(telemetry));
             }
+            LinkReport::NotReached(reason) => {
+                tracing::warn!(
+                    "the vehicle is not reached ({reason}); trying on. Nothing engages until it is there"
+                );
+            }
             LinkReport::Lost { reason, may_be_turning: false } => {
                 tracing::warn!("the link was lost ({reason}); reopening it");
             }
@@ -54,6 +59,9 @@ impl RunLoop<'_> {
                 if let Some((text, _)) = said.filter(|_| said != before) {
                     tracing::info!("the boat says: {text}");
                 }
+            }
+            LinkReport::NotReached(reason) => {
+                tracing::warn!("the boat is not reached ({reason}); trying on");
             }
             // A port that is refused repeatedly is reported once.
             LinkReport::Lost { reason, .. } => {

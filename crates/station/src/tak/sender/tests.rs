@@ -1,3 +1,4 @@
+use std::io::{Read as _, Write as _};
 use std::net::TcpListener;
 
 use super::*;
@@ -16,7 +17,7 @@ const ALL_SENT: Sent = Sent { lost: 0, failure: None };
 fn each_event_is_a_datagram() {
     let receiver = UdpSocket::bind("127.0.0.1:0").unwrap();
     receiver.set_read_timeout(Some(Duration::from_secs(10))).unwrap();
-    let mut sender = Sender::open(Transport::Udp, receiver.local_addr().unwrap()).unwrap();
+    let mut sender = Sender::open(TakRoute::Udp(receiver.local_addr().unwrap())).unwrap();
     assert_eq!(sender.send(&events(), at(0)), ALL_SENT);
     for expected in events() {
         let mut buffer = [0; 64];
@@ -28,7 +29,7 @@ fn each_event_is_a_datagram() {
 #[test]
 fn a_datagram_that_nobody_receives_is_no_failure() {
     let nobody = UdpSocket::bind("127.0.0.1:0").unwrap().local_addr().unwrap();
-    let mut sender = Sender::open(Transport::Udp, nobody).unwrap();
+    let mut sender = Sender::open(TakRoute::Udp(nobody)).unwrap();
     for s in 0..3 {
         assert_eq!(sender.send(&events(), at(s)), ALL_SENT);
     }
@@ -50,7 +51,7 @@ fn is_failed(sent: &Sent) -> bool {
 #[test]
 fn a_connection_that_is_lost_is_made_again() {
     let server = TcpListener::bind("127.0.0.1:0").unwrap();
-    let mut sender = Sender::open(Transport::Tcp, server.local_addr().unwrap()).unwrap();
+    let mut sender = Sender::open(TakRoute::Tcp(server.local_addr().unwrap(), None)).unwrap();
     assert_eq!(sender.send(&events(), at(0)), ALL_SENT);
     let (mut accepted, _) = server.accept().unwrap();
     accepted.write_all(b"<event>of somebody else</event>").unwrap();
@@ -69,8 +70,13 @@ fn a_connection_that_is_lost_is_made_again() {
 
 #[test]
 fn the_pauses_between_attempts_grow() {
-    let mut connection =
-        Connection { to: REFUSED.parse().unwrap(), stream: None, pause: PAUSES.0, retry: None };
+    let mut connection = Connection {
+        to: REFUSED.parse().unwrap(),
+        encryption: None,
+        line: None,
+        pause: PAUSES.0,
+        retry: None,
+    };
     for (tried_at, next) in [(0, 1), (1, 3), (3, 7), (7, 15), (15, 31), (31, 61), (61, 91)] {
         assert!(is_failed(&connection.send(&events(), at(tried_at))));
         assert_eq!(connection.retry.as_ref().map(|(due, _)| *due), Some(at(next)));
@@ -82,7 +88,7 @@ fn a_probe_says_from_where_events_would_go() {
     let server = TcpListener::bind("127.0.0.1:0").unwrap();
     let address = server.local_addr().unwrap();
     let loopback: IpAddr = "127.0.0.1".parse().unwrap();
-    assert_eq!(probe(Transport::Tcp, address).unwrap(), loopback);
-    assert_eq!(probe(Transport::Udp, address).unwrap(), loopback);
-    assert!(probe(Transport::Tcp, REFUSED.parse().unwrap()).is_err());
+    assert_eq!(probe(&TakRoute::Tcp(address, None)).unwrap(), loopback);
+    assert_eq!(probe(&TakRoute::Udp(address)).unwrap(), loopback);
+    assert!(probe(&TakRoute::Tcp(REFUSED.parse().unwrap(), None)).is_err());
 }
