@@ -138,13 +138,13 @@ export function drawProposal(pen, view, [u, v, w, h], unit) {
   drawText(pen, words.proposed, [x, y], unit);
 }
 
-/** An object that may be the wanted one, with its number. */
-function drawCandidate(pen, view, { box: [u, v, w, h], number }, unit) {
+/** An object that may be the wanted one, with its number, and with what a detector says it is. */
+function drawCandidate(pen, view, { box: [u, v, w, h], number, class: name, score }, unit) {
   const [x, y] = view.toCanvas([u, v]);
   pen.beginPath();
   pen.rect(x, y, w * view.scale, h * view.scale);
   stroke(pen, LINE, 1.5 * unit, [2 * unit, 4 * unit]);
-  drawText(pen, String(number), [x, y], unit);
+  drawText(pen, name ? `${number}: ${name} ${score.toFixed(2)}` : String(number), [x, y], unit);
 }
 
 /** A text above a corner of a box. */

@@ -97,6 +97,8 @@ fn candidate_of(candidate: &Candidate) -> CandidateStatus {
         number: candidate.number,
         bounds: [u, v, w, h],
         captured_ns: candidate.captured.as_nanos(),
+        class: candidate.classification.map(|said| said.class.as_str().to_owned()),
+        score: candidate.classification.map(|said| said.score),
     }
 }
 

@@ -194,6 +194,10 @@ impl Pilot {
                 }
                 None
             }
+            Input::Detections(detections) => {
+                self.candidates.on_detections(detections);
+                None
+            }
             Input::Tick => None,
         };
         let Some(mut observation) = observation else {

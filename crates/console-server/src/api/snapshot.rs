@@ -116,8 +116,8 @@ pub struct ProposalStatus {
     pub captured_ns: u64,
 }
 
-/// An object that may be the wanted one: whatever stands out from the water.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
+/// An object that may be the wanted one: whatever stands out from the water, or a detector finds.
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct CandidateStatus {
     /// The number by which it is taken, from 1.
     pub number: u32,
@@ -126,6 +126,10 @@ pub struct CandidateStatus {
     pub bounds: [f64; 4],
     /// Time of capture of the video frame that the box belongs to.
     pub captured_ns: u64,
+    /// What a detector says the object is; null: nothing.
+    pub class: Option<String>,
+    /// The detector's score, 0 to 1.
+    pub score: Option<f64>,
 }
 
 /// The region in which the camera rests.

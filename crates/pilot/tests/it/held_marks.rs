@@ -54,7 +54,7 @@ pub(crate) struct Scene {
     pub(crate) ms: u64,
     sequence: u64,
     /// Allocations of the steps with frames so far.
-    allocations: u64,
+    pub(crate) allocations: u64,
 }
 
 impl Scene {

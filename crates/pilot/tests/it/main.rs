@@ -7,6 +7,7 @@ mod boats_answer;
 mod boundary;
 mod by_hand;
 mod candidates;
+mod detections;
 mod frames;
 mod held_marks;
 mod licences;
