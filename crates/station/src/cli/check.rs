@@ -1,5 +1,7 @@
 //! The arguments of `check`.
 
+use std::path::PathBuf;
+
 use clap::Args;
 
 use super::connection_options::ConnectionOptions;
@@ -26,6 +28,9 @@ pub struct CheckArgs {
     /// Check where the annotated video is served: rtsp://IP:PORT/PATH.
     #[arg(long, value_name = "URL")]
     pub share: Option<String>,
+    /// Check this model of a detector, and detector.toml beside it.
+    #[arg(long, value_name = "FILE")]
+    pub detector: Option<PathBuf>,
     /// Print JSON.
     #[arg(long)]
     pub json: bool,

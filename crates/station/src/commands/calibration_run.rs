@@ -78,6 +78,7 @@ pub fn calibrate(
         tracking_camera: None,
         tak: None,
         share: None,
+        detector: None,
         engage: false,
         calibration: Some(calibration.clone()),
         fault_injector: FaultInjector::default(),
