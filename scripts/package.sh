@@ -20,7 +20,8 @@ scripts/setup.sh media
 cargo build --release --locked -p barrelman --bins -p barrelman-media -p barrelman-ros2 -p barrelman-manuals
 rm -rf "$parts"
 mkdir -p "$parts/ros2" "$folder"
-cargo run -q --release --locked -p barrelman-manuals -- "$parts/manuals"
+# Not by `cargo run`, which would compile the libraries once more, with the features that this program needs.
+"${CARGO_TARGET_DIR:-target}/release/barrelman-manuals" "$parts/manuals"
 cargo run -q --locked -p xtask -- licences barrelman barrelman-media > "$parts/licences-of-libraries.txt"
 cargo run -q --locked -p xtask -- licences barrelman-ros2 > "$parts/ros2/licences-of-libraries.txt"
 

@@ -3,14 +3,18 @@
 Needs Python's own library alone. Each check prints its name; the last line is "all checks passed".
 """
 
+import gzip
+import hashlib
 import json
 import os
 import pathlib
 import re
 import signal
+import ssl
 import subprocess
 import sys
 import time
+import urllib.error
 import urllib.request
 from collections.abc import Callable
 from typing import Any
@@ -19,7 +23,10 @@ CONFIGURATION = pathlib.Path("/etc/barrelman/barrelman.toml")
 STATE = pathlib.Path("/var/lib/barrelman")
 DROP_IN = pathlib.Path("/run/systemd/system/barrelman.service.d/test.conf")
 LOG = pathlib.Path("/acceptance/fotokite.jsonl")
+AUTHORITY = pathlib.Path("/acceptance/authority.pem")
+SHARE = pathlib.Path("/usr/share")
 UPGRADES = sorted(pathlib.Path("/acceptance/upgrade").glob("*.deb"))
+PACKAGES = ("barrelman", "barrelman-media", "barrelman-ros2")
 LINK = "127.0.0.1:5760"
 # Longer than the start of the program on a loaded machine.
 PATIENCE_S = 60.0
@@ -68,16 +75,30 @@ def processes_of(name: str) -> list[int]:
 
 def links() -> dict[str, str]:
     lines = must("barrelman", "links").splitlines()
-    return dict(line.split(": ", 1) for line in lines if ": http://" in line)
+    return dict(line.split(": ", 1) for line in lines if re.search(r": https?://\S+#token=", line))
 
 
-def ask(path: str, body: dict[str, Any] | None = None) -> Any:
-    page, token = links()["control"].split("#token=")
-    headers = {"Authorization": f"Bearer {token}", "Content-Type": "application/json"}
+def tokens(of: dict[str, str]) -> list[str]:
+    return [link.split("#token=")[1] for link in of.values()]
+
+
+def ask(path: str, body: dict[str, Any] | None = None, token: str | None = None) -> Any:
+    """The console's answer to the control token, or to another; over HTTPS its authority alone is trusted."""
+    page, own = links()["control"].split("#token=")
+    headers = {"Authorization": f"Bearer {token or own}", "Content-Type": "application/json"}
     data = None if body is None else json.dumps(body).encode()
     request = urllib.request.Request(f"{page}api/v1/{path}", data, headers)
-    with urllib.request.urlopen(request, timeout=10) as answer:
+    trusting = ssl.create_default_context(cafile=AUTHORITY) if page.startswith("https:") else None
+    with urllib.request.urlopen(request, timeout=10, context=trusting) as answer:
         return json.load(answer)
+
+
+def refused(asking: Callable[[], Any]) -> urllib.error.HTTPError:
+    try:
+        answer = asking()
+    except urllib.error.HTTPError as error:
+        return error
+    raise AssertionError(f"not refused: {answer}")
 
 
 def request(kind: str) -> None:
@@ -135,14 +156,79 @@ def it_runs_as_its_own_user_with_few_rights() -> None:
     must("systemd-analyze", "security", "--threshold=25", "barrelman.service")
 
 
+def assert_tokens_are_kept(of: dict[str, str]) -> None:
+    file = STATE / "console-tokens"
+    assert (file.stat().st_mode & 0o777, file.owner()) == (0o600, "barrelman")
+    assert file.read_text().split() == tokens(of)
+
+
 def recordings_and_tokens_are_its_own() -> None:
-    tokens = STATE / "console-tokens"
-    assert tokens.stat().st_mode & 0o777 == 0o600
-    assert tokens.read_text().split() == [link.split("=")[1] for link in links().values()]
+    assert_tokens_are_kept(links())
     assert list((STATE / "recordings").glob("run-*.mcap"))
-    refused = run("runuser", "-u", "nobody", "--", "barrelman", "links")
-    assert "sudo barrelman links" in refused, refused
-    assert links()["control"].split("=")[1] not in journal(), "the journal holds a token"
+    denied = run("runuser", "-u", "nobody", "--", "barrelman", "links")
+    assert "sudo barrelman links" in denied, denied
+    assert tokens(links())[0] not in journal(), "the journal holds a token"
+
+
+def renewed_links_replace_those_of_the_token_file() -> None:
+    old = links()
+    answer = ask("links", {})
+    new = links()
+    assert [answer["control"], answer["watch"]] == list(new.values()), answer
+    assert not set(tokens(old)) & set(tokens(new)), "both tokens are new"
+    assert_tokens_are_kept(new)
+    refusal = refused(lambda: ask("status", token=tokens(old)[0]))
+    assert refusal.code == 401, refusal
+    must("systemctl", "restart", "barrelman")
+    assert links() == new, "the new links stay"
+
+
+def on_all_addresses_it_speaks_https_with_an_authority_of_its_own() -> None:
+    text = CONFIGURATION.read_text()
+    CONFIGURATION.write_text(text.replace("127.0.0.1:8480", "0.0.0.0:8480"))
+    before = links()
+    must("systemctl", "restart", "barrelman")
+    assert all(link.startswith("https://") for link in links().values()), links()
+    assert tokens(links()) == tokens(before)
+    unverified = ssl.create_default_context()
+    unverified.check_hostname, unverified.verify_mode = False, ssl.CERT_NONE
+    page = links()["control"].split("#")[0]
+    with urllib.request.urlopen(f"{page}authority.pem", timeout=10, context=unverified) as answer:
+        AUTHORITY.write_bytes(answer.read())
+    assert fingerprint() == printed_fingerprint()
+    assert ask("access")["may_control"]
+    refusal = refused(lambda: urllib.request.urlopen("http://127.0.0.1:8480/healthz", timeout=10).read())
+    assert (refusal.code, b"use https://" in refusal.read()) == (400, True), refusal
+    key = STATE / "console-authority.json"
+    assert (key.stat().st_mode & 0o777, key.owner()) == (0o600, "barrelman")
+    must("systemctl", "restart", "barrelman")
+    assert fingerprint() == printed_fingerprint(), "the authority stays"
+
+
+def fingerprint() -> str:
+    return hashlib.sha256(ssl.PEM_cert_to_DER_cert(AUTHORITY.read_text())).hexdigest().upper()
+
+
+def printed_fingerprint() -> str:
+    found = re.search(r"certificate authority: ([0-9A-F:]+)$", must("barrelman", "links"), re.MULTILINE)
+    assert found
+    return found[1].replace(":", "")
+
+
+def the_node_of_ros_2_explains_itself() -> None:
+    needs = must("barrelman-ros2", "--help")
+    manual = gzip.decompress((SHARE / "man/man1/barrelman-ros2.1.gz").read_bytes()).decode()
+    for option in ("--console", "--token-file", "--ca", "--dds-address"):
+        assert option in needs, needs
+        assert option.replace("-", "\\-") in manual, manual
+    completions = SHARE / "bash-completion/completions/barrelman-ros2"
+    complete = f"""source {completions}; COMP_WORDS=(barrelman-ros2 --dds); COMP_CWORD=1
+        _barrelman__ros2 barrelman-ros2 --dds barrelman-ros2; echo "${{COMPREPLY[@]}}" """
+    assert must("bash", "-c", complete).split() == ["--dds-address"]
+    for part in ("zsh/vendor-completions/_barrelman-ros2", "fish/vendor_completions.d/barrelman-ros2.fish"):
+        assert "dds-address" in (SHARE / part).read_text(), part
+    plain = run("barrelman-ros2", "--console", "http://192.0.2.1:8480")
+    assert "https://" in plain, plain
 
 
 def it_keeps_the_machine_awake() -> None:
@@ -223,14 +309,19 @@ def a_stop_is_in_order() -> None:
 
 def removing_keeps_the_configuration_and_purging_the_recordings() -> None:
     must("systemctl", "start", "barrelman")
-    must("apt-get", "remove", "-y", "barrelman", "barrelman-media")
+    must("apt-get", "remove", "-y", *PACKAGES)
     wait_until(lambda: not processes_of("barrelman-guard"), "the guard ends")
     assert run("pgrep", "-f", "barrelman run").strip() == ""
     assert CONFIGURATION.exists()
     assert (STATE / "console-tokens").exists()
     must("apt-get", "purge", "-y", "barrelman", "barrelman-media")
+    for package in PACKAGES:
+        assert "install ok" not in run("dpkg-query", "-W", "-f", "${Status}", package), package
+        assert not pathlib.Path("/usr/bin", package).exists()
+        assert not list(SHARE.glob(f"*/*/{package}.*")), package
     assert not CONFIGURATION.parent.exists()
     assert not (STATE / "console-tokens").exists()
+    assert not (STATE / "console-authority.json").exists()
     assert list((STATE / "recordings").glob("run-*.mcap"))
     left = run("systemctl", "is-enabled", "barrelman").strip()
     assert left != "enabled", left
@@ -241,6 +332,9 @@ CHECKS = (
     with_a_video_it_is_ready_and_its_page_answers,
     it_runs_as_its_own_user_with_few_rights,
     recordings_and_tokens_are_its_own,
+    renewed_links_replace_those_of_the_token_file,
+    on_all_addresses_it_speaks_https_with_an_authority_of_its_own,
+    the_node_of_ros_2_explains_itself,
     it_keeps_the_machine_awake,
     the_guard_outlives_a_killed_program_and_stops_the_camera,
     a_run_loop_that_hangs_is_started_again,

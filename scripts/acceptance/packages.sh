@@ -55,7 +55,7 @@ try() {
   echo "== $release: a fresh system"
   [ -x "$root/usr/bin/apt-get" ] || debootstrap --variant=minbase \
     --include=ca-certificates,curl,dbus,libpam-systemd,polkitd,procps,python3,systemd,systemd-sysv,udev "$release" "$root" "$mirror" >/dev/null
-  chroot "$root" apt-get purge -y -qq barrelman barrelman-media barrelman-ros2 >/dev/null 2>&1 || true
+  chroot "$root" dpkg --purge barrelman-media barrelman-ros2 barrelman >/dev/null 2>&1 || true
   rm -rf "$root/acceptance" "$root/var/lib/barrelman"
   mkdir -p "$root/acceptance/upgrade"
   cp "${packages[@]}" scripts/acceptance/packaged_service.py "$root/acceptance/"

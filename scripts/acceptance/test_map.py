@@ -15,10 +15,10 @@ import pytest
 
 from client import WORLD, Program
 from conftest import Check
+from located_gimbal import HEADING_DEG, LATITUDE, LONGITUDE, LocatedGimbal
 from machine import wait_until
 from page import Page
 from process import run
-from test_tak import HEADING_DEG, LATITUDE, LONGITUDE, LocatedGimbal
 
 pytestmark = pytest.mark.apart
 

@@ -351,6 +351,30 @@ def test_a_killed_process_is_replaced(shared: Shared, check: Check) -> None:
     check("the boat is tracked", status["track"]["state"] == "tracking", status["track"])
 
 
+def described(url: str, password: str) -> int:
+    """The status of a reader's first request; 0 while nobody serves."""
+    try:
+        with RtspClient(url, password) as client:
+            return client.ask("DESCRIBE")[0]
+    except OSError:
+        return 0
+
+
+def test_new_links_change_the_password(barrelman: pathlib.Path, tmp_path: pathlib.Path, check: Check) -> None:
+    tokens = secret(tmp_path / "tokens", CONTROL_TOKEN, WATCH_TOKEN)
+    url = f"rtsp://127.0.0.1:{free_port()}/boat"
+    options = ["--no-record", "--video", WORLD, "--console-token-file", tokens, "--share", url]
+    with Program(barrelman, "run", *options) as program:
+        program.token = CONTROL_TOKEN
+        wait_until(lambda: described(url, WATCH_TOKEN) == 200, "a reader with the first password", pause=0.2)
+        links = json.loads(program.ask("POST", "/api/v1/links")[1])
+        password = links["watch"].partition("#token=")[2]
+        wait_until(lambda: described(url, password) == 200, "a reader with the new password", pause=0.2)
+        check("the old one is refused", described(url, WATCH_TOKEN) == 401)
+        told = program.errors.text()
+        check("that is no failure", "is started again" not in told, told[-400:])
+
+
 def test_the_process_ends_with_the_run_and_without_the_option_there_is_none(
     barrelman: pathlib.Path, check: Check
 ) -> None:

@@ -94,6 +94,7 @@ def test_live_stream_is_tracked(
     check("a replay decodes the same pictures", replayed.returncode == 0, replayed.stdout[-300:])
 
 
+@pytest.mark.alone
 @pytest.mark.parametrize("codec", ["h264", "h265"])
 def test_stream_that_is_announced_as_another_is_tracked(
     barrelman: pathlib.Path, tmp_path: pathlib.Path, codec: str

@@ -16,7 +16,16 @@ pub(super) type Route = (&'static str, MethodRouter<Arc<Console>>);
 
 /// What the token or the cookie of a request permits; an answer with 401 where it permits nothing.
 pub(super) fn may_enter(access: &Access, headers: &HeaderMap) -> Result<Role, Box<Response>> {
-    role_shown(access, headers).ok_or_else(refused)
+    pass_of(access, headers).map(|pass| pass.role)
+}
+
+/// The same of a request that needs the control; an answer with 403 to who may only watch.
+pub(super) fn may_control(access: &Access, headers: &HeaderMap) -> Result<Pass, Box<Response>> {
+    let pass = pass_of(access, headers)?;
+    if pass.role == Role::Control {
+        return Ok(pass);
+    }
+    Err(Box::new((StatusCode::FORBIDDEN, "this link is for watching\n").into_response()))
 }
 
 /// The token or the cookie of a request; an answer with 401 where it permits nothing.

@@ -10,7 +10,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::access::{Access, Pass};
-use super::links::{link_for_control, link_to_watch};
+use super::links::link_to_page;
 use super::links_file::{LinksFile, ServedConsole};
 use super::origin::Origin;
 use super::tokens::{KeptTokens, Tokens, age_of};
@@ -100,9 +100,10 @@ impl IssuedLinks {
     /// The links in force.
     pub(super) fn body(&self, access: &Access) -> LinksBody {
         let tokens = access.tokens();
+        let (control, watch) = tokens.map(|tokens| (tokens.control, tokens.watch)).unzip();
         LinksBody {
-            control: link_for_control(self.origin, tokens.as_ref()),
-            watch: link_to_watch(self.origin, tokens.as_ref()),
+            control: link_to_page(self.origin, control.as_deref()),
+            watch: link_to_page(self.origin, watch.as_deref()),
         }
     }
 

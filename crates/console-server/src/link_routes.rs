@@ -16,15 +16,14 @@ use axum::routing::{delete, get};
 use qrcode::QrCode;
 use qrcode::render::svg;
 
-use super::access::{Pass, Role};
-use super::admission::{Route, json, pass_of};
+use super::access::Pass;
+use super::admission::{Route, json, may_control};
 use super::issued_links::LinksBody;
 use super::seats::ClientId;
 use super::shared::Console;
 use crate::snapshot::Level;
 
 type Shared = State<Arc<Console>>;
-type Refusal = Box<Response>;
 
 /// The smallest side of a QR code, pixels.
 const SIDE: u32 = 240;
@@ -39,14 +38,14 @@ pub(super) fn routes() -> [Route; 3] {
 }
 
 async fn links(State(console): Shared, headers: HeaderMap) -> Response {
-    match may_control(&console, &headers) {
+    match may_control(&console.access, &headers) {
         Ok(_) => unkept(json(&console.links.body(&console.access))),
         Err(refusal) => *refusal,
     }
 }
 
 async fn code(State(console): Shared, Path(name): Path<String>, headers: HeaderMap) -> Response {
-    if let Err(refusal) = may_control(&console, &headers) {
+    if let Err(refusal) = may_control(&console.access, &headers) {
         return *refusal;
     }
     let LinksBody { control, watch } = console.links.body(&console.access);
@@ -65,7 +64,7 @@ async fn code(State(console): Shared, Path(name): Path<String>, headers: HeaderM
 }
 
 async fn renew(State(console): Shared, headers: HeaderMap) -> Response {
-    let pass = match may_control(&console, &headers) {
+    let pass = match may_control(&console.access, &headers) {
         Ok(pass) => pass,
         Err(refusal) => return *refusal,
     };
@@ -89,7 +88,7 @@ async fn renew(State(console): Shared, headers: HeaderMap) -> Response {
 }
 
 async fn sign_out(State(console): Shared, Path(id): Path<ClientId>, headers: HeaderMap) -> Response {
-    if let Err(refusal) = may_control(&console, &headers) {
+    if let Err(refusal) = may_control(&console.access, &headers) {
         return *refusal;
     }
     let Some(pass) = console.pass_of_page(id) else {
@@ -103,15 +102,6 @@ async fn sign_out(State(console): Shared, Path(id): Path<ClientId>, headers: Hea
     let text = format!("page {id} is signed out");
     console.events.add(console.time.now(), Level::Warning, "page-signed-out", text);
     StatusCode::NO_CONTENT.into_response()
-}
-
-/// Anyone who has the token for control.
-fn may_control(console: &Console, headers: &HeaderMap) -> Result<Pass, Refusal> {
-    let pass = pass_of(&console.access, headers)?;
-    if pass.role == Role::Control {
-        return Ok(pass);
-    }
-    Err(Box::new((StatusCode::FORBIDDEN, "this link is for watching\n").into_response()))
 }
 
 /// An answer with a token, which no cache keeps.

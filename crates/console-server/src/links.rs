@@ -106,18 +106,10 @@ pub(super) fn fingerprint(https: Option<&Identity>) -> Option<&str> {
     Some(https?.authority()?.fingerprint.as_str())
 }
 
-/// The address of a page for control, with its token where there is one.
-pub(super) fn link_for_control(origin: Origin, tokens: Option<&Tokens>) -> String {
-    match tokens {
-        Some(tokens) => link(reachable(origin), &tokens.control),
-        None => format!("{}/", reachable(origin)),
-    }
-}
-
-/// The same for a page that watches.
-pub(super) fn link_to_watch(origin: Origin, tokens: Option<&Tokens>) -> String {
-    match tokens {
-        Some(tokens) => link(reachable(origin), &tokens.watch),
+/// The address of a page, with its token where there is one.
+pub(super) fn link_to_page(origin: Origin, token: Option<&str>) -> String {
+    match token {
+        Some(token) => link(reachable(origin), token),
         None => format!("{}/", reachable(origin)),
     }
 }

@@ -35,7 +35,7 @@ use super::guard::Hosts;
 use super::https::Identity;
 use super::https::trust;
 use super::limits::MAX_MESSAGE_BYTES;
-use super::links::{fingerprint, link_for_control, trust_lines};
+use super::links::{fingerprint, link_to_page, trust_lines};
 use super::routes::{guarded, json_body};
 use super::server::{Answering, runtime, serve};
 use super::settings::ConsoleSettings;
@@ -80,7 +80,8 @@ pub fn pick(
     let ConsoleSettings { listener, tokens, kept, https, .. } = settings;
     listener.set_nonblocking(true)?;
     let (sender, picked) = oneshot::channel();
-    let link = link_for_control(origin, tokens.get().as_ref());
+    let control = tokens.get().map(|tokens| tokens.control);
+    let link = link_to_page(origin, control.as_deref());
     let picker = Arc::new(Picker {
         access: entrance.access,
         hosts: entrance.hosts,
@@ -91,7 +92,7 @@ pub fn pick(
         picked: Mutex::new(Some(sender)),
     });
     let runtime = runtime().context("the page's server cannot be started")?;
-    let shown = if kept.file.is_some() { link_for_control(origin, None) } else { link };
+    let shown = if kept.file.is_some() { link_to_page(origin, None) } else { link };
     announce(&shown);
     if let Some(fingerprint) = fingerprint(https.as_deref()) {
         tracing::info!("{}", trust_lines(origin, fingerprint).trim_end());

@@ -29,8 +29,7 @@ use tower_http::services::ServeFile;
 use super::Library;
 use super::name::RecordingName;
 use super::part::{Form, Part};
-use crate::access::Role;
-use crate::admission::{Route, json, may_enter};
+use crate::admission::{Route, json, may_control, may_enter};
 use crate::files;
 use crate::routes::json_body;
 use crate::shared::Console;
@@ -213,9 +212,7 @@ async fn answer(work: impl Future<Output = Result<Response, Refusal>>) -> Respon
 
 /// Anyone who has the token for control, while the camera does not follow.
 fn may_change(console: &Console, headers: &HeaderMap) -> Result<(), Refusal> {
-    if may_enter(&console.access, headers)? != Role::Control {
-        return Err(refusal(StatusCode::FORBIDDEN, "this link is for watching".to_owned()));
-    }
+    may_control(&console.access, headers)?;
     if is_moving(console) {
         return Err(refusal(StatusCode::CONFLICT, "disengage the camera first".to_owned()));
     }

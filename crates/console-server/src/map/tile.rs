@@ -5,6 +5,7 @@ use serde::Serialize;
 
 /// The largest zoom: 0.15 m a tile at the equator.
 pub(super) const MAX_ZOOM: u8 = 28;
+
 /// What a map has.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, JsonSchema)]
 #[schemars(rename = "Map")]

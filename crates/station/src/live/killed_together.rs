@@ -71,8 +71,8 @@ fn warnings(around: &Surroundings) -> Vec<String> {
     if around.pid_namespace.as_deref().is_some_and(|namespace| namespace != PID_NAMESPACE_OF_MACHINE) {
         warnings.push(
             "the program runs in a PID namespace (a container): if its first process ends or the container is killed, the guard \
-             is killed, too, and camera or boat go on as they were last commanded; run it on the machine itself, or in the machine's \
-             PID namespace (docker run --pid=host, with an init of the container's own that outlives barrelman)"
+             is killed, too, and camera or boat go on as they were last commanded; run it on the machine itself, or with a first \
+             process that outlives barrelman and its guard (that of the Dockerfile does), and a long time to stop"
                 .to_owned(),
         );
     }
