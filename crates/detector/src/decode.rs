@@ -73,6 +73,11 @@ impl Decoder {
         Ok(Self { format: format.clone(), classes, sides, boxes })
     }
 
+    /// The number of boxes.
+    pub(crate) const fn boxes(&self) -> usize {
+        self.boxes
+    }
+
     /// Adds the boxes whose score is at least this, and returns how many have a number that is not finite.
     pub(crate) fn decode(&self, outputs: &[Output<'_>], least: f32, found: &mut Vec<Decoded>) -> usize {
         let mut scores = Vec::with_capacity(self.classes + 1);

@@ -35,7 +35,9 @@ pub enum ModelError {
         made: String,
     },
     /// The model computes something that is not supported, or that does not fit its input.
-    #[error("the model cannot be computed: {0}")]
+    #[error(
+        "the model cannot be computed ({0}): export it again, with a fixed input of 32-bit floating-point numbers and without the operator that is named"
+    )]
     NotComputable(String),
     /// The model's outputs do not fit the settings.
     #[error("the model answers {answered}, but the settings make {expected}: correct [output] and classes")]
@@ -45,8 +47,15 @@ pub enum ModelError {
         /// What the settings need.
         expected: String,
     },
+    /// The model answers no numbers.
+    #[error(
+        "each of the {0} boxes that the model answers has a number that is not finite: correct scale, mean and std of [input], or train the model again"
+    )]
+    NotFinite(usize),
     /// The model answers too many boxes.
-    #[error("the model answers {boxes} boxes for a picture, more than {most}: use a smaller input")]
+    #[error(
+        "the model answers {boxes} boxes for a picture, more than {most}: export it again, with a smaller input"
+    )]
     TooManyBoxes {
         /// How many.
         boxes: usize,

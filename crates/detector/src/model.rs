@@ -35,10 +35,15 @@ impl Detector {
         let plan = caught(|| load(onnx, &settings))??;
         let values = vec![0.0; settings.input.shape().iter().product()];
         let outputs = infer(&plan, &settings, &values)?;
+        let classes = settings.classes.len();
+        let mut decoded = Vec::new();
         let decoder = with_outputs(&outputs, |outputs| {
-            Decoder::new(&settings.output, settings.classes.len(), &settings.input, outputs)
+            let decoder = Decoder::new(&settings.output, classes, &settings.input, outputs)?;
+            let not_finite = decoder.decode(outputs, settings.thresholds.score, &mut decoded);
+            let is_number = not_finite < decoder.boxes().max(1);
+            if is_number { Ok(decoder) } else { Err(ModelError::NotFinite(not_finite)) }
         })??;
-        Ok(Self { settings, plan, decoder, values, decoded: Vec::new() })
+        Ok(Self { settings, plan, decoder, values, decoded })
     }
 
     /// The settings.

@@ -5,7 +5,7 @@
 //! the proposer finds the object's box there, or none. A tracker follows the object from then on. A candidate is
 //! shown after it was found in two rounds, and keeps its number until its tracker loses it, or it was missed in
 //! three. A candidate may be anything: boat, person, buoy, foam. Where a detector runs, it says what some of them
-//! are, and finds others.
+//! are, and finds others; persons that it detects are shown while the boat is followed, too, to be marked.
 //!
 //! Each look costs less than 10 ms; times are those of capture, so that a replay repeats them.
 
@@ -14,7 +14,7 @@ use core::time::Duration;
 use barrelman_vision::{MAX_PLACES, ObjectSizes, Proposer, Saliency};
 use barrelman_vocab::{DrawnSelection, PixelBox, PixelPoint, Timestamp, VideoFrame};
 
-use crate::detections::{Classification, Detection, Detections};
+use crate::detections::{Classification, Detection, Detections, is_near};
 use crate::object_trackers::{MAX_OBJECTS, ObjectTrackers, PictureShift};
 
 mod detected;
@@ -31,8 +31,6 @@ const MISSED: u32 = 3;
 /// Least IoU of the boxes of a candidate and of the detection that names it. The proposer's box may be a part of
 /// the object.
 const SAME_IOU: f64 = 0.1;
-/// Largest distance of the boxes of one object, in sizes of the object.
-const SAME_DISTANCE: f64 = 1.0;
 
 /// An object that may be the wanted one.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -52,6 +50,16 @@ impl Candidate {
     pub(crate) const fn selection(&self) -> DrawnSelection {
         DrawnSelection { bounds: self.bounds, captured_ns: self.captured }
     }
+}
+
+/// What is looked for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub(crate) enum Sought {
+    /// Objects of every kind.
+    #[default]
+    Objects,
+    /// Persons, by the detector alone.
+    Persons,
 }
 
 /// In how many rounds an object was found, and missed since.
@@ -74,6 +82,19 @@ impl Known {
         self.found += u32::from(!self.is_in_round);
         (self.missed, self.is_in_round) = (0, true);
     }
+
+    /// The object was detected in a video frame. Of several detections the first one, of the highest score, counts.
+    fn on_detected(&mut self, classification: Classification, captured: Timestamp) {
+        if self.classification.is_none_or(|(_, at)| at != captured) {
+            self.found += 1;
+            (self.missed, self.is_in_round) = (0, true);
+            self.classification = Some((classification, captured));
+        }
+    }
+
+    fn is_person(&self) -> bool {
+        self.classification.is_some_and(|(classification, _)| classification.class.is_person())
+    }
 }
 
 /// What finds candidates, and those that are known.
@@ -90,6 +111,7 @@ pub(crate) struct Candidates {
     /// By the numbers of the candidates.
     trackers: ObjectTrackers,
     detected: Detected,
+    sought: Sought,
 }
 
 impl Candidates {
@@ -108,9 +130,10 @@ impl Candidates {
         shown
     }
 
-    /// The candidate of a number.
+    /// The candidate of a number. Beside the boat, persons have none: a wrong key would follow another object.
     pub(crate) fn numbered(&self, number: u32) -> Option<Candidate> {
-        self.shown().into_iter().flatten().find(|candidate| candidate.number == number)
+        let is_offered = |candidate: &Candidate| self.sought == Sought::Objects && candidate.number == number;
+        self.shown().into_iter().flatten().find(is_offered)
     }
 
     /// The candidate at a point.
@@ -132,12 +155,18 @@ impl Candidates {
     pub(crate) fn on_frame(
         &mut self,
         frame: &VideoFrame,
+        sought: Sought,
         others: impl Iterator<Item = PixelBox> + Clone,
         shift: PictureShift<'_>,
     ) {
+        self.sought = sought;
         self.follow(frame, others.clone(), shift);
         self.take_detections(frame, others.clone(), shift);
         let now = frame.capture.at;
+        if sought == Sought::Persons {
+            self.places.clear();
+            return;
+        }
         if self.looked.is_some_and(|looked| looked <= now && now.since(looked) < LOOK_EVERY) {
             return;
         }
@@ -164,9 +193,12 @@ impl Candidates {
     ) {
         self.trackers.advance(frame, shift);
         self.trackers.separate(None);
-        let Self { known, trackers, .. } = self;
+        let Self { known, trackers, sought, .. } = self;
         known.retain_mut(|known| {
             known.classification = detected::current(known.classification, frame.capture.at);
+            if *sought == Sought::Persons && !known.is_person() {
+                return false;
+            }
             let seen = trackers.seen(known.number);
             seen.is_some_and(|seen| others.clone().all(|other| !is_near(other, seen.bounds)))
         });
@@ -223,22 +255,23 @@ impl Candidates {
             return;
         };
         let moved = shift(captured, frame.capture.at, frame.picture.size());
-        while let Some(Detection { bounds, classification }) = self.detected.waiting.pop() {
-            let bounds =
-                PixelBox { u: bounds.u + moved.shift_u_px, v: bounds.v + moved.shift_v_px, ..bounds };
-            let given = Some((classification, captured));
+        while let Some(detection) = self.detected.waiting.pop() {
+            let Detection { bounds, classification } = detection.moved(&moved);
+            if self.sought == Sought::Persons && !classification.class.is_person() {
+                continue;
+            }
             if others.clone().any(|other| is_near(other, bounds)) {
                 continue;
             }
             if let Some(known) = self.best_match(bounds) {
-                known.on_found();
-                known.classification = given;
+                known.on_detected(classification, captured);
             } else if self.is_known_near(bounds) {
                 // Which of two neighbours is meant is not known.
             } else if let Some(number) = self.free_number()
                 && self.trackers.add(number, bounds, frame)
             {
-                self.known.push(Known { classification: given, ..Known::new(number) });
+                let classification = Some((classification, captured));
+                self.known.push(Known { classification, ..Known::new(number) });
                 return;
             }
         }
@@ -259,13 +292,6 @@ impl Candidates {
     fn free_number(&self) -> Option<u32> {
         (1..=MAX_CANDIDATES as u32).find(|number| self.known.iter().all(|known| known.number != *number))
     }
-}
-
-/// Whether two boxes may be those of one object: they overlap, or are side by side.
-fn is_near(one: PixelBox, other: PixelBox) -> bool {
-    let size = libm::sqrt(one.area().min(other.area()));
-    let (from, to) = (one.centre(), other.centre());
-    one.iou(other) > 0.0 || libm::hypot(from.u - to.u, from.v - to.v) < SAME_DISTANCE * size
 }
 
 const _: () = assert!(MAX_PLACES <= MAX_CANDIDATES, "each place of a round may be a candidate");

@@ -15,7 +15,7 @@ pub enum Input<'a> {
     Telemetry(Telemetry),
     /// Telemetry of the vessel.
     VesselTelemetry(Telemetry),
-    /// What a detector found in an earlier video frame. Nothing is selected, marked or moved by it.
+    /// What a detector found in an earlier video frame. It never selects, marks or moves.
     Detections(&'a Detections),
     /// A request of the operator.
     Request(OperatorRequest),

@@ -30,6 +30,7 @@ pub mod search;
 mod selecting;
 mod sway_estimate;
 pub mod unasked_motion;
+mod verification;
 
 pub mod vessel;
 

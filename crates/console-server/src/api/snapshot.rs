@@ -8,7 +8,7 @@ use super::place::{PlaceStatus, WaterOnEarthStatus};
 use super::track::TrackStatus;
 use super::vessel::VesselStatus;
 use crate::snapshot::{DriveState, WorldState};
-use barrelman_vocab::{LawId, VideoNumber};
+use barrelman_vocab::{LawId, MarkKind, VideoNumber};
 
 /// A value of each camera axis, rad/s.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
@@ -97,8 +97,8 @@ pub struct StatusSnapshot {
 pub struct ModeStatus {
     /// `idle`, `servoing`, `holding`, `nudging`, `searching`, `calibrating` or `stopped`.
     pub name: &'static str,
-    /// Of holding: `no-selection`, `track-lost`, `coasting`, `video-stale`, `video-silent`, `confirming`,
-    /// `dry-run`, `link-down`, `no-control`, `emergency`, `landing`; of stopped: `operator`, `ending`,
+    /// Of holding: `no-selection`, `track-lost`, `coasting`, `doubted`, `video-stale`, `video-silent`,
+    /// `confirming`, `dry-run`, `link-down`, `no-control`, `emergency`, `landing`; of stopped: `operator`, `ending`,
     /// `video-ended`, `fault`, `control-lost`, `vehicle-restarted`, `emergency`, `landing`, `battery-low`,
     /// `vehicle-silent`, `suspended`, `pan-opposed`, `tilt-opposed`; otherwise `null`.
     pub cause: Option<&'static str>,
@@ -130,6 +130,8 @@ pub struct CandidateStatus {
     pub class: Option<String>,
     /// The detector's score, 0 to 1.
     pub score: Option<f64>,
+    /// The mark that is proposed here; null: none.
+    pub mark: Option<MarkKind>,
 }
 
 /// The region in which the camera rests.

@@ -50,7 +50,9 @@ fn assert_finds(objects: &Objects, squares: &[(usize, usize)]) {
         };
         let object = objects.found.iter().find(|object| is_at(object.bounds));
         let object = object.unwrap_or_else(|| panic!("({left}, {top}): {objects:?}"));
-        assert_eq!((object.bounds.w, object.bounds.h, object.class), (48.0, 48.0, 0));
+        // Shares of the input are 32-bit floating-point numbers.
+        let is_side = |side: f64| (side - 48.0).abs() < 1e-4;
+        assert!(is_side(object.bounds.w) && is_side(object.bounds.h) && object.class == 0, "{object:?}");
         assert!((0.5..=1.0).contains(&object.score), "{objects:?}");
     }
 }
@@ -77,7 +79,7 @@ fn a_picture_of_another_size_is_fitted_into_the_input() {
 
 #[test]
 fn malformed_models_are_refused_with_the_reason() {
-    let cases: [(&str, &[u8], &str); 7] = [
+    let cases: [(&str, &[u8], &str); 8] = [
         ("empty", b"", "not a model in ONNX"),
         ("no model", fixture!("make_models.py"), "not a model in ONNX"),
         ("truncated", fixture!("truncated.onnx"), "not a model in ONNX"),
@@ -88,6 +90,7 @@ fn malformed_models_are_refused_with_the_reason() {
             fixture!("seven-values.onnx"),
             "answers [1, 7, 350], but the settings make [1, 5, N]",
         ),
+        ("not a number", fixture!("not-a-number.onnx"), "each of the 350 boxes"),
         ("too many boxes", fixture!("too-many-boxes.onnx"), "answers 200000 boxes"),
     ];
     for (name, onnx, expected) in cases {
@@ -107,7 +110,7 @@ fn an_input_of_another_size_is_refused_with_both_sizes() {
 
 #[test]
 fn numbers_that_are_not_finite_are_no_objects() {
-    let mut detector = load(fixture!("not-a-number.onnx"), YOLO).unwrap();
+    let mut detector = load(fixture!("dark-only.onnx"), YOLO).unwrap();
     let objects = detector.detect(&water(&[(96, 48)])).unwrap();
     assert_eq!((objects.found.len(), objects.not_finite), (0, 350));
 }

@@ -4,10 +4,8 @@ use core::time::Duration;
 
 use barrelman_vocab::{PictureSize, Timestamp, VideoFrame};
 
-use crate::detections::{Classification, Detection, Detections, MAX_DETECTIONS};
+use crate::detections::{Classification, Detection, Detections, MAX_DETECTIONS, is_recent};
 
-/// Oldest detections that are used: by then the sea has moved what they are about.
-const MAX_AGE: Duration = Duration::from_millis(1500);
 /// How long a classification is shown after the detector last gave it.
 const CLASSIFICATION_LASTS: Duration = Duration::from_secs(3);
 
@@ -34,10 +32,8 @@ impl Detected {
 
     /// Time of capture of the detections; `None` where they do not concern a frame.
     pub(super) fn captured_before(&self, frame: &VideoFrame) -> Option<Timestamp> {
-        let now = frame.capture.at;
-        let (captured, picture) = self.frame?;
-        let is_recent = captured <= now && now.since(captured) <= MAX_AGE;
-        (picture == frame.picture.size() && is_recent).then_some(captured)
+        let detected = self.frame?;
+        is_recent(detected, (frame.capture.at, frame.picture.size())).then_some(detected.0)
     }
 }
 

@@ -19,4 +19,5 @@ mod searching;
 mod telemetry;
 mod unasked_motion;
 mod vehicle;
+mod verification;
 mod vessel;

@@ -8,7 +8,7 @@ use crate::detector::DetectorSetup;
 pub(super) fn check_detector(config: &DetectorConfig) -> CheckResult {
     let subject = format!("detector {}", config.model.display());
     match DetectorSetup::load(config) {
-        Ok(setup) => CheckResult::new(subject, Verdict::Ok, format!("usable, {} classes", setup.classes())),
+        Ok(setup) => CheckResult::new(subject, Verdict::Ok, format!("usable, finds {}", setup.classes())),
         Err(error) => CheckResult::new(subject, Verdict::Failed, format!("{error:#}")),
     }
 }

@@ -1,10 +1,9 @@
-//! The operator's own detector: a model in ONNX that says what candidates are, and finds others.
+//! The operator's own detector: a model in ONNX that says what objects are, and finds others.
 //!
 //! ```text
 //! run loop --newest frame--> slot -> thread detector: model -> event -> run loop -> Pilot::step
 //! ```
-//! The model works only while candidates are shown. What must not be here: a request, a wait of the run loop,
-//! a queue of frames.
+//! What must not be here: a request, a wait of the run loop, a queue of frames.
 
 mod input;
 mod setup;

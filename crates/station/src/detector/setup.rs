@@ -31,9 +31,9 @@ impl DetectorSetup {
         Ok(Self { model: config.model.clone(), detector, classes })
     }
 
-    /// How many classes the model tells apart.
-    pub fn classes(&self) -> usize {
-        self.classes.len()
+    /// The names of the classes, in words.
+    pub fn classes(&self) -> String {
+        self.classes.iter().map(ClassName::as_str).collect::<Vec<_>>().join(", ")
     }
 }
 
