@@ -86,7 +86,9 @@ def test_a_doubt_of_the_detector_is_answered_by_engage(page: AlteredPage) -> Non
     page.script(NOTE_REQUESTS)
     page.click_enabled("engage")
     wait_until(lambda: [request["kind"] for request in sent(page)] == ["engage"], "the request")
-    page.alter({"snapshot": {"mode": mode("servoing"), "track": BOX}}, "document.getElementById('engage').disabled")
+    page.alter(
+        {"snapshot": {"mode": mode("servoing"), "track": BOX}}, "document.getElementById('engage').disabled"
+    )
 
 
 def test_a_hint_does_not_recommend_the_size_that_is_in_use(page: AlteredPage) -> None:

@@ -1,7 +1,8 @@
 """A detector of the operator's own: a small model that answers where the picture is red, as the boat is.
 
 The boat must become a candidate with class and score, on the page too, and its number must select it. Nothing
-may be followed before. Where the model calls it a person, a mark must be proposed, and set by a tap alone. The recording must repeat bit for bit without the model.
+may be followed before. Where the model calls it a person, a mark must be proposed, and set by a tap alone.
+The recording must repeat bit for bit without the model.
 """
 
 import pathlib
@@ -67,7 +68,9 @@ def test_detected_boat_is_selected_by_its_number(
             found = named(status)
             check("the class is that of detector.toml", found[0]["class"] == "boat", found)
             check("the score is one", 0.2 <= found[0]["score"] <= 1.0, found)
-            wait_until(lambda: is_drawn(page, r"\d: boat [01]\.\d\d"), "class and score on the page", pause=0.1)
+            wait_until(
+                lambda: is_drawn(page, r"\d: boat [01]\.\d\d"), "class and score on the page", pause=0.1
+            )
             page.screenshot(pytestconfig.getoption("--screenshots"), "detected")
             status = program.status()
             check("nothing was selected", status["track"]["state"] == "unseeded", status["track"])

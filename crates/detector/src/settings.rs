@@ -258,6 +258,18 @@ mod tests {
     }
 
     #[test]
+    fn the_settings_of_the_documentation_are_usable() {
+        let page = include_str!("../../../docs/integrations.md");
+        let lines: Vec<_> = page.lines().map(|line| line.strip_prefix("    ").unwrap_or_default()).collect();
+        let blocks: Vec<_> = lines.split(|line| line.is_empty()).map(|block| block.join("\n")).collect();
+        let settings = blocks.iter().filter(|block| block.starts_with("classes = "));
+        let usable: Vec<_> = settings.map(|block| Settings::from_toml(block).unwrap()).collect();
+        let [yolo, detr] = &usable[..] else { panic!("{usable:?}") };
+        assert!(matches!(yolo.output, OutputSettings::Yolo { objectness: false, .. }));
+        assert!(matches!(detr.output, OutputSettings::Detr { scores: ScoreFunction::Softmax }));
+    }
+
+    #[test]
     fn what_cannot_be_used_is_named() {
         let cases = [
             ("width = 64", "width = 4", "input.width = 4 cannot be used: give 8 to 4096 pixels"),

@@ -1,4 +1,5 @@
 //! Models of `fixtures/detector`, on drawn pictures.
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking, its helpers too")]
 
 use barrelman_detector::{Detector, ModelError, Objects, Settings};
 use barrelman_vocab::PictureSize;
