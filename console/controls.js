@@ -48,7 +48,8 @@ export function enableControls({ snapshot, isConnected, seat, stage, video }) {
 
 function setCamera(snapshot, set) {
   const { mode, track, net_yaw_deg: netYaw, search_refusal: refusal } = snapshot ?? { mode: {}, track: {} };
-  set("engage", !mode.engaged, words.reasons.engaged);
+  // Engaging a camera that rests for a doubt says that it is the boat.
+  set("engage", !mode.engaged || track.doubted, words.reasons.engaged);
   set("disengage", mode.name !== "idle", words.reasons.disengaged);
   set("reject", track.state === "tracking" || track.state === "coasting", words.reasons.nothingFollowed);
   at("candidates").setAttribute("aria-pressed", String(Boolean(snapshot?.candidates_on_demand)));

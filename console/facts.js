@@ -22,7 +22,7 @@ export function factsOf(snapshot) {
   const lost = track.lost_s !== null ? ` ${words.ago(fixed(track.lost_s, 0))}` : "";
   const distance = snapshot.boat ? `, ${words.distanceText(snapshot.boat)}` : "";
   const facts = [
-    [words.facts.track, words.tracks[track.confirming ? "confirming" : track.state] + lost + distance],
+    [words.facts.track, words.tracks[track.confirming ? "confirming" : track.doubted ? "doubted" : track.state] + lost + distance],
     [words.facts.p, `${number(percept?.p)}${work.schema_p === null ? "" : `  (${words.facts.schemaP}: ${number(work.schema_p)})`}`],
     [words.facts.confidence, number(track.confidence)],
     [words.facts.camera, rateText(snapshot.command)],

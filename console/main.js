@@ -86,7 +86,7 @@ stage.addEventListener("say", ({ detail }) => toast(words.reasons[detail]));
 const onFrame = ({ at: [u, v], captured_ns }) => ({ at: { u, v }, captured_ns });
 /** Does what the page in control may do. */
 const onStage = (name, act) => stage.addEventListener(name, ({ detail }) => (seat.isControlling ? act(detail) : toast(seat.whyNot)));
-onStage("mark", (detail) => request({ kind: "mark", mark: at("mark-kind").value, ...onFrame(detail) }));
+onStage("mark", (detail) => request({ kind: "mark", mark: detail.mark ?? at("mark-kind").value, ...onFrame(detail) }));
 onStage("move-mark", (detail) => request({ kind: "move-mark", id: detail.id, ...onFrame(detail) }));
 onStage("tap-mark", ({ mark, captured_ns }) => {
   stage.chosenMark = mark.id;

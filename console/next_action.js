@@ -39,6 +39,7 @@ export function nextAction({ loss, isConnected, isStopOverdue, seat, snapshot })
   if (track.state === "unseeded") return snapshot.proposal ? "proposed" : "select";
   if (track.state === "lost") return snapshot.search_refusal ? "reselect" : "search";
   if (mode.name === "stopped") return fromVehicle.has(mode.cause) ? "stoppedByVehicle" : "stopped";
+  if (track.doubted) return "doubted";
   if (isPersonOld(snapshot)) return "person";
   if (mode.cause === "dry-run") return "dryRun";
   if (alarms.includes("end-stop")) return "endStop";

@@ -1,7 +1,7 @@
 // What is drawn over the picture: region, sectors, box, axis, heading, trail, P, commands.
 
 import { drawMap, drawMarks } from "./marks.js";
-import { words } from "./words.js";
+import { fixed, words } from "./words.js";
 
 export const LAYERS = ["region", "box", "heading", "trail", "p", "command", "advice", "marks", "map"];
 
@@ -116,7 +116,7 @@ function drawBox(pen, view, track, unit) {
   const [x, y] = view.toCanvas([u, v]);
   pen.beginPath();
   pen.rect(x, y, w * view.scale, h * view.scale);
-  const isSure = track.state === "tracking" && !track.confirming;
+  const isSure = track.state === "tracking" && !track.confirming && !track.doubted;
   stroke(pen, isSure ? "#5dff9b" : WARM, 2.5 * unit, isSure ? [] : [8 * unit, 6 * unit]);
   if (track.axis_deg !== null && track.axes) {
     const [cx, cy] = view.toCanvas(track.centre);
@@ -138,22 +138,27 @@ export function drawProposal(pen, view, [u, v, w, h], unit) {
   drawText(pen, words.proposed, [x, y], unit);
 }
 
-/** An object that may be the wanted one, with its number. */
-function drawCandidate(pen, view, { box: [u, v, w, h], number }, unit) {
+/**
+ * An object that may be the wanted one, with what a detector says it is.
+ * @param {boolean} isNumbered whether its number can be taken
+ */
+function drawCandidate(pen, view, { box: [u, v, w, h], number, class: name, score, mark }, isNumbered, unit) {
   const [x, y] = view.toCanvas([u, v]);
   pen.beginPath();
   pen.rect(x, y, w * view.scale, h * view.scale);
   stroke(pen, LINE, 1.5 * unit, [2 * unit, 4 * unit]);
-  drawText(pen, String(number), [x, y], unit);
+  const said = name && `${name} ${fixed(score, 2)}${mark ? words.tapToMark : ""}`;
+  drawText(pen, [isNumbered && number, said].filter(Boolean).join(": "), [x, y], unit);
 }
 
-/** A text above a corner of a box. */
+/** A text above a corner of a box, within the picture. */
 function drawText(pen, text, [x, y], unit) {
   pen.font = `700 ${15 * unit}px system-ui, sans-serif`;
   pen.lineWidth = 4 * unit;
   pen.strokeStyle = EDGE;
   pen.fillStyle = LINE;
-  const [left, top] = [Math.max(4, x), Math.max(18 * unit, y - 7 * unit)];
+  const mostRight = pen.canvas.width - pen.measureText(text).width - 4;
+  const [left, top] = [Math.max(4, Math.min(x, mostRight)), Math.max(18 * unit, y - 7 * unit)];
   pen.strokeText(text, left, top);
   pen.fillText(text, left, top);
 }
@@ -178,7 +183,8 @@ export function drawOverlay(pen, view, snapshot, { trail, layers: shown, isCalm,
   if (shown.has("marks")) drawMarks(pen, view, snapshot, chosenMark, unit);
   // In a small picture the map would cover too much.
   if (shown.has("map") && (!isCalm || view.canvas[0] >= MAP_FROM_PX * unit)) drawMap(pen, view, snapshot, unit);
-  for (const candidate of snapshot.candidates ?? []) drawCandidate(pen, view, candidate, unit);
+  const isNumbered = snapshot.candidates_on_demand || track.state === "unseeded";
+  for (const candidate of snapshot.candidates ?? []) drawCandidate(pen, view, candidate, isNumbered, unit);
   if (track.box && shown.has("box")) drawBox(pen, view, track, unit);
   if (track.heading_deg !== null && track.centre && shown.has("heading")) {
     const reach = (0.5 * (track.axes?.[0] ?? 40) + 24) * view.scale;

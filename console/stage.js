@@ -166,6 +166,24 @@ export class Stage extends EventTarget {
     });
   }
 
+  /** The candidate at this place of the canvas for which a mark is proposed. */
+  #proposedMarkAt([x, y]) {
+    const reach = TAP_PX * (window.devicePixelRatio || 1);
+    return (this.#shown?.snapshot?.candidates ?? []).find(({ mark, box: [u, v, w, h] }) => {
+      if (!mark) return false;
+      const [[left, top], [right, bottom]] = [this.view.toCanvas([u, v]), this.view.toCanvas([u + w, v + h])];
+      return x >= left - reach && x <= right + reach && y >= top - reach && y <= bottom + reach;
+    });
+  }
+
+  /** Proposes what is tapped: the object there, or a mark on the person whom a detector sees there. */
+  #tap({ from, captured }) {
+    const candidate = this.#proposal ? null : this.#proposedMarkAt(this.view.toCanvas(from));
+    if (!candidate) return this.dispatchEvent(new CustomEvent("propose", { detail: { at: from, captured_ns: captured } }));
+    const { box: [u, v, w, h], mark, captured_ns } = candidate;
+    this.dispatchEvent(new CustomEvent("mark", { detail: { mark, at: [u + w / 2, v + h / 2], captured_ns } }));
+  }
+
   /** Where an event is on the canvas, device pixels. */
   #at(event) {
     const area = this.#canvas.getBoundingClientRect();
@@ -220,7 +238,7 @@ export class Stage extends EventTarget {
         const captured = this.isFrozen ? drag.captured : this.#shown.captured;
         this.unfreeze();
         if (isDone && this.isMarking) this.#mark(drag.to, captured);
-        else if (isDone && !this.#isMoved(drag)) this.dispatchEvent(new CustomEvent("propose", { detail: { at: drag.from, captured_ns: drag.captured } }));
+        else if (isDone && !this.#isMoved(drag)) this.#tap(drag);
         else if (isDone) this.#select(boxBetween(drag.from, drag.to, this.view.picture), captured);
       }
       this.#drag = null;

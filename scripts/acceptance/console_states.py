@@ -10,6 +10,7 @@ def mode(name: str, cause: str | None = None) -> dict[str, Any]:
 BOX = {
     "state": "tracking",
     "confirming": False,
+    "doubted": False,
     "box": [400.0, 200.0, 60.0, 40.0],
     "centre": [430.0, 220.0],
     "lost_s": None,
@@ -46,6 +47,9 @@ STATES = {
     "nudging": State({"mode": mode("nudging"), "track": BOX}, "d.next === 'nudge'"),
     "holding": State(
         {"mode": mode("holding", "no-control"), "track": {**BOX, "state": "coasting"}}, "d.mode === 'holding'"
+    ),
+    "doubted": State(
+        {"mode": mode("holding", "doubted"), "track": {**BOX, "doubted": True}}, "d.next === 'doubted'"
     ),
     "searching": State({"mode": mode("searching"), "track": {"state": "lost"}}, "d.next === 'searching'"),
     "stopped": State({"mode": mode("stopped", "suspended"), "track": BOX}, "d.mode === 'stopped'"),

@@ -49,6 +49,18 @@ def test_trail_expires_while_the_boat_is_lost(page: AlteredPage) -> None:
     assert lengths == [3, 3, 1, 0]
 
 
+# Notes the requests of the page.
+NOTE_REQUESTS = """
+window.sent = [];
+window.send ??= WebSocket.prototype.send;
+WebSocket.prototype.send = function (data) {
+  const message = JSON.parse(data);
+  if (message.type === 'request') window.sent.push(message.request);
+  window.send.call(this, data);
+};
+"""
+
+
 def sent(page: Page) -> list[Any]:
     requests: list[Any] = page.script("return window.sent")
     return requests
@@ -59,19 +71,24 @@ def test_one_mark_is_removed_and_the_other_stays(page: AlteredPage) -> None:
     place = {**PERSON, "id": 8, "kind": "place", "destination": False, "at": [500.0, 250.0]}
     marked = {"mode": mode("servoing"), "track": BOX, "vessel": {"marks": [PERSON, place], "mode": "stopped"}}
     page.alter({"snapshot": marked}, "d.marks === '2'")
-    page.script("""
-        window.sent = [];
-        const send = WebSocket.prototype.send;
-        WebSocket.prototype.send = function (data) {
-          const message = JSON.parse(data);
-          if (message.type === 'request') window.sent.push(message.request);
-          send.call(this, data);
-        };""")
+    page.script(NOTE_REQUESTS)
     page.drag([*PERSON_AT, 0, 0], page.size() or ())
     wait_until(lambda: [request["kind"] for request in sent(page)] == ["move-mark"], "the tap")
     page.type("u")
     wait_until(lambda: len(sent(page)) == 2, "the request")
     assert sent(page)[1] == {"kind": "unmark", "id": PERSON["id"]}
+
+
+def test_a_doubt_of_the_detector_is_answered_by_engage(page: AlteredPage) -> None:
+    doubted = {"mode": mode("holding", "doubted"), "track": {**BOX, "doubted": True}}
+    page.alter({"snapshot": doubted}, "d.next === 'doubted' && d.cause === 'doubted'")
+    assert "detector" in page.text("mode-cause")
+    page.script(NOTE_REQUESTS)
+    page.click_enabled("engage")
+    wait_until(lambda: [request["kind"] for request in sent(page)] == ["engage"], "the request")
+    page.alter(
+        {"snapshot": {"mode": mode("servoing"), "track": BOX}}, "document.getElementById('engage').disabled"
+    )
 
 
 def test_a_hint_does_not_recommend_the_size_that_is_in_use(page: AlteredPage) -> None:

@@ -2,10 +2,10 @@
 
 use barrelman_control::{Percept, Region, Sector};
 use barrelman_pilot::on_earth::NotOnEarth;
-use barrelman_pilot::{Advice, Candidate, Mode, ProposedObject};
+use barrelman_pilot::{Advice, Candidate, Mode, Outcome, ProposedObject, VesselMode};
 use barrelman_vocab::acceptance::Acceptance;
 use barrelman_vocab::telemetry::{ControlState, FlightState};
-use barrelman_vocab::{Angle, CameraCommand, Named as _, PixelBox, Videos};
+use barrelman_vocab::{Angle, CameraCommand, MarkKind, Named as _, PixelBox, Videos};
 
 use super::api::{
     AxisPair, BoatStatus, CameraWork, CandidateStatus, EncodedVideo, LinkStatus, ModeStatus,
@@ -28,12 +28,11 @@ pub(super) fn status_of(snapshot: &Snapshot, codecs: &Videos<Option<EncodedVideo
         beat: snapshot.beats,
         mode: mode_of(outcome.map_or(Mode::Idle, |outcome| outcome.mode)),
         track: outcome.map_or(NO_TRACK, |outcome| {
-            let confirming = outcome.is_confirming;
-            TrackStatus { confirming, ..track_of(&outcome.track, outcome.at) }
+            let (confirming, doubted) = (outcome.is_confirming, outcome.is_doubted);
+            TrackStatus { confirming, doubted, ..track_of(&outcome.track, outcome.at) }
         }),
         proposal: outcome.and_then(|outcome| outcome.proposal).map(proposal_of),
-        candidates: outcome
-            .map_or_else(Vec::new, |outcome| outcome.candidates.iter().flatten().map(candidate_of).collect()),
+        candidates: outcome.map_or_else(Vec::new, candidates_of),
         candidates_on_demand: outcome.is_some_and(|outcome| outcome.are_candidates_wanted),
         region: outcome.and_then(|outcome| outcome.region).map(region_of),
         percept: outcome.and_then(|outcome| percept_of(outcome.percept, outcome.advice)),
@@ -91,12 +90,23 @@ fn proposal_of(object: ProposedObject) -> ProposalStatus {
     ProposalStatus { bounds: [u, v, w, h], captured_ns: object.captured.as_nanos() }
 }
 
-fn candidate_of(candidate: &Candidate) -> CandidateStatus {
+fn candidates_of(outcome: &Outcome) -> Vec<CandidateStatus> {
+    let has_marks = outcome.vessel.mode != VesselMode::Absent;
+    outcome.candidates.iter().flatten().map(|candidate| candidate_of(candidate, has_marks)).collect()
+}
+
+fn candidate_of(candidate: &Candidate, has_marks: bool) -> CandidateStatus {
     let PixelBox { u, v, w, h } = candidate.bounds;
     CandidateStatus {
         number: candidate.number,
         bounds: [u, v, w, h],
         captured_ns: candidate.captured.as_nanos(),
+        class: candidate.classification.map(|said| said.class.as_str().to_owned()),
+        score: candidate.classification.map(|said| said.score),
+        mark: candidate
+            .classification
+            .filter(|said| has_marks && said.class.is_person())
+            .map(|_| MarkKind::Person),
     }
 }
 

@@ -7,6 +7,7 @@ use super::api::TrackStatus;
 pub(super) const NO_TRACK: TrackStatus = TrackStatus {
     state: "unseeded",
     confirming: false,
+    doubted: false,
     captured_ns: None,
     bounds: None,
     centre: None,
@@ -17,7 +18,7 @@ pub(super) const NO_TRACK: TrackStatus = TrackStatus {
     lost_s: None,
 };
 
-/// A track at a time; `confirming` is not known from it.
+/// A track at a time; `confirming` and `doubted` are not known from it.
 pub(super) fn track_of(track: &Track, at: Timestamp) -> TrackStatus {
     let (state, seen) = match *track {
         Track::Unseeded => return NO_TRACK,
@@ -37,6 +38,7 @@ pub(super) fn track_of(track: &Track, at: Timestamp) -> TrackStatus {
     TrackStatus {
         state,
         confirming: false,
+        doubted: false,
         captured_ns: Some(seen.captured.as_nanos()),
         bounds: Some([u, v, w, h]),
         centre: Some([seen.centre.u, seen.centre.v]),

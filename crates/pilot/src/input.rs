@@ -2,6 +2,8 @@
 
 use barrelman_vocab::{OperatorRequest, Telemetry, Track, VideoFrame};
 
+use crate::detections::Detections;
+
 /// One input of [`crate::Pilot::step`].
 #[derive(Debug, Clone, Copy)]
 pub enum Input<'a> {
@@ -13,6 +15,8 @@ pub enum Input<'a> {
     Telemetry(Telemetry),
     /// Telemetry of the vessel.
     VesselTelemetry(Telemetry),
+    /// What a detector found in an earlier video frame. It never selects, marks or moves.
+    Detections(&'a Detections),
     /// A request of the operator.
     Request(OperatorRequest),
     /// The current time only.

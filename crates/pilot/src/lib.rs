@@ -18,6 +18,7 @@ pub mod vehicle;
 
 pub mod calibration;
 mod candidates;
+pub mod detections;
 mod held_marks;
 mod history;
 pub mod net_yaw;
@@ -29,6 +30,7 @@ pub mod search;
 mod selecting;
 mod sway_estimate;
 pub mod unasked_motion;
+mod verification;
 
 pub mod vessel;
 
@@ -38,6 +40,7 @@ mod refusal;
 
 pub use barrelman_control::LawSettings;
 pub use candidates::{Candidate, MAX_CANDIDATES};
+pub use detections::{ClassName, Classification, Detection, Detections, MAX_DETECTIONS};
 pub use input::Input;
 pub use outcome::{Advice, Mode, Notice, Outcome, Refusal};
 pub use proposing::ProposedObject;

@@ -45,6 +45,8 @@ pub struct Outcome {
     pub wake_at: Option<Timestamp>,
     /// Whether a selection waits for its confirmation. The camera rests meanwhile.
     pub is_confirming: bool,
+    /// Whether a detector contradicts that what was found again is the boat. The camera rests meanwhile.
+    pub is_doubted: bool,
     /// The object that is proposed; nothing follows it.
     pub proposal: Option<ProposedObject>,
     /// The objects that may be the wanted one, by their numbers; none while they are not shown.
@@ -79,6 +81,7 @@ impl Outcome {
             command: CameraCommand::REST,
             wake_at: None,
             is_confirming: false,
+            is_doubted: false,
             proposal: None,
             candidates: [None; MAX_CANDIDATES],
             are_candidates_wanted: false,

@@ -23,6 +23,7 @@ use crate::search::{LastBearing, Search};
 use crate::selecting::PendingSelection;
 use crate::unasked_motion::UnaskedMotion;
 use crate::vehicle::CommandPath;
+use crate::verification::Verification;
 use crate::vessel::{VesselPilot, VesselSettings};
 
 mod net_turn;
@@ -63,6 +64,7 @@ pub struct Pilot {
     candidates: Candidates,
     /// Whether candidates are shown while a target is followed.
     are_candidates_wanted: bool,
+    verification: Verification,
     track: Track,
     region: Option<Region>,
     /// Size of the newest picture.
@@ -119,6 +121,7 @@ impl Pilot {
             held_marks: HeldMarks::default(),
             candidates: Candidates::default(),
             are_candidates_wanted: false,
+            verification: Verification::default(),
             track: Track::Unseeded,
             region: None,
             picture: None,
@@ -194,6 +197,10 @@ impl Pilot {
                 }
                 None
             }
+            Input::Detections(detections) => {
+                self.on_detections(detections);
+                None
+            }
             Input::Tick => None,
         };
         let Some(mut observation) = observation else {
@@ -244,7 +251,9 @@ impl Pilot {
                 vessel.on_video(now);
             }
         }
-        if let Some(localisation) = self.track.localisation().filter(|_| !is_stale) {
+        if let Some(localisation) =
+            self.track.localisation().filter(|_| !is_stale && !self.verification.is_doubted())
+        {
             let point = localisation.centre.in_image(localisation.picture);
             self.note_bearing(point, localisation.picture, localisation.captured);
         }
@@ -254,6 +263,7 @@ impl Pilot {
             (Track::Unseeded, _) => ObservationResult::Unusable(HoldCause::NoSelection),
             (Track::Lost { .. }, _) | (_, None) => ObservationResult::Unusable(HoldCause::TrackLost),
             _ if is_stale => ObservationResult::Unusable(HoldCause::VideoStale),
+            _ if self.verification.is_doubted() => ObservationResult::Unusable(HoldCause::Doubted),
             (Track::Tracking(_), Some(command)) => ObservationResult::Fresh(command),
             (Track::Coasting(_), Some(command)) => ObservationResult::Coasting(command),
         }
@@ -307,6 +317,7 @@ impl Pilot {
             command,
             wake_at: decision.wake_at,
             is_confirming: self.drawn_selection.is_some(),
+            is_doubted: self.verification.is_doubted(),
             proposal: self.proposals.standing(),
             candidates: self.candidates.shown(),
             are_candidates_wanted: self.are_candidates_wanted,

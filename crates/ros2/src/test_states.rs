@@ -10,6 +10,7 @@ pub(crate) fn tracking(bounds: [f64; 4], confidence: f64) -> Track {
     Track {
         state: "tracking".to_owned(),
         confirming: false,
+        doubted: false,
         captured_ns: Some(FRAME_NS),
         bounds: Some(bounds),
         confidence: Some(confidence),

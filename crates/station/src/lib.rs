@@ -17,6 +17,7 @@ pub mod live;
 
 pub mod link;
 
+pub mod detector;
 pub mod share;
 pub mod tak;
 pub mod tracking_camera;

@@ -15,6 +15,8 @@ pub enum HoldCause {
     TrackLost,
     /// The track has been coasting for too long.
     Coasting,
+    /// A detector does not see the boat where the tracker found it again.
+    Doubted,
     /// The video frames are too old.
     VideoStale,
     /// No video frames arrive.
@@ -39,6 +41,7 @@ impl Named for HoldCause {
             Self::NoSelection => "nothing selected",
             Self::TrackLost => "boat lost",
             Self::Coasting => "boat hidden",
+            Self::Doubted => "boat doubted by the detector",
             Self::VideoStale => "video delayed",
             Self::VideoSilent => "no video",
             Self::Confirming => "confirming the selection",

@@ -8,7 +8,7 @@ use super::place::{PlaceStatus, WaterOnEarthStatus};
 use super::track::TrackStatus;
 use super::vessel::VesselStatus;
 use crate::snapshot::{DriveState, WorldState};
-use barrelman_vocab::{LawId, VideoNumber};
+use barrelman_vocab::{LawId, MarkKind, VideoNumber};
 
 /// A value of each camera axis, rad/s.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
@@ -97,8 +97,8 @@ pub struct StatusSnapshot {
 pub struct ModeStatus {
     /// `idle`, `servoing`, `holding`, `nudging`, `searching`, `calibrating` or `stopped`.
     pub name: &'static str,
-    /// Of holding: `no-selection`, `track-lost`, `coasting`, `video-stale`, `video-silent`, `confirming`,
-    /// `dry-run`, `link-down`, `no-control`, `emergency`, `landing`; of stopped: `operator`, `ending`,
+    /// Of holding: `no-selection`, `track-lost`, `coasting`, `doubted`, `video-stale`, `video-silent`,
+    /// `confirming`, `dry-run`, `link-down`, `no-control`, `emergency`, `landing`; of stopped: `operator`, `ending`,
     /// `video-ended`, `fault`, `control-lost`, `vehicle-restarted`, `emergency`, `landing`, `battery-low`,
     /// `vehicle-silent`, `suspended`, `pan-opposed`, `tilt-opposed`; otherwise `null`.
     pub cause: Option<&'static str>,
@@ -116,8 +116,8 @@ pub struct ProposalStatus {
     pub captured_ns: u64,
 }
 
-/// An object that may be the wanted one: whatever stands out from the water.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
+/// An object that may be the wanted one: whatever stands out from the water, or a detector finds.
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct CandidateStatus {
     /// The number by which it is taken, from 1.
     pub number: u32,
@@ -126,6 +126,12 @@ pub struct CandidateStatus {
     pub bounds: [f64; 4],
     /// Time of capture of the video frame that the box belongs to.
     pub captured_ns: u64,
+    /// What a detector says the object is; null: nothing.
+    pub class: Option<String>,
+    /// The detector's score, 0 to 1.
+    pub score: Option<f64>,
+    /// The mark that is proposed here; null: none.
+    pub mark: Option<MarkKind>,
 }
 
 /// The region in which the camera rests.

@@ -111,7 +111,7 @@ impl Publisher {
                 self.state.vessel.on_telemetry(telemetry);
                 self.log_vessel(&before, telemetry);
             }
-            Input::Localisation(_) | Input::Request(_) | Input::Tick => {}
+            Input::Localisation(_) | Input::Detections(_) | Input::Request(_) | Input::Tick => {}
         }
         self.work.on_step(outcome);
         self.log_outcome(outcome);

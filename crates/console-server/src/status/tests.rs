@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use barrelman_control::{Percept, Region};
-use barrelman_pilot::Outcome;
+use barrelman_pilot::{Candidate, ClassName, Classification, Outcome, VesselMode};
 use barrelman_video::sender_clock::VideoTiming;
 use barrelman_vocab::earth::{GeoPoint, WaterOnEarth};
 use barrelman_vocab::telemetry::{ControlState, LinkState};
@@ -70,6 +70,7 @@ fn each_mode_has_its_name_and_cause() {
         (holding(HoldCause::NoSelection), Some("no-selection"), true),
         (holding(HoldCause::TrackLost), Some("track-lost"), true),
         (holding(HoldCause::Coasting), Some("coasting"), true),
+        (holding(HoldCause::Doubted), Some("doubted"), true),
         (holding(HoldCause::VideoStale), Some("video-stale"), true),
         (holding(HoldCause::VideoSilent), Some("video-silent"), true),
         (holding(HoldCause::Confirming), Some("confirming"), true),
@@ -116,11 +117,41 @@ fn a_track_is_given_in_pixels_and_degrees() {
 }
 
 #[test]
+fn a_doubt_is_one_of_the_track() {
+    let track = Track::Tracking(localisation(at(100)));
+    let status = status_after(Outcome { track, is_doubted: true, ..idle(at(300)) });
+    assert_eq!((&status["track"]["state"], &status["track"]["doubted"]), (&json!("tracking"), &json!(true)));
+}
+
+#[test]
+fn a_person_is_proposed_as_a_mark_where_marks_can_be_set() {
+    let with = |class: &str, vessel: VesselMode| {
+        let class = ClassName::new(class).unwrap();
+        let candidate = Candidate {
+            number: 2,
+            bounds: PixelBox { u: 10.0, v: 20.0, w: 30.0, h: 40.0 },
+            captured: at(100),
+            classification: Some(Classification { class, score: 0.75 }),
+        };
+        let mut outcome = Outcome { ..idle(at(300)) };
+        (outcome.candidates[1], outcome.vessel.mode) = (Some(candidate), vessel);
+        status_after(outcome)["candidates"][0].clone()
+    };
+    let expected = json!({
+        "number": 2, "box": [10.0, 20.0, 30.0, 40.0], "captured_ns": 100_000_000, "class": "person",
+        "score": 0.75, "mark": "person",
+    });
+    assert_eq!(with("person", VesselMode::Released), expected);
+    assert_eq!(with("person", VesselMode::Absent)["mark"], json!(null));
+    assert_eq!(with("boat", VesselMode::Released)["mark"], json!(null));
+}
+
+#[test]
 fn a_lost_track_has_no_position() {
     let track = Track::Lost { since: at(500), confidence: 0.25 };
     let status = status_after(Outcome { track, ..idle(at(2000)) });
     let expected = json!({
-        "state": "lost", "confirming": false, "captured_ns": null, "box": null, "centre": null, "axes": null,
+        "state": "lost", "confirming": false, "doubted": false, "captured_ns": null, "box": null, "centre": null, "axes": null,
         "axis_deg": null, "heading_deg": null, "confidence": 0.25, "lost_s": 1.5,
     });
     assert_eq!(status["track"], expected);

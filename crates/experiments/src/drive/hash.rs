@@ -34,6 +34,7 @@ impl StepObserver for DriveHasher {
             }
             Input::Localisation(_) => self.0.update(b"localisation"),
             Input::Telemetry(_) | Input::VesselTelemetry(_) => self.0.update(b"telemetry"),
+            Input::Detections(_) => self.0.update(b"detections"),
             Input::Request(_) => self.0.update(b"request"),
             Input::Tick => self.0.update(b"tick"),
         }

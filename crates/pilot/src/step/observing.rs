@@ -3,6 +3,8 @@
 use barrelman_vocab::{Track, VideoFrame};
 
 use super::{Observation, Pilot};
+use crate::candidates::Sought;
+use crate::detections::Detections;
 use crate::outcome::Notice;
 use crate::selecting::{MIN_CONFIDENCE, PendingSelection, SelectingContext, SelectingResult};
 
@@ -23,17 +25,38 @@ impl Pilot {
         let law = &self.law;
         let shift = |from, to, size| law.motion_prior(from, to, size);
         self.held_marks.trackers.advance(frame, &shift);
-        let is_selecting = self.drawn_selection.is_some() || self.pending_selection.is_some();
-        let is_followed = is_selecting || track != Track::Unseeded;
-        if self.are_candidates_wanted || !is_followed && self.history.is_kept() {
-            let boat = track.localisation().map(|seen| seen.bounds);
-            let excluded = self.held_marks.trackers.boxes().chain(boat);
-            self.candidates.on_frame(frame, excluded, &shift);
-        } else {
-            self.candidates.clear();
+        self.verification.on_track(&track);
+        match self.sought(&track) {
+            Some(sought) => {
+                let boat = track.localisation().map(|seen| seen.bounds);
+                let excluded = self.held_marks.trackers.boxes().chain(boat);
+                self.candidates.on_frame(frame, sought, excluded, &shift);
+            }
+            None => self.candidates.clear(),
         }
         let picture = track.localisation().map_or(size, |measured| measured.picture);
         Observation { track, captured: Some(frame.capture.at), picture: Some(picture), notice }
+    }
+
+    /// What candidates are looked for.
+    fn sought(&self, track: &Track) -> Option<Sought> {
+        let is_selecting = self.drawn_selection.is_some() || self.pending_selection.is_some();
+        let is_followed = is_selecting || *track != Track::Unseeded;
+        if self.are_candidates_wanted || !is_followed && self.history.is_kept() {
+            return Some(Sought::Objects);
+        }
+        // Persons are of use where they can be marked.
+        (self.vessel.is_some() && !is_selecting && self.history.is_kept()).then_some(Sought::Persons)
+    }
+
+    /// A detector has looked at an earlier video frame.
+    pub(super) fn on_detections(&mut self, detections: &Detections) {
+        self.candidates.on_detections(detections);
+        if self.drawn_selection.is_none() {
+            let law = &self.law;
+            let shift = |from, to, size| law.motion_prior(from, to, size);
+            self.verification.on_detections(detections, &self.track, &shift);
+        }
     }
 
     fn track_frame(&mut self, frame: &VideoFrame) -> (Track, Option<Notice>) {

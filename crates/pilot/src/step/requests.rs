@@ -7,6 +7,7 @@ use super::Pilot;
 use crate::calibration::Calibration;
 use crate::outcome::{Notice, Refusal};
 use crate::selecting::PendingSelection;
+use crate::verification::Verification;
 
 impl Pilot {
     /// Processes a request. Returns what the operator has to know.
@@ -79,7 +80,10 @@ impl Pilot {
                 Some(candidate) => self.on_camera_request(&CameraRequest::Select(candidate.selection()), now),
                 None => Some(Notice::RequestRefused(Refusal::NoSuchCandidate)),
             },
-            CameraRequest::Engage => self.take_proposal_to_follow(now),
+            CameraRequest::Engage => {
+                self.verification.accept();
+                self.take_proposal_to_follow(now)
+            }
             // The safety rule has done what there is to do.
             CameraRequest::Nudge(_) | CameraRequest::Disengage => None,
         }
@@ -93,6 +97,7 @@ impl Pilot {
         self.law.reset_target();
         self.proposals.take();
         self.candidates.clear();
+        self.verification = Verification::default();
         self.drawn_selection = None;
         self.last_bearing = None;
     }

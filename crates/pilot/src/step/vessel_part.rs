@@ -10,7 +10,9 @@ use crate::vessel::{Observed, VesselNotice, VesselOutcome, VesselView};
 impl Pilot {
     /// Processes a request about the vessel. Returns what the operator has to know.
     pub(super) fn on_vessel_request(&mut self, request: &VesselRequest, now: Timestamp) -> Option<Notice> {
-        let is_boat_seen = matches!(self.track, Track::Tracking(_)) && self.drawn_selection.is_none();
+        let is_boat_seen = matches!(self.track, Track::Tracking(_))
+            && self.drawn_selection.is_none()
+            && !self.verification.is_doubted();
         let view = VesselView { camera: self.law.camera(), now };
         let Some(vessel) = &mut self.vessel else {
             return Some(Notice::RequestRefused(Refusal::NoVessel));

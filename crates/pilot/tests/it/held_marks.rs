@@ -54,7 +54,7 @@ pub(crate) struct Scene {
     pub(crate) ms: u64,
     sequence: u64,
     /// Allocations of the steps with frames so far.
-    allocations: u64,
+    pub(crate) allocations: u64,
 }
 
 impl Scene {
@@ -64,8 +64,13 @@ impl Scene {
 
     /// A tracker that always gives this answer, and takes one selection.
     pub(crate) fn with(answer: Answer) -> Self {
+        Self::answering([answer; 2_000])
+    }
+
+    /// A tracker that gives these answers, and takes one selection.
+    pub(crate) fn answering(answers: impl IntoIterator<Item = Answer>) -> Self {
         let tracker = Scripted {
-            tracks: [answer; 2_000].into(),
+            tracks: answers.into_iter().collect(),
             selections: [Some(INSIDE)].into(),
             ..Scripted::default()
         };

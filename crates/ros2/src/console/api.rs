@@ -119,6 +119,8 @@ pub struct Track {
     pub state: String,
     /// Whether a selection waits for its confirmation.
     pub confirming: bool,
+    /// Whether a detector contradicts that what was found again is the boat.
+    pub doubted: bool,
     /// Time of capture of the localisation.
     pub captured_ns: Option<u64>,
     /// Left, top, width, height, pixels.

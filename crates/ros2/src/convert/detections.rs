@@ -51,10 +51,10 @@ impl Sighting {
     }
 }
 
-/// The boat of a confirmed track. An unconfirmed selection is no detection.
+/// The boat of a confirmed track. An unconfirmed selection is no detection, nor is what a detector doubts.
 fn seen(track: &Track) -> Option<Seen> {
     let (bounds, confidence) = (track.bounds?, track.confidence?);
-    (!track.confirming).then_some(Seen { bounds, confidence })
+    (!track.confirming && !track.doubted).then_some(Seen { bounds, confidence })
 }
 
 fn bounding_box([left, top, width, height]: [f64; 4]) -> BoundingBox2D {
@@ -91,6 +91,7 @@ mod tests {
         check(boat.clone(), seen);
         check(Track { state: "coasting".to_owned(), ..boat.clone() }, seen);
         check(Track { confirming: true, ..boat.clone() }, None);
+        check(Track { doubted: true, ..boat.clone() }, None);
         let lost = Track { state: "lost".to_owned(), bounds: None, captured_ns: None, ..boat.clone() };
         check(lost, None);
         check(Track { bounds: None, confidence: None, captured_ns: None, ..boat }, None);

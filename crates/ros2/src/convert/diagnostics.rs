@@ -104,6 +104,7 @@ fn track(Snapshot { track, .. }: &Snapshot) -> State {
     let values = vec![
         ("state", text(&track.state)),
         ("confirming", text(track.confirming)),
+        ("doubted", text(track.doubted)),
         ("confidence", track.confidence.and_then(text)),
         ("lost_s", track.lost_s.and_then(text)),
     ];

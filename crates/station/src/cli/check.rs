@@ -1,6 +1,7 @@
 //! The arguments of `check`.
 
 use std::net::SocketAddr;
+use std::path::PathBuf;
 
 use barrelman_wire::onvif::discovery::MULTICAST;
 use clap::Args;
@@ -32,6 +33,9 @@ pub struct CheckArgs {
     /// Ask the network for ONVIF cameras (WS-Discovery), at this address of a camera or of a group.
     #[arg(long, value_name = "ADDR", num_args = 0..=1, default_missing_value = MULTICAST)]
     pub discover: Option<SocketAddr>,
+    /// Check this model of a detector, and detector.toml beside it.
+    #[arg(long, value_name = "FILE")]
+    pub detector: Option<PathBuf>,
     /// Print JSON.
     #[arg(long)]
     pub json: bool,

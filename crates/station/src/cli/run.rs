@@ -73,6 +73,10 @@ pub struct RunArgs {
     /// token. Needs barrelman-media.
     #[arg(long, value_name = "URL")]
     pub share: Option<String>,
+    /// Say what the numbered objects are, by this model in ONNX. detector.toml beside it says what the model
+    /// takes and answers. Nothing is selected, marked or moved by it.
+    #[arg(long, value_name = "FILE")]
+    pub detector: Option<PathBuf>,
     /// Track what is in this box of the first picture: left, top, width, height in pixels. Without it nothing
     /// is tracked until the operator selects, except in a simulated world, where the world selects its boat.
     /// A file waits with its first picture until the box is drawn in a browser, where there is a display or

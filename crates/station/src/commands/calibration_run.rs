@@ -137,6 +137,7 @@ fn make_motions(
         tracking_camera: None,
         tak: None,
         share: None,
+        detector: None,
         engage: false,
         calibration: Some(calibration.clone()),
         fault_injector: FaultInjector::default(),

@@ -11,6 +11,7 @@ use std::time::{Duration, Instant};
 use anyhow::Result;
 use barrelman_vocab::{EncodedUnit, VideoFrame};
 
+use super::check_detector::check_detector;
 use super::check_discover::check_discover;
 use super::check_gimbal::check_gimbal;
 use super::check_over_http::check_over_http;
@@ -71,6 +72,7 @@ pub fn run(args: &CheckArgs, clock: Clock) -> Result<ExitCode> {
     if let Some(found) = configuration {
         results.extend(found.tak.address.as_ref().map(|address| check_tak(address, &found.tak)));
         results.extend(found.share.as_ref().map(check_share));
+        results.extend(found.detector.as_ref().map(check_detector));
     }
     print(&results, args.json)
 }
@@ -80,6 +82,7 @@ fn check_configuration(args: &CheckArgs, results: &mut Vec<CheckResult>) -> Opti
         override_key(&mut file.vehicle.profile, &args.profile);
         override_key(&mut file.tak.address, &args.tak);
         override_key(&mut file.share.address, &args.share);
+        override_key(&mut file.detector.model, &args.detector);
         Configuration::resolve(&file)
     };
     match args.connection.config_file().and_then(with_options) {

@@ -4,6 +4,7 @@ mod annotated_film;
 pub mod calibrate;
 pub mod calibration_run;
 pub mod check;
+mod check_detector;
 mod check_discover;
 mod check_gimbal;
 mod check_over_http;

@@ -140,6 +140,7 @@ fn run_args(
         foxglove: None,
         tak: None,
         share: None,
+        detector: None,
         no_record: false,
         record: Some(recording.clone()),
         overlay: Some(film.clone()),

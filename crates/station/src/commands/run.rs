@@ -13,6 +13,7 @@ use super::draw_selection::{draw_selection, has_display};
 use super::tak_route::tak_route;
 use crate::cli::RunArgs;
 use crate::config::{Configuration, ConsoleConfig, RecordingConfig, UnusableConfiguration};
+use crate::detector::DetectorSetup;
 use crate::link::{LinkUrl, command_path, vehicle_over_http};
 use crate::live::foxglove_server::FoxgloveEntrance;
 use crate::live::recorder::Extras;
@@ -73,6 +74,8 @@ pub fn run_with_outputs(
     let console = (!args.headless).then(|| open_console(args, &configuration.console)).transpose()?;
     let share = share(&configuration, console.as_ref())?;
     let foxglove = foxglove(args, &configuration.console, console.as_ref(), clock)?;
+    let detector = configuration.detector.as_ref().map(DetectorSetup::load).transpose();
+    let detector = detector.context("--detector, or detector.model")?;
     let pilot = build_pilot(&configuration, command_path(link.as_ref()))?;
     let selection = match args.select {
         None => drawn_selection(args, &source, console.as_ref())?,
@@ -95,6 +98,7 @@ pub fn run_with_outputs(
         tracking_camera,
         tak,
         share,
+        detector,
         engage: args.engage,
         calibration: None,
         fault_injector,
@@ -279,7 +283,7 @@ fn open_outputs(
 }
 
 /// What the command line names takes the place of what the file names.
-pub(super) fn override_key(key: &mut Option<String>, value: &Option<String>) {
+pub(super) fn override_key<T: Clone>(key: &mut Option<T>, value: &Option<T>) {
     if let Some(value) = value {
         *key = Some(value.clone());
     }
@@ -295,6 +299,7 @@ fn effective_configuration(args: &RunArgs) -> Result<(Configuration, bool)> {
     override_key(&mut file.tracking_camera.url, &args.mavlink);
     override_key(&mut file.tak.address, &args.tak);
     override_key(&mut file.share.address, &args.share);
+    override_key(&mut file.detector.model, &args.detector);
     override_key(&mut file.vessel.url, &args.vessel);
     override_key(&mut file.vessel.profile, &args.vessel_profile);
     file.vessel.guidance = args.guidance.or(file.vessel.guidance);

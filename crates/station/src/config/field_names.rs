@@ -8,6 +8,7 @@ use serde::de::{self, Deserializer, Visitor};
 
 use super::camera::{AxisSection, CameraSection};
 use super::console::{ConsoleSection, RecordingSection};
+use super::detector::DetectorSection;
 use super::file::{ConfigFile, GimbalTiltSection, LawSection, LinkSection, VehicleSection, VideoSection};
 use super::lens::LensSection;
 use super::share::ShareSection;
@@ -44,6 +45,7 @@ pub(super) fn field_names() -> FieldNames {
         TrackingCameraSection,
         TakSection,
         ShareSection,
+        DetectorSection,
         VesselSection,
         ConsoleSection,
         RecordingSection,

@@ -12,6 +12,7 @@ use serde::{Deserialize, Serialize};
 
 use super::camera::CameraSection;
 use super::console::{ConsoleSection, RecordingSection};
+use super::detector::DetectorSection;
 use super::share::ShareSection;
 use super::speeds::SpeedsSection;
 use super::tak::TakSection;
@@ -41,6 +42,8 @@ pub struct ConfigFile {
     pub tak: TakSection,
     /// The annotated live video for other programs.
     pub share: ShareSection,
+    /// A detector of your own, which says what the numbered objects are.
+    pub detector: DetectorSection,
     /// The boat.
     pub vessel: VesselSection,
     /// The operator's console.

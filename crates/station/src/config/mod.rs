@@ -9,6 +9,7 @@ pub mod file;
 
 pub mod camera;
 pub mod console;
+pub mod detector;
 pub mod lens;
 pub mod share;
 pub mod speeds;

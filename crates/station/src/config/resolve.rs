@@ -19,6 +19,7 @@ use super::tak::TakConfig;
 use super::tracking_camera::TrackingCameraConfig;
 use super::turning::{gimbal_tilt, net_yaw_limits};
 use super::vessel::VesselConfig;
+use crate::config::detector::DetectorConfig;
 use crate::secrets::{LinkAccess, LoginSource, TrustFiles, VideoLogin};
 use crate::share::ShareAddress;
 use barrelman_experiments::law_choice::{GivenLaw, LawChoice, LawKeys};
@@ -74,6 +75,8 @@ pub struct Configuration {
     pub tak: TakConfig,
     /// Where the annotated video is served; `None`: nowhere.
     pub share: Option<ShareAddress>,
+    /// The detector; `None`: nothing is detected.
+    pub detector: Option<DetectorConfig>,
     /// The boat that is commanded; `None`: none.
     pub vessel: Option<VesselConfig>,
     /// The operator's console.
@@ -183,6 +186,7 @@ impl Configuration {
             tracking_camera: file.tracking_camera.resolve(),
             tak: file.tak.resolve()?,
             share: file.share.resolve()?,
+            detector: file.detector.resolve(),
             vessel: file.vessel.resolve()?,
             console: file.console.resolve()?,
             recording: file.recording.resolve(),

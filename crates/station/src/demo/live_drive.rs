@@ -160,6 +160,7 @@ impl LiveDrive<'_> {
             | Event::Frame
             | Event::Video(..)
             | Event::VideoTiming(..)
+            | Event::Detections(_)
             | Event::Link(_)
             | Event::Vessel(_)
             | Event::RecordingFailed { .. } => {}

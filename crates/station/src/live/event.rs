@@ -5,6 +5,7 @@ use std::time::Duration;
 
 use barrelman_host::absence::AbsenceWatch;
 use barrelman_host::clock::Clock;
+use barrelman_pilot::Detections;
 use barrelman_video::VideoState;
 use barrelman_video::sender_clock::VideoTiming;
 use barrelman_vocab::{Timestamp, VideoNumber};
@@ -24,6 +25,8 @@ pub enum Event {
     Link(LinkReport),
     /// A report of the link to the boat.
     Vessel(LinkReport),
+    /// The detector has looked at a frame.
+    Detections(Box<Detections>),
     /// The gateway holds requests or a stop, or the controlling page is gone or has come back.
     Operator,
     /// The program must end.

@@ -32,6 +32,7 @@ use super::terminal::KEYS;
 use super::tracked_video::{LatestFrame, TrackedVideo};
 use super::video_sink::{LiveVideoSink, VideoReceivers};
 use crate::config::Configuration;
+use crate::detector::{DetectorSetup, DetectorThread};
 use crate::link::vessel_link::Boat;
 use crate::link::{Link, LinkUrl};
 use crate::share::{ShareSetup, ShareThread};
@@ -68,6 +69,8 @@ pub(super) struct PartSettings {
     pub(super) tak: Option<TakSetup>,
     /// Where the annotated video is served.
     pub(super) share: Option<ShareSetup>,
+    /// The operator's detector.
+    pub(super) detector: Option<DetectorSetup>,
     /// Whether a simulated world selects its target.
     pub(super) selects_target: bool,
 }
@@ -103,6 +106,7 @@ pub(super) struct OpenParts {
     pub(super) tracking_camera: Option<TrackingCameraThread>,
     pub(super) tak: Option<TakThread>,
     pub(super) share: Option<ShareThread>,
+    pub(super) detector: Option<DetectorThread>,
 }
 
 /// A recording and its file.
@@ -121,8 +125,8 @@ impl PartOpener<'_> {
         (link, boat): (Option<Link>, Option<Boat>),
         settings: PartSettings,
     ) -> Result<OpenRun> {
-        let PartSettings { sources, link_url, outputs, console, tracking_camera, tak, share, selects_target } =
-            settings;
+        let PartSettings { sources, link_url, outputs, console, selects_target, .. } = settings;
+        let PartSettings { tracking_camera, tak, share, detector, .. } = settings;
         let Outputs { record, overlay, extras, not_recorded } = outputs;
         let worlds = sources.first.world().map(LiveWorld::switch).transpose()?;
         let recording = recording_state(record.as_ref(), not_recorded);
@@ -162,8 +166,19 @@ impl PartOpener<'_> {
             tracking_camera.map(|setup| self.start_tracking_camera(setup, &publisher)).transpose()?;
         let tak = tak.map(|setup| self.start_tak(setup, &publisher)).transpose()?;
         let share = share.map(|setup| self.start_share(setup)).transpose()?;
-        let parts =
-            OpenParts { link, boat, recording, overlay, sources, console, tracking_camera, tak, share };
+        let detector = detector.map(|setup| self.start_detector(setup)).transpose()?;
+        let parts = OpenParts {
+            link,
+            boat,
+            recording,
+            overlay,
+            sources,
+            console,
+            tracking_camera,
+            tak,
+            share,
+            detector,
+        };
         Ok(OpenRun { parts, publisher, latest, tracked, worlds, outlets })
     }
 
@@ -283,6 +298,10 @@ impl PartOpener<'_> {
         let time = SessionTime::new(self.clock);
         ShareThread::start(setup, self.clock, time, self.events.clone()).context("--share")
     }
+
+    fn start_detector(&self, setup: DetectorSetup) -> Result<DetectorThread> {
+        DetectorThread::start(setup, self.clock, self.events.clone()).context("--detector")
+    }
 }
 
 /// The state of the recording as the run begins.
@@ -308,7 +327,7 @@ impl OpenParts {
             }
         }
         drop(self.console);
-        drop((self.tracking_camera, self.tak, self.share));
+        drop((self.tracking_camera, self.tak, self.share, self.detector));
         if let Some(Recording { path, recorder }) = self.recording
             && let Some(sortie) = recorder.finish()
         {

@@ -221,6 +221,9 @@ impl RunLoop<'_> {
             Event::Operator => {}
             Event::Link(report) => return self.on_link_report(state, report),
             Event::Vessel(report) => return self.on_vessel_report(state, report),
+            Event::Detections(detections) => {
+                self.step(state, Input::Detections(&detections));
+            }
             Event::Video(number, video) => return self.on_video_state(state, number, video),
             Event::VideoTiming(number, timing) => {
                 self.publisher.set_video_timing(number, timing, self.events.now());

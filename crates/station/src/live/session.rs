@@ -35,6 +35,7 @@ use super::supervision::ServiceManager;
 use super::terminal::Terminal;
 use crate::config::Configuration;
 use crate::config::vessel::SIMULATED;
+use crate::detector::DetectorSetup;
 use crate::link::vessel_link::{Boat, VesselLink};
 use crate::link::{Link, LinkUrl, VehicleLink};
 use crate::secrets;
@@ -77,6 +78,8 @@ pub struct Session<'a> {
     pub tak: Option<TakSetup>,
     /// Where the annotated video is served; `None`: nowhere.
     pub share: Option<ShareSetup>,
+    /// The operator's detector; `None`: there is none.
+    pub detector: Option<DetectorSetup>,
     /// The calibration that the run is made for; `None`: an ordinary run.
     pub calibration: Option<LiveCalibration>,
     /// Deliberate faults of the program's own threads.
@@ -172,6 +175,7 @@ impl Session<'_> {
             tracking_camera: self.tracking_camera,
             tak: self.tak,
             share: self.share,
+            detector: self.detector,
             selects_target: self.selection.is_none() && !self.waits_for_selection,
         };
         let OpenRun { parts, publisher, latest, tracked, worlds, outlets } = opener.open(links, settings)?;
@@ -227,6 +231,7 @@ fn observers<'a>(
     let mut observers: Vec<Box<dyn LiveStepObserver + 'a>> = Vec::new();
     observers.extend(parts.overlay.as_ref().map(|overlay| observer(overlay.input())));
     observers.extend(parts.share.as_ref().map(|share| observer(share.input())));
+    observers.extend(parts.detector.as_ref().map(|detector| observer(detector.input())));
     if let Some(outlets) = outlets {
         observers.push(Box::new(outlets.map(|_, outlet| outlet.pictures)));
     }

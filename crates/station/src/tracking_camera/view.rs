@@ -9,20 +9,21 @@ use barrelman_wire::mavlink::tracking_camera::{Shown, ShownTarget};
 /// A target in a picture that is older than this is not shown any more.
 const MAX_AGE: Duration = Duration::from_secs(1);
 
-/// What is shown of a snapshot at `now`. A selection that is not confirmed yet is no target.
+/// What is shown of a snapshot at `now`. A selection that is not confirmed yet is no target, nor is what a
+/// detector doubts.
 pub(super) fn view(snapshot: &Snapshot, now: Timestamp) -> Shown {
     let Some((captured, picture)) = snapshot.video.frame else { return Shown::default() };
     let target = match &snapshot.outcome {
-        Some(outcome) => shown_target(&outcome.track, outcome.is_confirming, now.since(captured)),
+        Some(outcome) if outcome.is_confirming || outcome.is_doubted => ShownTarget::None,
+        Some(outcome) => shown_target(&outcome.track, now.since(captured)),
         None => ShownTarget::None,
     };
     Shown { picture: Some(picture), frames_per_second: snapshot.video.fps as f32, target }
 }
 
 /// What is shown of a track in a picture of this age.
-fn shown_target(track: &Track, is_confirming: bool, age: Duration) -> ShownTarget {
+fn shown_target(track: &Track, age: Duration) -> ShownTarget {
     match track {
-        _ if is_confirming => ShownTarget::None,
         Track::Unseeded => ShownTarget::None,
         _ if age > MAX_AGE => ShownTarget::Lost,
         Track::Tracking(seen) => ShownTarget::Seen(seen.bounds),
@@ -34,6 +35,7 @@ fn shown_target(track: &Track, is_confirming: bool, age: Duration) -> ShownTarge
 #[cfg(test)]
 mod tests {
     use barrelman_console_server::snapshot::VideoSnapshot;
+    use barrelman_pilot::Outcome;
     use barrelman_vocab::{Localisation, PictureSize, PixelBox};
 
     use super::*;
@@ -44,8 +46,8 @@ mod tests {
         Timestamp::from_nanos(ms * 1_000_000)
     }
 
-    fn shown(track: Track, is_confirming: bool, age_ms: u64) -> ShownTarget {
-        shown_target(&track, is_confirming, Duration::from_millis(age_ms))
+    fn shown(track: Track, age_ms: u64) -> ShownTarget {
+        shown_target(&track, Duration::from_millis(age_ms))
     }
 
     #[test]
@@ -61,12 +63,19 @@ mod tests {
             heading: None,
             confidence: 0.75,
         };
-        assert_eq!(shown(Track::Tracking(seen), false, 100), ShownTarget::Seen(bounds));
-        assert_eq!(shown(Track::Coasting(seen), false, 100), ShownTarget::Predicted(bounds));
-        assert_eq!(shown(Track::Tracking(seen), true, 100), ShownTarget::None);
-        assert_eq!(shown(Track::Tracking(seen), false, 1500), ShownTarget::Lost);
-        assert_eq!(shown(Track::Lost { since: at(0), confidence: 0.1 }, false, 100), ShownTarget::Lost);
-        assert_eq!(shown(Track::Unseeded, false, 5000), ShownTarget::None);
+        assert_eq!(shown(Track::Tracking(seen), 100), ShownTarget::Seen(bounds));
+        assert_eq!(shown(Track::Coasting(seen), 100), ShownTarget::Predicted(bounds));
+        assert_eq!(shown(Track::Tracking(seen), 1500), ShownTarget::Lost);
+        assert_eq!(shown(Track::Lost { since: at(0), confidence: 0.1 }, 100), ShownTarget::Lost);
+        assert_eq!(shown(Track::Unseeded, 5000), ShownTarget::None);
+        let outcome = Outcome { track: Track::Tracking(seen), ..Outcome::idle(at(100)) };
+        let target = |outcome: Outcome| {
+            let video = VideoSnapshot { frame: Some((at(0), PICTURE)), ..VideoSnapshot::default() };
+            view(&Snapshot { outcome: Some(outcome), video, ..Snapshot::default() }, at(100)).target
+        };
+        assert_eq!(target(outcome.clone()), ShownTarget::Seen(bounds));
+        assert_eq!(target(Outcome { is_confirming: true, ..outcome.clone() }), ShownTarget::None);
+        assert_eq!(target(Outcome { is_doubted: true, ..outcome }), ShownTarget::None);
     }
 
     #[test]

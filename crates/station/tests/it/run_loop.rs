@@ -127,6 +127,7 @@ impl LiveStepObserver for &MemoryObserver {
             Input::Localisation(_) => "localisation".to_owned(),
             Input::Telemetry(_) => "telemetry".to_owned(),
             Input::VesselTelemetry(_) => "vessel telemetry".to_owned(),
+            Input::Detections(detections) => format!("{} detections", detections.found.len()),
             Input::Request(request) => format!("{request:?}"),
             Input::Tick => "tick".to_owned(),
         };

@@ -19,7 +19,7 @@ use super::topics::Topic;
 use crate::sortie::Sortie;
 
 /// The topics of videos and steps; the others repeat them for other programs.
-const TOPICS: [Topic; 13] = [
+const TOPICS: [Topic; 14] = [
     Topic::VideoUnit,
     Topic::Video,
     Topic::VideoPicture,
@@ -30,6 +30,7 @@ const TOPICS: [Topic; 13] = [
     Topic::InputFrame,
     Topic::InputLocalisation,
     Topic::InputTelemetry,
+    Topic::InputDetections,
     Topic::InputRequest,
     Topic::InputTick,
     Topic::Outcome,

@@ -111,6 +111,7 @@ pub(super) fn decode(
         Topic::InputFrame => stored::FrameInput::decode(data)?.try_into()?,
         Topic::InputLocalisation => stored::LocalisationInput::decode(data)?.try_into()?,
         Topic::InputTelemetry => stored::TelemetryInput::decode(data)?.try_into()?,
+        Topic::InputDetections => stored::DetectionsInput::decode(data)?.try_into()?,
         Topic::InputRequest => stored::RequestInput::decode(data)?.try_into()?,
         Topic::InputTick => stored::TickInput::decode(data)?.into(),
         Topic::Outcome => Entry::Outcome(stored::Outcome::decode(data)?.try_into()?),

@@ -1,11 +1,11 @@
 //! The pilot's inputs as stored, and the conversion from and to [`Input`].
 
-use barrelman_pilot::Input;
+use barrelman_pilot::{Detections, Input};
 use barrelman_vocab::video::{Capture, ColourEncoding};
 use barrelman_vocab::{OperatorRequest, PictureSize, Telemetry, Track, VideoFrame, VideoNumber};
 
 /// An input of the pilot as stored: the fingerprint stands for a video frame.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub enum RecordedInput {
     /// A video frame.
     Frame(FrameFingerprint),
@@ -15,6 +15,8 @@ pub enum RecordedInput {
     Telemetry(Telemetry),
     /// A report of the vessel.
     VesselTelemetry(Telemetry),
+    /// What a detector found.
+    Detections(Box<Detections>),
     /// A request of the operator.
     Request(OperatorRequest),
     /// The passing of time.
@@ -32,12 +34,13 @@ impl RecordedInput {
     ///
     /// # Errors
     /// The video frame, where the input is one: the caller decides where to compute its fingerprint.
-    pub const fn from_frameless<'a>(input: &Input<'a>) -> Result<Self, &'a VideoFrame> {
+    pub fn from_frameless<'a>(input: &Input<'a>) -> Result<Self, &'a VideoFrame> {
         match *input {
             Input::Frame(frame) => Err(frame),
             Input::Localisation(track) => Ok(Self::Localisation(track)),
             Input::Telemetry(telemetry) => Ok(Self::Telemetry(telemetry)),
             Input::VesselTelemetry(telemetry) => Ok(Self::VesselTelemetry(telemetry)),
+            Input::Detections(detections) => Ok(Self::Detections(Box::new(detections.clone()))),
             Input::Request(request) => Ok(Self::Request(request)),
             Input::Tick => Ok(Self::Tick),
         }
@@ -51,6 +54,7 @@ impl RecordedInput {
             | Self::Localisation(_)
             | Self::Telemetry(_)
             | Self::VesselTelemetry(_)
+            | Self::Detections(_)
             | Self::Tick => None,
         }
     }
@@ -60,7 +64,7 @@ impl RecordedInput {
     /// # Errors
     /// The error of `frame_of`.
     pub fn to_input<'a, E>(
-        &self,
+        &'a self,
         frame_of: impl FnOnce(&FrameFingerprint) -> Result<&'a VideoFrame, E>,
     ) -> Result<Input<'a>, E> {
         Ok(match self {
@@ -68,6 +72,7 @@ impl RecordedInput {
             Self::Localisation(track) => Input::Localisation(*track),
             Self::Telemetry(telemetry) => Input::Telemetry(*telemetry),
             Self::VesselTelemetry(telemetry) => Input::VesselTelemetry(*telemetry),
+            Self::Detections(detections) => Input::Detections(detections),
             Self::Request(request) => Input::Request(*request),
             Self::Tick => Input::Tick,
         })

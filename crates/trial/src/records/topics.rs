@@ -22,6 +22,7 @@ pub(super) enum Topic {
     InputFrame,
     InputLocalisation,
     InputTelemetry,
+    InputDetections,
     InputRequest,
     InputTick,
     Outcome,
@@ -33,7 +34,7 @@ pub(super) enum Topic {
 }
 
 impl Topic {
-    pub(super) const ALL: [Self; 19] = [
+    pub(super) const ALL: [Self; 20] = [
         Self::Start,
         Self::VideoUnit,
         Self::Video,
@@ -45,6 +46,7 @@ impl Topic {
         Self::InputFrame,
         Self::InputLocalisation,
         Self::InputTelemetry,
+        Self::InputDetections,
         Self::InputRequest,
         Self::InputTick,
         Self::Outcome,
@@ -68,6 +70,7 @@ impl Topic {
             Self::InputFrame => "/input/frame",
             Self::InputLocalisation => "/input/localisation",
             Self::InputTelemetry => "/input/telemetry",
+            Self::InputDetections => "/input/detections",
             Self::InputRequest => "/input/request",
             Self::InputTick => "/input/tick",
             Self::Outcome => "/outcome",
@@ -98,6 +101,7 @@ impl Topic {
             Self::InputFrame => own("FrameInput"),
             Self::InputLocalisation => own("LocalisationInput"),
             Self::InputTelemetry => own("TelemetryInput"),
+            Self::InputDetections => own("DetectionsInput"),
             Self::InputRequest => own("RequestInput"),
             Self::InputTick => own("TickInput"),
             Self::Outcome => own("Outcome"),

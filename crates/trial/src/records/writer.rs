@@ -186,6 +186,11 @@ impl<W: Write> RecordingWriter<W> {
                 let message = stored::TelemetryInput { step, now_ns, of_vessel: true, ..telemetry.into() };
                 self.write_message(Topic::InputTelemetry, now, &message)
             }
+            RecordedInput::Detections(found) => self.write_message(
+                Topic::InputDetections,
+                now,
+                &stored::DetectionsInput { step, now_ns, ..(&**found).into() },
+            ),
             RecordedInput::Request(request) => self.write_message(
                 Topic::InputRequest,
                 now,

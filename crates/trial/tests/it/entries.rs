@@ -3,7 +3,9 @@
 use core::time::Duration;
 
 use barrelman_control::{Percept, Sector};
-use barrelman_pilot::{Advice, CommandPath, Mode};
+use barrelman_pilot::{
+    Advice, ClassName, Classification, CommandPath, Detection, Detections, MAX_DETECTIONS, Mode,
+};
 use barrelman_trial::records::{
     Entry, FrameFingerprint, ReadError, RecordedInput, RecordedMark, RecordedOutcome, RecordedProgress,
     RecordedTruth, RecordedVessel, RecordedVideo, RecordingReader, RecordingStart, RecordingWriter,
@@ -165,6 +167,14 @@ fn place(value: f64) -> GeoPoint {
     GeoPoint { latitude: Angle::from_radians(value), longitude: Angle::from_radians(value) }
 }
 
+fn detections(value: f64) -> Detections {
+    let bounds = PixelBox { u: value, v: value, w: value, h: value };
+    let class = ClassName::new("person").unwrap();
+    let detection = Detection { bounds, classification: Classification { class, score: value } };
+    let picture = PictureSize::new(640, 360);
+    Detections { captured: ns(3), picture, found: vec![detection; MAX_DETECTIONS] }
+}
+
 pub(crate) fn input(input: RecordedInput) -> Entry {
     Entry::Input { step: 7, now: ns(1_000), input }
 }
@@ -178,6 +188,7 @@ pub(crate) fn entries_with(value: f64) -> Vec<Entry> {
     let q = Quaternion { w: value, x: value, y: value, z: value };
     let mut entries = vec![
         input(RecordedInput::Localisation(Track::Tracking(localisation(value)))),
+        input(RecordedInput::Detections(Box::new(detections(value)))),
         input(RecordedInput::Localisation(Track::Coasting(localisation(value)))),
         input(RecordedInput::Localisation(Track::Lost { since: ns(4), confidence: value })),
         telemetry(Report::VehicleAttitude(q)),

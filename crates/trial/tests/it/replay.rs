@@ -23,7 +23,7 @@ fn pilot(profile: &VehicleProfile) -> Pilot {
     Pilot::new(PilotSettings { profile: profile.clone(), law: LawSettings::MotorSchema }, Box::new(tracker))
 }
 
-fn input(recorded: &RecordedInput) -> Input<'static> {
+fn input(recorded: &RecordedInput) -> Input<'_> {
     recorded.to_input(|_| Err("this trial has no video")).unwrap()
 }
 

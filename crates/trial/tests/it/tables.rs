@@ -158,7 +158,7 @@ fn every_row_of_a_topic_has_the_same_columns() {
         assert_eq!(row.columns.len(), row.cells.len());
         assert_eq!(*columns.entry(&row.topic).or_insert(&row.columns), row.columns);
     }
-    assert_eq!(columns.len(), 19);
+    assert_eq!(columns.len(), 20);
 }
 
 #[test]

@@ -354,7 +354,7 @@ fn way_is_kept_for_want_of_track_and_video_alone() {
     let mut gate = under_way(CommandPath::Simulated);
     let silent = VesselMode::KeepingWay(VesselHold::Cause(HoldCause::VideoSilent));
     check(&mut gate, GateInput::NoObservation, 1_280, silent, WAY);
-    for cause in [HoldCause::NoSelection, HoldCause::Confirming] {
+    for cause in [HoldCause::NoSelection, HoldCause::Confirming, HoldCause::Doubted] {
         let hold = VesselMode::Holding(VesselHold::Cause(cause));
         check(&mut under_way(CommandPath::Simulated), GateInput::Unusable(cause), 1_330, hold, NEUTRAL);
         // Also after way was kept; and it does not begin again.

@@ -10,6 +10,7 @@ use barrelman_wire::Framing;
 use super::Configuration;
 use crate::config::camera::CameraSection;
 use crate::config::console::{ConsoleSection, RecordingSection};
+use crate::config::detector::DetectorSection;
 use crate::config::file::{
     ConfigFile, LawSection, LineEnding, LinkSection, SignName, VehicleSection, VideoSection,
 };
@@ -40,6 +41,7 @@ impl Configuration {
             tracking_camera: TrackingCameraSection::from_config(&self.tracking_camera),
             tak: TakSection::from_config(&self.tak),
             share: ShareSection::from_config(self.share.as_ref()),
+            detector: DetectorSection::from_config(self.detector.as_ref()),
             vessel: VesselSection::from_config(self.vessel.as_ref()),
             console: ConsoleSection::from_config(&self.console),
             recording: RecordingSection::from_config(&self.recording),

@@ -89,6 +89,7 @@ variants!(HoldCause, HoldCause, "hold_cause", [
     HoldCause::NoSelection => NoSelection,
     HoldCause::TrackLost => TrackLost,
     HoldCause::Coasting => Coasting,
+    HoldCause::Doubted => Doubted,
     HoldCause::VideoStale => VideoStale,
     HoldCause::VideoSilent => VideoSilent,
     HoldCause::Confirming => Confirming,
