@@ -39,9 +39,9 @@ impl Schedule {
                 repetitions: 5,
             },
             TestMotions::Speed => Self {
-                moves: Duration::from_millis(1200),
-                rests: Duration::from_millis(1200),
-                repetitions: 2,
+                moves: Duration::from_millis(2000),
+                rests: Duration::from_millis(1500),
+                repetitions: 3,
             },
         }
     }
@@ -92,7 +92,7 @@ mod tests {
     #[test]
     fn each_axis_comes_back_to_where_it_was_within_the_consent() {
         let begun = Timestamp::from_secs_f64(5.0);
-        for (motions, expected) in [(TestMotions::Axes, 0.25), (TestMotions::Speed, 0.12)] {
+        for (motions, expected) in [(TestMotions::Axes, 0.25), (TestMotions::Speed, 0.2)] {
             let calibration = Calibration::new(motions, begun);
             let (mut pan, mut tilt, mut widest, mut ms) = (0.0, 0.0, 0.0_f64, 0);
             while let Some(command) = calibration.command(begun.plus(Duration::from_millis(ms))) {

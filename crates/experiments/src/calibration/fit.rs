@@ -21,10 +21,18 @@ const MIN_EXPLAINED: f64 = 0.5;
 /// Largest standard errors: of the gain, as a share of the gain, and of the dead times, seconds. What is told is meant to be
 /// right within 5 % and 60 ms; five repetitions have four degrees of freedom, so that the error exceeds 2.8 standard errors in
 /// one case of twenty, and four of them in one of sixty.
-const MAX_GAIN_ERROR: f64 = 0.0125;
-const MAX_DEAD_TIME_ERROR_S: f64 = 0.015;
+const MAX_ERRORS: Errors = Errors { gain: 0.0125, dead_time_s: 0.015 };
+/// The same of the rate at a speed, which is one of several points.
+const MAX_ERRORS_OF_RATE: Errors = Errors { gain: 0.08, dead_time_s: MAX_DEAD_TIME_S };
 /// Least gain of an axis that turns.
 const MIN_GAIN: f64 = 0.1;
+
+/// Standard errors.
+#[derive(Debug, Clone, Copy)]
+struct Errors {
+    gain: f64,
+    dead_time_s: f64,
+}
 
 /// A measured angle.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -123,44 +131,47 @@ pub fn fit_axis(
     commands: &[RateStep],
     repetitions: &[(f64, f64)],
 ) -> Result<AxisFit, CannotTell> {
-    let (Some(first), Some(last)) = (repetitions.first(), repetitions.last()) else {
-        return Err(CannotTell::NotMeasured);
-    };
-    let whole = fit_rate(samples, commands, repetitions)?;
-    let mut parts = Vec::new();
-    for (from, to) in repetitions {
-        let is_kept = |sample: &&AngleSample| {
-            (first.0..last.1).contains(&sample.at_s) && !(*from..*to).contains(&sample.at_s)
-        };
-        let kept: Vec<AngleSample> = samples.iter().filter(is_kept).copied().collect();
-        parts.push(fit(&kept, commands).ok_or(CannotTell::NotMeasured)?);
-    }
-    let gain_error = jackknife(&parts, AxisFit::gain) / whole.gain();
-    let dead_time_error_s =
-        jackknife(&parts, |fit| fit.start_dead_time_s).max(jackknife(&parts, |fit| fit.stop_dead_time_s));
-    if gain_error > MAX_GAIN_ERROR || dead_time_error_s > MAX_DEAD_TIME_ERROR_S {
-        return Err(CannotTell::Unsteady { gain_error, dead_time_error_s });
-    }
-    Ok(whole)
+    fit_within(samples, commands, repetitions, MAX_ERRORS)
 }
 
-/// Fits an axis to its samples without comparing repetitions: its rate is told, dead times and lag only roughly.
+/// Fits an axis to the samples of short motions: its rate is told, dead times and lag only roughly.
 ///
 /// # Errors
-/// Why the axis cannot be told.
+/// Why the rate cannot be told.
 pub fn fit_rate(
     samples: &[AngleSample],
     commands: &[RateStep],
     repetitions: &[(f64, f64)],
 ) -> Result<AxisFit, CannotTell> {
+    fit_within(samples, commands, repetitions, MAX_ERRORS_OF_RATE)
+}
+
+fn fit_within(
+    samples: &[AngleSample],
+    commands: &[RateStep],
+    repetitions: &[(f64, f64)],
+    max: Errors,
+) -> Result<AxisFit, CannotTell> {
     let (Some(first), Some(last)) = (repetitions.first(), repetitions.last()) else {
         return Err(CannotTell::NotMeasured);
     };
-    let is_within = |sample: &&AngleSample| (first.0..last.1).contains(&sample.at_s);
-    let within: Vec<AngleSample> = samples.iter().filter(is_within).copied().collect();
+    let between = |from: f64, to: f64| move |sample: &&AngleSample| (from..to).contains(&sample.at_s);
+    let within: Vec<AngleSample> = samples.iter().filter(between(first.0, last.1)).copied().collect();
     let whole = fit(&within, commands).ok_or(CannotTell::NotMeasured)?;
     if whole.explained < MIN_EXPLAINED || whole.gain() < MIN_GAIN {
         return Err(CannotTell::NotFollowing { explained: whole.explained });
+    }
+    let mut parts = Vec::new();
+    for (from, to) in repetitions {
+        let is_left_out = between(*from, *to);
+        let kept: Vec<AngleSample> = within.iter().filter(|sample| !is_left_out(sample)).copied().collect();
+        parts.push(fit(&kept, commands).ok_or(CannotTell::NotMeasured)?);
+    }
+    let gain_error = jackknife(&parts, AxisFit::gain) / whole.gain();
+    let dead_time_error_s =
+        jackknife(&parts, |fit| fit.start_dead_time_s).max(jackknife(&parts, |fit| fit.stop_dead_time_s));
+    if gain_error > max.gain || dead_time_error_s > max.dead_time_s {
+        return Err(CannotTell::Unsteady { gain_error, dead_time_error_s });
     }
     Ok(whole)
 }

@@ -17,8 +17,10 @@ use super::fit::CannotTell;
 const SPEEDS: [u16; 11] = [10, 20, 40, 70, 100, 150, 220, 320, 470, 680, 1000];
 /// An axis that turns as fast goes on to no higher speed, rad/s.
 const FAST_ENOUGH: f64 = 0.5;
-/// Where a higher speed turns the axis by less than this factor faster, it has no higher rate.
-const LEAST_GROWTH: f64 = 1.02;
+/// From this rate on, rad/s, a speed at which the axis is not seen to turn moves the picture too fast to be measured.
+const TOO_FAST_TO_TELL: f64 = 0.25;
+/// The rates of two points differ at least by this factor.
+const LEAST_GROWTH: f64 = 1.05;
 
 /// What the motions at one speed have told: the rates of both axes, rad/s, without their signs.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -69,13 +71,12 @@ impl Axis {
         if self.is_done {
             return;
         }
+        let fastest = self.points.last().map_or(0.0, |point| point.rate.radians_per_second());
         match measured {
             Ok(rate) => {
-                let fastest = self.points.last().map_or(0.0, |point| point.rate.radians_per_second());
-                if rate < fastest * LEAST_GROWTH {
-                    self.is_done = true;
-                    return;
-                }
+                // A slower speed that seemed to turn the axis as fast was measured wrongly, or has the same rate.
+                let rises = |point: &SpeedPoint| point.rate.radians_per_second() * LEAST_GROWTH <= rate;
+                self.points.retain(rises);
                 let rate_there = AngularRate::from_radians_per_second(rate);
                 self.points.push(SpeedPoint { speed: self.speed(), rate: rate_there });
                 self.is_done = rate >= FAST_ENOUGH;
@@ -83,7 +84,7 @@ impl Axis {
             // The dead zone, or a picture that moves too fast to be measured.
             Err(reason) => {
                 self.refused = reason;
-                self.is_done = !self.points.is_empty();
+                self.is_done = fastest >= TOO_FAST_TO_TELL;
             }
         }
         if self.at + 1 < SPEEDS.len() && !self.is_done {

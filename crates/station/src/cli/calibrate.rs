@@ -35,8 +35,8 @@ pub enum CalibrateCommand {
 The camera turns by itself, at most 0.1 rad/s, to 15 degrees to each side,
 for a minute and a half. Point it at something with structure that does not
 move. Space stops it, and so does every signal. A camera whose speeds are not
-known (ONVIF) turns at one after the other before, up to 80 degrees in a
-second, for four minutes.",
+known (ONVIF) turns at one after the other before, up to 80 degrees, for eight
+minutes.",
     mut_arg("config", |arg| arg.help("Configuration file (TOML); it is not changed")),
     mut_arg("link", |arg| arg.help("The link of the vehicle whose camera is measured"))
 )]

@@ -57,7 +57,7 @@ fn is_confirmed() -> Result<bool> {
     writeln!(
         out,
         "The camera will turn by itself, at 0.1 rad/s, 15 degrees to each side, for a minute and a half.\n\
-         A camera whose speeds are not known (ONVIF) turns at each of them before: up to 80 degrees, for four minutes."
+         A camera whose speeds are not known (ONVIF) turns at each of them before: up to 80 degrees, for eight minutes."
     )?;
     write!(out, "Nobody touches the vehicle, and the tether is free? Type yes: ")?;
     out.flush()?;

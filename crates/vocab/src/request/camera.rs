@@ -72,7 +72,7 @@ pub enum CameraRequest {
 pub enum TestMotions {
     /// Long and often: they tell dead times and lag, too.
     Axes,
-    /// Short and twice: they tell how fast the camera turns.
+    /// Shorter and fewer: they tell how fast the camera turns.
     Speed,
 }
 

@@ -66,7 +66,8 @@ impl<C: LinkCommand> LinkEnd<C> {
                     return Some(LinkEvent::Telemetry(Telemetry { at: now, report }));
                 }
                 LinkReport::Control { is_anothers } => self.is_anothers = is_anothers,
-                LinkReport::Lost { .. }
+                LinkReport::NotReached(_)
+                | LinkReport::Lost { .. }
                 | LinkReport::HeldUp
                 | LinkReport::Stopped(_)
                 | LinkReport::Panicked => {}
