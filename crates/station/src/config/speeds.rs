@@ -43,6 +43,9 @@ impl SpeedsSection {
     /// # Errors
     /// If the section does not suit the vehicle, or its points are no curves.
     pub(super) fn apply_to(&self, profile: VehicleProfile) -> Result<VehicleProfile> {
+        if *self == Self::default() {
+            return Ok(profile);
+        }
         if profile.protocol.speeds_are_rates() {
             bail!(
                 "vehicle.speeds is for a camera whose speeds have no unit, and {} is none: omit it, or give \

@@ -179,7 +179,9 @@ impl OnvifSession {
     fn poll_closing(&mut self, since: Timestamp, now: Timestamp, out: &mut Vec<Request<Call>>) -> NextAction {
         self.rates = VehicleRates::REST;
         self.poll_motion(now, out);
-        if self.motion.is_resting() || now.since(since) >= CLOSING_TIMEOUT {
+        // A camera that still turns gets more zeros.
+        let is_moving = matches!(self.watch.since(since, now), RestEvidence::Moving { .. });
+        if (self.motion.is_resting() && !is_moving) || now.since(since) >= CLOSING_TIMEOUT {
             self.state = State::Closed;
             return NextAction::Closed;
         }
