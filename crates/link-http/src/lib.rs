@@ -22,6 +22,7 @@ pub mod port;
 
 pub mod fotokite_sigma;
 pub mod main_video;
+pub mod named_video;
 pub mod onvif;
 
 pub mod tls_relay;
@@ -36,7 +37,8 @@ mod socket;
 mod tls;
 
 pub use link::open_link;
-pub use main_video::{MainVideo, main_video};
+pub use main_video::main_video;
+pub use named_video::MainVideo;
 pub use settings::{ClientIdentity, Credential, CredentialError, HttpProtocol, HttpSettings, Trust};
 pub use tls::client_config;
 pub use tls_relay::{RelayFailures, TlsRelay, TlsServer};

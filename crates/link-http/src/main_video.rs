@@ -1,21 +1,13 @@
-//! The video that a vehicle names.
+//! Asks a vehicle of any protocol for its video.
 
 use barrelman_link::port::PortError;
 use barrelman_vocab::Named as _;
 
 use crate::fotokite_sigma::Sigma;
 use crate::inquiry::not_usable;
+use crate::named_video::MainVideo;
 use crate::onvif::Camera;
 use crate::settings::{HttpProtocol, HttpSettings};
-
-/// The main video of a vehicle.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct MainVideo {
-    /// The stream's name.
-    pub name: String,
-    /// Its address: without encryption where there is one, otherwise in TLS (`rtsps://`); `None`: it has neither.
-    pub address: Option<String>,
-}
 
 /// The main video of the vehicle; `None`: it has none.
 ///

@@ -5,7 +5,7 @@ use barrelman_wire::fotokite_sigma::control::refusal;
 use barrelman_wire::fotokite_sigma::json::{self, CameraInfo, CameraState, HandoffState, VideoStream};
 
 use super::Sigma;
-use crate::main_video::MainVideo;
+use crate::named_video::MainVideo;
 
 impl Sigma {
     /// The speeds that the camera takes, degrees per second.

@@ -18,7 +18,7 @@ use ring::rand::{SecureRandom as _, SystemRandom};
 use crate::authorization::Authorization;
 use crate::connection::Asked;
 use crate::inquiry::{Inquiry, not_usable, reason};
-use crate::main_video::MainVideo;
+use crate::named_video::MainVideo;
 use crate::settings::HttpSettings;
 
 /// A camera that was reached, and answers what a link needs.

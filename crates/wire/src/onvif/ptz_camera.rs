@@ -7,8 +7,10 @@ use barrelman_vocab::Timestamp;
 use jiff::Timestamp as UtcTime;
 
 use super::login::Login;
+pub use answer::Answer;
 use requests::{Asked, Message, Security};
 
+mod answer;
 mod replies;
 mod requests;
 
@@ -68,15 +70,6 @@ pub struct CameraFaults {
     pub refuses_login: bool,
     /// Its clock is ahead by this many seconds from now on.
     pub clock_ahead_s: i64,
-}
-
-/// An answer.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Answer {
-    /// The status of HTTP.
-    pub status: u16,
-    /// The message.
-    pub body: String,
 }
 
 /// A motion, in shares of the largest speeds.

@@ -6,7 +6,7 @@ use jiff::Timestamp as UtcTime;
 use jiff::tz::TimeZone;
 use quick_xml::escape::escape;
 
-use super::Answer;
+use super::answer::Answer;
 use crate::onvif::ask::{Media, Service};
 
 const GENERIC: &str = "http://www.onvif.org/ver10/tptz/PanTiltSpaces";
