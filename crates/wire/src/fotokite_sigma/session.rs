@@ -28,15 +28,11 @@ use super::reports::{CameraWatch, Flight};
 use super::schedule::Schedule;
 use super::speeds::Speeds;
 use crate::http::motion::{Motion, Speeds as _, Surroundings};
-use crate::http::{Lane, Lanes, Received, Request};
+use crate::http::{CommandAnswers, Lane, Lanes, Received, Request};
 use crate::session::{NextAction, RestEvidence, Session, WillStep};
 
 /// A vehicle that was silent for this time is silent.
 pub const SILENT_AFTER: Duration = Duration::from_secs(3);
-/// How long a refusal of a command holds the camera, before another one is tried.
-pub const REFUSAL_HOLD: Duration = Duration::from_secs(2);
-/// Number of commands in a row without an answer from which on the vehicle counts as not answering.
-const UNANSWERED: u32 = 2;
 /// Pause before a refused token is tried again.
 const TOKEN_RETRY: Duration = Duration::from_secs(5);
 /// Pause before the camera's limits are asked for again.
@@ -78,10 +74,7 @@ pub struct FotokiteSigmaSession {
     flight: Flight,
     schedule: Schedule,
     is_offline: bool,
-    /// Why commands are refused, and until when no other is tried.
-    refused: Option<(Acceptance, Timestamp)>,
-    unanswered: u32,
-    reported: Option<(Acceptance, Timestamp)>,
+    commands: CommandAnswers,
     shown: Option<(&'static str, Timestamp)>,
     last_heard: Timestamp,
 }
@@ -102,9 +95,7 @@ impl FotokiteSigmaSession {
             flight: Flight::default(),
             schedule: Schedule::starting(now),
             is_offline: false,
-            refused: None,
-            unanswered: 0,
-            reported: None,
+            commands: CommandAnswers::default(),
             shown: None,
             last_heard: now,
         }
@@ -116,11 +107,10 @@ impl FotokiteSigmaSession {
             return Acceptance::TokenRefused;
         }
         if self.info.is_none() {
-            return self.refused.map_or(Acceptance::Unanswered, |(said, _)| said);
+            return self.commands.refusal().unwrap_or(Acceptance::Unanswered);
         }
-        let refused = self.refused.filter(|(_, until)| now < *until).map(|(said, _)| said);
         let offline = self.is_offline.then_some(Acceptance::NoCamera);
-        self.control.obstacle().or(offline).or(refused).unwrap_or(Acceptance::Accepted)
+        self.control.obstacle().or(offline).or(self.commands.holding(now)).unwrap_or(Acceptance::Accepted)
     }
 
     fn is_open(&self) -> bool {
@@ -133,11 +123,7 @@ impl FotokiteSigmaSession {
 
     fn surroundings(&self, now: Timestamp) -> Surroundings {
         let since = self.motion.stopping_since().unwrap_or(Timestamp::ZERO);
-        Surroundings {
-            is_stop_free: self.lanes.is_free(Lane::Stop),
-            is_turn_free: self.lanes.is_free(Lane::Turn),
-            is_at_rest: self.camera.since(since, now) == RestEvidence::AtRest,
-        }
+        Surroundings::of(&self.lanes, self.camera.since(since, now))
     }
 
     /// Sends the commands that are due.
@@ -249,8 +235,7 @@ impl FotokiteSigmaSession {
     fn wake_at(&self, now: Timestamp) -> Timestamp {
         let control = self.control.wake_at().filter(|_| self.lanes.is_free(Lane::Control));
         let motion = self.motion.wake_at().filter(|_| self.control.is_ours());
-        let refused = self.refused.map(|(_, until)| until).filter(|until| now < *until);
-        let times = [control, motion, refused, self.lanes.next_overdue()];
+        let times = [control, motion, self.commands.held_until(now), self.lanes.next_overdue()];
         let soon = times.into_iter().flatten().min().unwrap_or(Timestamp::from_nanos(u64::MAX));
         // What waits for a free lane is looked at when the lane's answer arrives.
         let states = self.schedule.wake_at(now).max(now.plus(Duration::from_millis(20)));
@@ -262,7 +247,7 @@ impl FotokiteSigmaSession {
     }
 
     fn is_told(&self) -> bool {
-        self.refused.is_some() || self.control.is_known()
+        self.commands.refusal().is_some() || self.control.is_known()
     }
 }
 
@@ -292,7 +277,7 @@ impl Session for FotokiteSigmaSession {
         }
         // Commands go first.
         self.poll_motion(now, out);
-        let needs_info = self.info.is_none() || self.info_at <= now && self.refused.is_some();
+        let needs_info = self.info.is_none() || self.info_at <= now && self.commands.refusal().is_some();
         if needs_info && self.info_at <= now && self.lanes.is_free(Lane::State) {
             self.info_at = now.plus(INFO_RETRY);
             self.send(Lane::State, Call::CameraInfo, now, out);

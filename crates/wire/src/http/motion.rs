@@ -15,7 +15,9 @@ use core::time::Duration;
 
 use barrelman_vocab::Timestamp;
 
-use super::request::Lane;
+use super::lanes::Lanes;
+use super::request::{HttpCall, Lane};
+use crate::session::RestEvidence;
 
 /// Least interval between commands with different speeds: that of the video frames.
 pub const SPACING: Duration = Duration::from_millis(30);
@@ -65,6 +67,17 @@ pub struct Surroundings {
     pub is_turn_free: bool,
     /// Whether the camera's state shows rest.
     pub is_at_rest: bool,
+}
+
+impl Surroundings {
+    /// Those of a session with these lanes and this evidence of rest.
+    pub fn of<C: HttpCall>(lanes: &Lanes<C>, evidence: RestEvidence) -> Self {
+        Self {
+            is_stop_free: lanes.is_free(Lane::Stop),
+            is_turn_free: lanes.is_free(Lane::Turn),
+            is_at_rest: evidence == RestEvidence::AtRest,
+        }
+    }
 }
 
 impl<S: Speeds> Default for Motion<S> {

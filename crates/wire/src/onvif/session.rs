@@ -28,15 +28,11 @@ use super::schedule::Schedule;
 use super::velocity::Velocity;
 use super::watch::MotionWatch;
 use crate::http::motion::{Motion, Speeds as _, Surroundings};
-use crate::http::{Lane, Lanes, Received, Request};
+use crate::http::{CommandAnswers, Lane, Lanes, Received, Request};
 use crate::session::{NextAction, RestEvidence, Session, WillStep};
 
 /// A camera that was silent for this time is silent.
 pub const SILENT_AFTER: Duration = Duration::from_secs(3);
-/// How long a refusal of a command holds the camera, before another one is tried.
-pub const REFUSAL_HOLD: Duration = Duration::from_secs(2);
-/// Number of commands in a row without an answer from which on the camera counts as not answering.
-const UNANSWERED: u32 = 2;
 /// Pause before a camera that cannot be used is asked again.
 const RETRY: Duration = Duration::from_secs(5);
 /// Longest shut-down. Motion has ended by itself before.
@@ -82,10 +78,7 @@ pub struct OnvifSession {
     has_rested: bool,
     watch: MotionWatch,
     schedule: Schedule,
-    /// Why commands are refused, and until when no other is tried.
-    refused: Option<(Acceptance, Timestamp)>,
-    unanswered: u32,
-    reported: Option<(Acceptance, Timestamp)>,
+    commands: CommandAnswers,
     last_heard: Timestamp,
 }
 
@@ -105,9 +98,7 @@ impl OnvifSession {
             has_rested: true,
             watch: MotionWatch::default(),
             schedule: Schedule::starting(now),
-            refused: None,
-            unanswered: 0,
-            reported: None,
+            commands: CommandAnswers::default(),
             last_heard: now,
         }
     }
@@ -121,8 +112,7 @@ impl OnvifSession {
         if self.speeds.is_none() {
             return Some(Acceptance::NotCalibrated);
         }
-        let refused = self.refused.filter(|(_, until)| now < *until).map(|(said, _)| said);
-        Some(refused.unwrap_or(Acceptance::Accepted))
+        Some(self.commands.holding(now).unwrap_or(Acceptance::Accepted))
     }
 
     fn send(&mut self, lane: Lane, ask: Ask, now: Timestamp, out: &mut Vec<Request<Call>>) {
@@ -132,11 +122,7 @@ impl OnvifSession {
 
     fn surroundings(&self, now: Timestamp) -> Surroundings {
         let since = self.motion.stopping_since().unwrap_or(Timestamp::ZERO);
-        Surroundings {
-            is_stop_free: self.lanes.is_free(Lane::Stop),
-            is_turn_free: self.lanes.is_free(Lane::Turn),
-            is_at_rest: self.watch.since(since, now) == RestEvidence::AtRest,
-        }
+        Surroundings::of(&self.lanes, self.watch.since(since, now))
     }
 
     /// Sends the commands that are due.
@@ -190,8 +176,7 @@ impl OnvifSession {
     }
 
     fn wake_at(&self, now: Timestamp) -> Timestamp {
-        let refused = self.refused.map(|(_, until)| until).filter(|until| now < *until);
-        let times = [self.motion.wake_at(), refused, self.lanes.next_overdue()];
+        let times = [self.motion.wake_at(), self.commands.held_until(now), self.lanes.next_overdue()];
         let soon = times.into_iter().flatten().min().unwrap_or(Timestamp::from_nanos(u64::MAX));
         let states = self.schedule.wake_at().max(now.plus(LOOK_INTERVAL));
         soon.max(now.plus(Duration::from_millis(1))).min(states).min(self.last_heard.plus(SILENT_AFTER))

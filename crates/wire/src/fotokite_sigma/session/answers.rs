@@ -4,7 +4,7 @@ use barrelman_vocab::acceptance::Acceptance;
 use barrelman_vocab::telemetry::Report;
 use barrelman_vocab::{Telemetry, Timestamp};
 
-use super::{FotokiteSigmaSession, INFO_RETRY, REFUSAL_HOLD, State, TOKEN_RETRY, UNANSWERED};
+use super::{FotokiteSigmaSession, INFO_RETRY, State, TOKEN_RETRY};
 use crate::fotokite_sigma::call::{Call, StreamId};
 use crate::fotokite_sigma::control::refusal;
 use crate::fotokite_sigma::json;
@@ -102,7 +102,8 @@ impl FotokiteSigmaSession {
         self.info_at = now.plus(INFO_RETRY);
         match body.and_then(json::read) {
             Some(info) => {
-                (self.info, self.refused) = (Some(info), None);
+                self.info = Some(info);
+                self.commands.forget_refusal();
                 if self.state == State::Looking {
                     self.state = State::Joining;
                 }
@@ -111,30 +112,26 @@ impl FotokiteSigmaSession {
                 // An answer that cannot be read is a fault of the vehicle's.
                 let said = status
                     .map_or(Acceptance::Unanswered, |status| refusal(status).unwrap_or(Acceptance::Fault));
-                self.refused = Some((said, now.plus(REFUSAL_HOLD)));
+                self.commands.refuse(said, now);
             }
         }
     }
 
     fn on_command(&mut self, status: Option<u16>, now: Timestamp) {
-        self.unanswered = if status.is_some() { 0 } else { self.unanswered + 1 };
-        let said = match status {
+        let Some(status) = status else { return self.commands.on_no_answer(now) };
+        self.commands.on_answer();
+        if status == 403 {
             // Another client controls.
-            Some(403) => {
-                self.control.lose();
-                self.motion.yield_control();
-                return;
-            }
-            Some(status) => refusal(status),
-            None => (self.unanswered >= UNANSWERED).then_some(Acceptance::Unanswered),
-        };
-        if said == Some(Acceptance::Unusable) {
+            self.control.lose();
+            self.motion.yield_control();
+            return;
+        }
+        let Some(said) = refusal(status) else { return };
+        if said == Acceptance::Unusable {
             // The limits may have changed with the camera.
             self.info_at = now;
         }
-        if let Some(said) = said {
-            self.refused = Some((said, now.plus(REFUSAL_HOLD)));
-        }
+        self.commands.refuse(said, now);
     }
 
     pub(super) fn on_camera_state(
@@ -152,7 +149,7 @@ impl FotokiteSigmaSession {
         tell(pan_of(state), now, report);
     }
 
-    /// Reports what the vehicle says to commands: at changes, and once a second, as a report may find no room.
+    /// Reports what the vehicle says to commands.
     pub(super) fn report_acceptance(&mut self, now: Timestamp, report: ReportSink<'_>) {
         // Nothing is known before the first answers.
         if matches!(self.state, State::Closing { .. } | State::Closed)
@@ -160,11 +157,6 @@ impl FotokiteSigmaSession {
         {
             return;
         }
-        let said = self.acceptance(now);
-        let is_new = self.reported.is_none_or(|(before, at)| before != said || now.since(at).as_secs() >= 1);
-        if is_new {
-            self.reported = Some((said, now));
-            report(Telemetry { at: now, report: Report::Acceptance(said) });
-        }
+        self.commands.report(self.acceptance(now), now, report);
     }
 }

@@ -1,10 +1,9 @@
 //! What an answer changes in a session, and what it reports.
 
 use barrelman_vocab::acceptance::Acceptance;
-use barrelman_vocab::telemetry::Report;
 use barrelman_vocab::{Telemetry, Timestamp};
 
-use super::{OnvifSession, REFUSAL_HOLD, RETRY, State, UNANSWERED};
+use super::{OnvifSession, RETRY, State};
 use crate::http::motion::Speeds as _;
 use crate::onvif::answers::{Status, StatusBody};
 use crate::onvif::ask::Ask;
@@ -67,19 +66,16 @@ impl OnvifSession {
     }
 
     fn on_command(&mut self, question: &'static str, answer: Option<(u16, &[u8])>, now: Timestamp) {
-        self.unanswered = if answer.is_some() { 0 } else { self.unanswered + 1 };
-        let said = match answer.map(|(status, body)| Refusal::of(status, body)) {
-            Some(Some(refusal)) if refusal.said == Acceptance::LoginRefused => {
+        let Some((status, body)) = answer else { return self.commands.on_no_answer(now) };
+        self.commands.on_answer();
+        match Refusal::of(status, body) {
+            Some(refusal) if refusal.said == Acceptance::LoginRefused => {
                 self.fail(JoiningError::Refused { question, refusal }, now);
-                return;
             }
             // A camera that knows no Stop is stopped by the other kind of zero.
-            Some(Some(refusal)) if question == "Stop" && refusal.is_unknown => None,
-            Some(refusal) => refusal.map(|refusal| refusal.said),
-            None => (self.unanswered >= UNANSWERED).then_some(Acceptance::Unanswered),
-        };
-        if let Some(said) = said {
-            self.refused = Some((said, now.plus(REFUSAL_HOLD)));
+            Some(refusal) if question == "Stop" && refusal.is_unknown => {}
+            Some(refusal) => self.commands.refuse(refusal.said, now),
+            None => {}
         }
     }
 
@@ -106,16 +102,13 @@ impl OnvifSession {
         }
     }
 
-    /// Reports what the camera says to commands: at changes, and once a second, as a report may find no room.
+    /// Reports what the camera says to commands.
     pub(super) fn report_acceptance(&mut self, now: Timestamp, report: ReportSink<'_>) {
         if matches!(self.state, State::Closing { .. } | State::Closed) {
             return;
         }
-        let Some(said) = self.acceptance(now) else { return };
-        let is_new = self.reported.is_none_or(|(before, at)| before != said || now.since(at).as_secs() >= 1);
-        if is_new {
-            self.reported = Some((said, now));
-            report(Telemetry { at: now, report: Report::Acceptance(said) });
+        if let Some(said) = self.acceptance(now) {
+            self.commands.report(said, now, report);
         }
     }
 }
