@@ -189,6 +189,15 @@ fn a_refused_login_is_told_and_a_clock_that_jumps_is_followed() {
 }
 
 #[test]
+fn a_link_whose_zeros_are_refused_ends_at_once() {
+    let mut talk = OnvifConversation::up(with_login());
+    talk.camera.set_faults(CameraFaults { refuses_login: true, ..CameraFaults::default() });
+    talk.session.close(talk.now);
+    let ended = talk.run_until(2_500, |talk| talk.last == NextAction::Closed);
+    assert!(ended.is_some_and(|ms| ms <= 50), "{ended:?}");
+}
+
+#[test]
 fn a_camera_that_is_silent_is_reached_anew() {
     let mut talk = OnvifConversation::up(camera());
     talk.is_cut = true;

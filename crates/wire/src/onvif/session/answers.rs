@@ -58,11 +58,14 @@ impl OnvifSession {
         }
     }
 
-    /// The camera cannot be used for a while. A motion ends by itself.
+    /// The camera cannot be used for a while, and a link that is closing has no more to do. A motion ends by itself.
     fn fail(&mut self, error: JoiningError, now: Timestamp) {
         self.motion.yield_control();
         self.failure = Some(error);
-        self.state = State::Refused { until: now.plus(RETRY) };
+        self.state = match self.state {
+            State::Closing { .. } => State::Closed,
+            _ => State::Refused { until: now.plus(RETRY) },
+        };
     }
 
     fn on_command(&mut self, question: &'static str, answer: Option<(u16, &[u8])>, now: Timestamp) {
