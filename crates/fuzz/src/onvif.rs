@@ -5,14 +5,14 @@ use core::time::Duration;
 use barrelman_vocab::AngularRate;
 use barrelman_vocab::Timestamp;
 use barrelman_vocab::speed_curve::{AxisSpeeds, SpeedCurve};
+use barrelman_wire::Session as _;
 use barrelman_wire::http::{HttpCall as _, Received, Request};
 use barrelman_wire::onvif::discovery::found;
 use barrelman_wire::onvif::{
     Ask, Call, CameraFaults, CameraSettings, Login, OnvifSession, OnvifSettings, PtzCamera,
 };
-use barrelman_wire::{NextAction, Session as _};
 
-use crate::vehicle::{check_report, rates_of};
+use crate::vehicle::{check_report, goes_on, rates_of};
 
 /// Statuses of answers that the session tells apart.
 const STATUSES: [u16; 6] = [200, 400, 401, 404, 500, 503];
@@ -130,17 +130,7 @@ impl Talk {
             self.check(request);
         }
         self.waiting.append(&mut sent);
-        match next {
-            NextAction::WaitUntil(_) => true,
-            NextAction::Reopen { reason } => {
-                assert!(!reason.is_empty());
-                false
-            }
-            NextAction::Closed => {
-                assert!(self.is_closing, "the end was not asked for");
-                false
-            }
-        }
+        goes_on(next, self.is_closing)
     }
 
     fn check(&self, request: &Request<Call>) {

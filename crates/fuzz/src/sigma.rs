@@ -3,14 +3,14 @@
 use core::time::Duration;
 
 use barrelman_vocab::Timestamp;
+use barrelman_wire::Session as _;
 use barrelman_wire::fotokite_sigma::call::{STOP_DURATION, TURN_DURATION};
 use barrelman_wire::fotokite_sigma::sigma::{SigmaSettings, View};
 use barrelman_wire::fotokite_sigma::{Call, FotokiteSigmaSession, Sigma};
 use barrelman_wire::http::motion::Speeds as _;
 use barrelman_wire::http::{HttpCall as _, Received, Request};
-use barrelman_wire::{NextAction, Session as _};
 
-use crate::vehicle::{check_report, rates_of};
+use crate::vehicle::{check_report, goes_on, rates_of};
 
 /// Statuses of answers that the session tells apart.
 const STATUSES: [u16; 10] = [200, 201, 202, 204, 400, 401, 403, 409, 500, 503];
@@ -122,17 +122,7 @@ impl Talk {
             self.check(request);
         }
         self.waiting.append(&mut sent);
-        match next {
-            NextAction::WaitUntil(_) => true,
-            NextAction::Reopen { reason } => {
-                assert!(!reason.is_empty());
-                false
-            }
-            NextAction::Closed => {
-                assert!(self.is_closing, "the end was not asked for");
-                false
-            }
-        }
+        goes_on(next, self.is_closing)
     }
 
     fn check(&self, request: &Request<Call>) {

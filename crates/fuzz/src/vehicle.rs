@@ -76,6 +76,21 @@ fn check_rates(packet: &[u8]) {
     }
 }
 
+/// Whether a conversation goes on after this. It ends only where that was asked for, or for a reason.
+pub(crate) fn goes_on(next: NextAction, is_closing: bool) -> bool {
+    match next {
+        NextAction::WaitUntil(_) => true,
+        NextAction::Reopen { reason } => {
+            assert!(!reason.is_empty());
+            false
+        }
+        NextAction::Closed => {
+            assert!(is_closing, "the end was not asked for");
+            false
+        }
+    }
+}
+
 /// Every reported number is finite.
 pub(crate) fn check_report(report: &Report) {
     let numbers: Vec<f64> = match report {
