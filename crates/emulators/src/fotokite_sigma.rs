@@ -10,7 +10,7 @@
 //! The server only carries requests; who controls, and what turns until when, is decided by [`Sigma`].
 
 use std::net::SocketAddr;
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::Arc;
 use std::time::Duration;
 
 use anyhow::Result;
@@ -33,19 +33,12 @@ use super::http_log::{HttpLog, LoggedRequest};
 use crate::camera_link::{CameraLink, Pointing};
 use crate::http_server::{HttpServer, response};
 use crate::moved_camera::MovedCamera;
+use crate::shared_emulation::{MAX_BODY_BYTES, Shared, TICK};
 
 /// The path before those of the API.
 const BASE_PATH: &str = "/api";
-/// Interval of the ticks that end motions, and of the log.
-const TICK: Duration = Duration::from_millis(5);
 /// Interval between the messages of the WebSocket.
 const MESSAGE_INTERVAL: Duration = Duration::from_millis(100);
-/// Delay of answers while the fault `delay` is active.
-const FAULT_DELAY: Duration = Duration::from_millis(400);
-/// Interval at which a request that hangs looks whether the fault is over.
-const FAULT_LOOK: Duration = Duration::from_millis(20);
-/// Largest body of a request, bytes.
-const MAX_BODY_BYTES: usize = 16 << 10;
 
 /// The faults that the emulator has.
 pub const SIGMA_FAULTS: [FaultKind; 7] = [
@@ -76,15 +69,8 @@ pub struct EmulatedSigmaSettings {
 
 /// An emulated Sigma. Dropping it ends its server.
 pub struct EmulatedSigma {
-    shared: Arc<Shared>,
+    shared: Arc<Shared<Emulation>>,
     server: HttpServer,
-}
-
-struct Shared {
-    state: Mutex<Emulation>,
-    faults: FaultPlan,
-    has_websocket: bool,
-    clock: Clock,
 }
 
 struct Emulation {
@@ -109,17 +95,6 @@ impl Emulation {
     }
 }
 
-impl Shared {
-    fn state(&self) -> MutexGuard<'_, Emulation> {
-        // A panic of one request must not end the emulation.
-        self.state.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
-    fn is_active(&self, kind: FaultKind) -> bool {
-        self.faults.is_active(kind, self.clock.now())
-    }
-}
-
 impl EmulatedSigma {
     /// Starts the server.
     ///
@@ -134,8 +109,8 @@ impl EmulatedSigma {
             is_taken: false,
             is_restarting: false,
         };
-        let shared = Arc::new(Shared { state: Mutex::new(state), faults, has_websocket, clock });
-        let server = HttpServer::start(address, "sigma", |_| router(Arc::clone(&shared)))?;
+        let shared = Arc::new(Shared::new(state, faults, clock));
+        let server = HttpServer::start(address, "sigma", |_| router(Arc::clone(&shared), has_websocket))?;
         Ok(Self { shared, server })
     }
 
@@ -181,10 +156,10 @@ impl EmulatedSigma {
     }
 }
 
-fn router(shared: Arc<Shared>) -> Router {
+fn router(shared: Arc<Shared<Emulation>>, has_websocket: bool) -> Router {
     let router = Router::new();
     let subscribe = format!("{BASE_PATH}/v1/camera/state/subscribe");
-    let router = if shared.has_websocket { router.route(&subscribe, get(on_subscribe)) } else { router };
+    let router = if has_websocket { router.route(&subscribe, get(on_subscribe)) } else { router };
     router.fallback(on_request).layer(DefaultBodyLimit::max(MAX_BODY_BYTES)).with_state(shared)
 }
 
@@ -193,16 +168,14 @@ fn token_of(headers: &HeaderMap) -> Option<&str> {
 }
 
 async fn on_request(
-    State(shared): State<Arc<Shared>>,
+    State(shared): State<Arc<Shared<Emulation>>>,
     method: Method,
     uri: Uri,
     headers: HeaderMap,
     body: Bytes,
 ) -> Response {
-    while shared.is_active(FaultKind::Hang) {
-        tokio::time::sleep(FAULT_LOOK).await;
-    }
-    let mut answer = {
+    shared.way_there().await;
+    let answer = {
         let now = shared.clock.now();
         let mut state = shared.state();
         let view = state.view();
@@ -218,20 +191,11 @@ async fn on_request(
         }
         answer
     };
-    while shared.is_active(FaultKind::Silence) {
-        tokio::time::sleep(FAULT_LOOK).await;
-    }
-    if shared.is_active(FaultKind::Delay) {
-        tokio::time::sleep(FAULT_DELAY).await;
-    }
-    if shared.is_active(FaultKind::Corrupt) {
-        answer.body = answer.body.replace(['"', ':'], "#");
-    }
-    response(answer.status, answer.body)
+    response(answer.status, shared.way_back(answer.body, ['"', ':']).await)
 }
 
 async fn on_subscribe(
-    State(shared): State<Arc<Shared>>,
+    State(shared): State<Arc<Shared<Emulation>>>,
     headers: HeaderMap,
     upgrade: WebSocketUpgrade,
 ) -> Response {
@@ -251,7 +215,7 @@ async fn on_subscribe(
 }
 
 /// Sends the camera's state ten times a second, until the client is gone.
-async fn send_states(shared: Arc<Shared>, mut socket: WebSocket) {
+async fn send_states(shared: Arc<Shared<Emulation>>, mut socket: WebSocket) {
     loop {
         tokio::time::sleep(MESSAGE_INTERVAL).await;
         if [FaultKind::Hang, FaultKind::Silence].iter().any(|kind| shared.is_active(*kind)) {

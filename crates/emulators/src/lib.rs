@@ -23,6 +23,7 @@ mod http_server;
 mod port_link;
 mod rtp_packetiser;
 pub mod rtsp_server;
+mod shared_emulation;
 
 pub mod camera_link;
 mod moved_camera;

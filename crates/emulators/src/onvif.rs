@@ -8,8 +8,7 @@
 //! ```
 
 use std::net::SocketAddr;
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
-use std::time::Duration;
+use std::sync::Arc;
 
 use anyhow::Result;
 use axum::Router;
@@ -30,15 +29,7 @@ use crate::digest;
 use crate::http_log::{HttpLog, LoggedRequest};
 use crate::http_server::{HttpServer, response};
 use crate::moved_camera::MovedCamera;
-
-/// Interval of the ticks that end motions, and of the log.
-const TICK: Duration = Duration::from_millis(5);
-/// Delay of answers while the fault `delay` is active.
-const FAULT_DELAY: Duration = Duration::from_millis(400);
-/// Interval at which a request that hangs looks whether the fault is over.
-const FAULT_LOOK: Duration = Duration::from_millis(20);
-/// Largest body of a request, bytes.
-const MAX_BODY_BYTES: usize = 16 << 10;
+use crate::shared_emulation::{MAX_BODY_BYTES, Shared, TICK};
 
 /// The faults that the emulator has.
 pub const ONVIF_FAULTS: [FaultKind; 6] = [
@@ -85,20 +76,14 @@ pub fn example_speeds() -> AxisSpeeds {
 
 /// An emulated camera. Dropping it ends its server.
 pub struct EmulatedCamera {
-    shared: Arc<Shared>,
+    shared: Arc<Shared<Emulation>>,
     server: HttpServer,
-}
-
-struct Shared {
-    state: Mutex<Emulation>,
-    faults: FaultPlan,
-    wants_http_digest: bool,
-    clock: Clock,
 }
 
 struct Emulation {
     ptz: PtzCamera,
     habits: CameraFaults,
+    wants_http_digest: bool,
     speeds: AxisSpeeds,
     camera: MovedCamera,
     log: HttpLog,
@@ -121,17 +106,6 @@ impl Emulation {
     }
 }
 
-impl Shared {
-    fn state(&self) -> MutexGuard<'_, Emulation> {
-        // A panic of one request must not end the emulation.
-        self.state.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
-    fn is_active(&self, kind: FaultKind) -> bool {
-        self.faults.is_active(kind, self.clock.now())
-    }
-}
-
 impl EmulatedCamera {
     /// Starts the server.
     ///
@@ -147,12 +121,13 @@ impl EmulatedCamera {
             let state = Emulation {
                 ptz,
                 habits,
+                wants_http_digest,
                 speeds,
                 camera: MovedCamera::at_rest(VehicleProfile::onvif_ptz(), world),
                 log: HttpLog::new(log, clock),
                 is_restarting: false,
             };
-            let made = Arc::new(Shared { state: Mutex::new(state), faults, wants_http_digest, clock });
+            let made = Arc::new(Shared::new(state, faults, clock));
             router(Arc::clone(shared.insert(made)))
         })?;
         let shared = shared.expect("a server that started has made its router");
@@ -197,24 +172,22 @@ impl EmulatedCamera {
     }
 }
 
-fn router(shared: Arc<Shared>) -> Router {
+fn router(shared: Arc<Shared<Emulation>>) -> Router {
     Router::new().fallback(on_request).layer(DefaultBodyLimit::max(MAX_BODY_BYTES)).with_state(shared)
 }
 
 async fn on_request(
-    State(shared): State<Arc<Shared>>,
+    State(shared): State<Arc<Shared<Emulation>>>,
     method: Method,
     uri: Uri,
     headers: HeaderMap,
     body: Bytes,
 ) -> Response {
-    while shared.is_active(FaultKind::Hang) {
-        tokio::time::sleep(FAULT_LOOK).await;
-    }
+    shared.way_there().await;
     if shared.is_active(FaultKind::Reboot) {
         return response(503, String::new());
     }
-    let mut answer = {
+    let answer = {
         let now = shared.clock.now();
         let mut state = shared.state();
         let proof = headers.get(header::AUTHORIZATION).and_then(|value| value.to_str().ok());
@@ -223,7 +196,7 @@ async fn on_request(
         });
         let text = String::from_utf8_lossy(&body);
         let asks_time = text.contains("GetSystemDateAndTime");
-        if shared.wants_http_digest && state.ptz.login().is_some() && !is_proved && !asks_time {
+        if state.wants_http_digest && state.ptz.login().is_some() && !is_proved && !asks_time {
             return unauthorised();
         }
         let position = state.position();
@@ -237,16 +210,7 @@ async fn on_request(
         }
         answer
     };
-    while shared.is_active(FaultKind::Silence) {
-        tokio::time::sleep(FAULT_LOOK).await;
-    }
-    if shared.is_active(FaultKind::Delay) {
-        tokio::time::sleep(FAULT_DELAY).await;
-    }
-    if shared.is_active(FaultKind::Corrupt) {
-        answer.body = answer.body.replace(['<', '"'], "#");
-    }
-    response(answer.status, answer.body)
+    response(answer.status, shared.way_back(answer.body, ['<', '"']).await)
 }
 
 fn unauthorised() -> Response {
