@@ -47,12 +47,12 @@ pub(crate) struct Asked {
     pub(crate) method: Method,
     pub(crate) path: String,
     pub(crate) content_type: &'static str,
-    pub(crate) body: Option<String>,
+    pub(crate) body: Option<Bytes>,
 }
 
 impl<C: HttpCall> From<&C> for Asked {
     fn from(call: &C) -> Self {
-        let (method, path, body) = (call.method(), call.path(), call.body());
+        let (method, path, body) = (call.method(), call.path(), call.body().map(Bytes::from));
         Self { method, path, content_type: C::CONTENT_TYPE, body }
     }
 }
@@ -155,7 +155,7 @@ impl Connection {
         if asked.body.is_some() {
             request = request.header(CONTENT_TYPE, asked.content_type);
         }
-        let body = Full::new(Bytes::from(asked.body.clone().unwrap_or_default()));
+        let body = Full::new(asked.body.clone().unwrap_or_default());
         let request = request.body(body).map_err(io::Error::other)?;
         self.sender.ready().await.map_err(io::Error::other)?;
         self.sender.send_request(request).await.map_err(io::Error::other)

@@ -19,7 +19,7 @@ pub(super) fn token_for(inquiry: &Inquiry, key: &str) -> Result<String, String> 
         method: Method::Post,
         path: "/v1/auth/token/request".to_owned(),
         content_type: Call::CONTENT_TYPE,
-        body: Some(body.to_string()),
+        body: Some(body.to_string().into()),
     };
     let (status, body) = inquiry.ask(&asked).map_err(|error| reason(&error))?;
     let token = || {
