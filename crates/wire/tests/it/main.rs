@@ -15,6 +15,7 @@ mod station;
 mod telemetry;
 
 mod sigma_conversation;
+mod talk;
 
 mod sigma_calls;
 mod sigma_control;

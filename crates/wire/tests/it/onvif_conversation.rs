@@ -11,6 +11,7 @@ use barrelman_wire::onvif::{Ask, Call, CameraSettings, OnvifSession, OnvifSettin
 use barrelman_wire::{NextAction, Session as _};
 
 use crate::sigma_conversation::{MS, at};
+use crate::talk::Talk;
 
 /// Both axes turn at 1 rad/s at the speed 1.
 pub(crate) fn speeds() -> AxisSpeeds {
@@ -43,68 +44,7 @@ pub(crate) struct OnvifConversation {
     pub(crate) last: NextAction,
 }
 
-impl OnvifConversation {
-    pub(crate) fn new(camera: CameraSettings, settings: OnvifSettings) -> Self {
-        Self {
-            session: OnvifSession::open(&settings, [1; 16], at(0)),
-            settings,
-            sessions: 1,
-            camera: PtzCamera::new(camera),
-            now: at(0),
-            delay: 4 * MS,
-            is_cut: false,
-            under_way: Vec::new(),
-            answers: Vec::new(),
-            position: (0.2, -0.3),
-            sent: Vec::new(),
-            reports: Vec::new(),
-            last: NextAction::WaitUntil(at(0)),
-        }
-    }
-
-    /// A conversation with a camera of measured speeds, which is up.
-    pub(crate) fn up(camera: CameraSettings) -> Self {
-        let login = camera.login.clone();
-        let mut talk = Self::new(camera, OnvifSettings { login, speeds: Some(speeds()) });
-        talk.run_for(1_500);
-        assert_eq!(talk.acceptance(), Some(Acceptance::Accepted));
-        talk
-    }
-
-    /// The newest report of what the camera says to commands.
-    pub(crate) fn acceptance(&self) -> Option<Acceptance> {
-        self.reports.iter().rev().find_map(|report| match report {
-            Report::Acceptance(said) => Some(*said),
-            _ => None,
-        })
-    }
-
-    pub(crate) fn is_turning(&self) -> bool {
-        self.camera.velocity(self.now) != (0.0, 0.0)
-    }
-
-    /// Goes on for `ms` milliseconds.
-    pub(crate) fn run_for(&mut self, ms: u64) {
-        for _ in 0..ms {
-            self.step();
-        }
-    }
-
-    /// Goes on until the condition holds, at most for `ms` milliseconds; returns the time that it took, milliseconds.
-    pub(crate) fn run_until(
-        &mut self,
-        most_ms: u64,
-        mut condition: impl FnMut(&Self) -> bool,
-    ) -> Option<u64> {
-        for ms in 0..=most_ms {
-            if condition(self) {
-                return Some(ms);
-            }
-            self.step();
-        }
-        None
-    }
-
+impl Talk for OnvifConversation {
     fn step(&mut self) {
         self.now = self.now.plus(MS);
         let (pan, tilt) = self.camera.velocity(self.now);
@@ -136,6 +76,43 @@ impl OnvifConversation {
                 self.under_way.push((self.now.plus(self.delay), request));
             }
         }
+    }
+
+    fn reports(&self) -> &[Report] {
+        &self.reports
+    }
+}
+
+impl OnvifConversation {
+    pub(crate) fn new(camera: CameraSettings, settings: OnvifSettings) -> Self {
+        Self {
+            session: OnvifSession::open(&settings, [1; 16], at(0)),
+            settings,
+            sessions: 1,
+            camera: PtzCamera::new(camera),
+            now: at(0),
+            delay: 4 * MS,
+            is_cut: false,
+            under_way: Vec::new(),
+            answers: Vec::new(),
+            position: (0.2, -0.3),
+            sent: Vec::new(),
+            reports: Vec::new(),
+            last: NextAction::WaitUntil(at(0)),
+        }
+    }
+
+    /// A conversation with a camera of measured speeds, which is up.
+    pub(crate) fn up(camera: CameraSettings) -> Self {
+        let login = camera.login.clone();
+        let mut talk = Self::new(camera, OnvifSettings { login, speeds: Some(speeds()) });
+        talk.run_for(1_500);
+        assert_eq!(talk.acceptance(), Some(Acceptance::Accepted));
+        talk
+    }
+
+    pub(crate) fn is_turning(&self) -> bool {
+        self.camera.velocity(self.now) != (0.0, 0.0)
     }
 
     pub(crate) fn receive(&mut self, received: &Received) {

@@ -14,6 +14,7 @@ use proptest::prelude::*;
 
 use crate::onvif_conversation::{OnvifConversation, rates, speeds};
 use crate::sigma_conversation::at;
+use crate::talk::Talk as _;
 
 fn login() -> Login {
     Login::new("admin".to_owned(), "pass&word".to_owned())

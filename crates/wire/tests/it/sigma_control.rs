@@ -7,6 +7,7 @@ use barrelman_wire::http::{HttpCall as _, Lane};
 use barrelman_wire::{NextAction, Session as _};
 
 use crate::sigma_conversation::{Conversation, at, rates};
+use crate::talk::Talk as _;
 
 #[test]
 fn the_control_is_asked_for_at_the_start_and_kept() {

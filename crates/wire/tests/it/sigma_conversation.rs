@@ -10,6 +10,8 @@ use barrelman_wire::fotokite_sigma::{Call, FotokiteSigmaSession, Sigma};
 use barrelman_wire::http::{Lane, Received, Request};
 use barrelman_wire::{NextAction, Session as _};
 
+use crate::talk::Talk;
+
 pub(crate) const MS: Duration = Duration::from_millis(1);
 
 pub(crate) fn at(ms: u64) -> Timestamp {
@@ -44,68 +46,7 @@ pub(crate) struct Conversation {
     pub(crate) last: NextAction,
 }
 
-impl Conversation {
-    pub(crate) fn new() -> Self {
-        Self {
-            session: FotokiteSigmaSession::open(at(0)),
-            sigma: Sigma::new(SigmaSettings::example()),
-            now: at(0),
-            token: "token",
-            delay: 4 * MS,
-            hung: Vec::new(),
-            has_socket: true,
-            under_way: Vec::new(),
-            answers: Vec::new(),
-            view: View { pan_ned: 170.0, tilt_ned: 24.0 },
-            sent: Vec::new(),
-            statuses: Vec::new(),
-            reports: Vec::new(),
-            last: NextAction::WaitUntil(at(0)),
-        }
-    }
-
-    /// A conversation whose session is up and has the control.
-    pub(crate) fn up() -> Self {
-        let mut talk = Self::new();
-        talk.run_for(1_500);
-        assert_eq!(talk.acceptance(), Some(Acceptance::Accepted));
-        talk
-    }
-
-    /// The newest report of what the vehicle says to commands.
-    pub(crate) fn acceptance(&self) -> Option<Acceptance> {
-        self.reports.iter().rev().find_map(|report| match report {
-            Report::Acceptance(said) => Some(*said),
-            _ => None,
-        })
-    }
-
-    pub(crate) fn turning(&self) -> VehicleRates {
-        self.sigma.rates(self.now)
-    }
-
-    /// Goes on for `ms` milliseconds.
-    pub(crate) fn run_for(&mut self, ms: u64) {
-        for _ in 0..ms {
-            self.step();
-        }
-    }
-
-    /// Goes on until the condition holds, at most for `ms` milliseconds; returns the time that it took, milliseconds.
-    pub(crate) fn run_until(
-        &mut self,
-        most_ms: u64,
-        mut condition: impl FnMut(&Self) -> bool,
-    ) -> Option<u64> {
-        for ms in 0..=most_ms {
-            if condition(self) {
-                return Some(ms);
-            }
-            self.step();
-        }
-        None
-    }
-
+impl Talk for Conversation {
     fn step(&mut self) {
         self.now = self.now.plus(MS);
         let turning = self.turning();
@@ -135,6 +76,43 @@ impl Conversation {
                 None => self.under_way.push((self.now.plus(self.delay), request, true)),
             }
         }
+    }
+
+    fn reports(&self) -> &[Report] {
+        &self.reports
+    }
+}
+
+impl Conversation {
+    pub(crate) fn new() -> Self {
+        Self {
+            session: FotokiteSigmaSession::open(at(0)),
+            sigma: Sigma::new(SigmaSettings::example()),
+            now: at(0),
+            token: "token",
+            delay: 4 * MS,
+            hung: Vec::new(),
+            has_socket: true,
+            under_way: Vec::new(),
+            answers: Vec::new(),
+            view: View { pan_ned: 170.0, tilt_ned: 24.0 },
+            sent: Vec::new(),
+            statuses: Vec::new(),
+            reports: Vec::new(),
+            last: NextAction::WaitUntil(at(0)),
+        }
+    }
+
+    /// A conversation whose session is up and has the control.
+    pub(crate) fn up() -> Self {
+        let mut talk = Self::new();
+        talk.run_for(1_500);
+        assert_eq!(talk.acceptance(), Some(Acceptance::Accepted));
+        talk
+    }
+
+    pub(crate) fn turning(&self) -> VehicleRates {
+        self.sigma.rates(self.now)
     }
 
     fn arrive(&mut self) {

@@ -12,6 +12,7 @@ use barrelman_wire::{NextAction, RestEvidence, Session as _};
 use proptest::prelude::*;
 
 use crate::sigma_conversation::{Conversation, at, rates};
+use crate::talk::Talk as _;
 
 #[test]
 fn the_first_command_is_a_zero() {
