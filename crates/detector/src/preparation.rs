@@ -2,7 +2,7 @@
 //!
 //! The picture is sampled bilinearly, luma and chroma at their own sizes, and converted to RGB.
 
-use barrelman_vocab::video::{Picture, Plane, SampleRange};
+use barrelman_vocab::video::{Picture, Plane};
 use barrelman_vocab::{PictureSize, PixelBox};
 
 use crate::settings::{ChannelOrder, InputLayout, InputSettings};
@@ -83,7 +83,7 @@ struct Converter<'a> {
     planes: [Plane<'a>; 3],
     /// Samples of the chroma planes for one of luma, across and down.
     chroma: [f32; 2],
-    luma_offset: f32,
+    black: f32,
     luma_scale: f32,
     chroma_scale: f32,
     red_of_cr: f32,
@@ -95,16 +95,13 @@ impl<'a> Converter<'a> {
     fn new(picture: &'a Picture) -> Self {
         let (size, chroma) = (picture.size(), picture.chroma_size());
         let weights = picture.colour().matrix.luma_weights();
-        let (luma_offset, luma_scale, chroma_scale) = match picture.colour().range {
-            SampleRange::Full => (0.0, 1.0, 1.0),
-            SampleRange::Limited => (16.0, 255.0 / 219.0, 255.0 / 224.0),
-        };
+        let scale = picture.colour().range.full_scale();
         Self {
             planes: [picture.y(), picture.u(), picture.v()],
             chroma: [chroma.width as f32 / size.width as f32, chroma.height as f32 / size.height as f32],
-            luma_offset,
-            luma_scale,
-            chroma_scale,
+            black: scale.black as f32,
+            luma_scale: scale.luma as f32,
+            chroma_scale: scale.chroma as f32,
             red_of_cr: weights.cr_divisor() as f32,
             blue_of_cb: weights.cb_divisor() as f32,
             weights: [weights.red as f32, weights.green as f32, weights.blue as f32],
@@ -113,7 +110,7 @@ impl<'a> Converter<'a> {
 
     fn rgb_at(&self, [u, v]: [f32; 2]) -> [f32; 3] {
         let chroma = [u * self.chroma[0], v * self.chroma[1]];
-        let luma = (bilinear(&self.planes[0], [u, v]) - self.luma_offset) * self.luma_scale;
+        let luma = (bilinear(&self.planes[0], [u, v]) - self.black) * self.luma_scale;
         let [_, blue_plane, red_plane] = &self.planes;
         let [cb, cr] =
             [blue_plane, red_plane].map(|plane| (bilinear(plane, chroma) - 128.0) * self.chroma_scale);
@@ -144,7 +141,7 @@ fn neighbours(at: f32, count: usize) -> (usize, usize, f32) {
 
 #[cfg(test)]
 mod tests {
-    use barrelman_vocab::video::ColourEncoding;
+    use barrelman_vocab::video::{ColourEncoding, SampleRange};
 
     use super::*;
     use crate::settings::Settings;

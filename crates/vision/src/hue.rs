@@ -11,7 +11,7 @@
 //! Integer and fixed-point arithmetic (1/65536 of a level) throughout, with the same result on every machine.
 //! A conversion costs some nanoseconds, which is why the back projection uses a table.
 
-use barrelman_vocab::video::{ColourEncoding, SampleRange};
+use barrelman_vocab::video::{ColourEncoding, FullScale};
 
 /// Number of hue codes: 0 to 179, two degrees each.
 pub(crate) const HUE_CODES: u8 = 180;
@@ -50,10 +50,7 @@ impl YuvToHue {
     /// A converter for pictures of this encoding.
     pub fn new(colour: ColourEncoding) -> Self {
         let weights = colour.matrix.luma_weights();
-        let (luma_scale, chroma_scale, black) = match colour.range {
-            SampleRange::Limited => (255.0 / 219.0, 255.0 / 224.0, 16.0),
-            SampleRange::Full => (1.0, 1.0, 0.0),
-        };
+        let FullScale { luma: luma_scale, chroma: chroma_scale, black } = colour.range.full_scale();
         let fixed = |levels: f64| (levels * f64::from(1 << FRACTION)).round() as i32;
         let red_per_v = weights.cr_divisor() * chroma_scale;
         let blue_per_u = weights.cb_divisor() * chroma_scale;

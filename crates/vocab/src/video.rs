@@ -70,6 +70,27 @@ pub enum SampleRange {
     Full,
 }
 
+/// From samples of a range to the scale of 0 to 255.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FullScale {
+    /// Factor of the luma above black.
+    pub luma: f64,
+    /// Factor of the chroma from its middle, 128.
+    pub chroma: f64,
+    /// The luma of black.
+    pub black: f64,
+}
+
+impl SampleRange {
+    /// What makes samples of this range those of 0 to 255.
+    pub const fn full_scale(self) -> FullScale {
+        match self {
+            Self::Limited => FullScale { luma: 255.0 / 219.0, chroma: 255.0 / 224.0, black: 16.0 },
+            Self::Full => FullScale { luma: 1.0, chroma: 1.0, black: 0.0 },
+        }
+    }
+}
+
 /// Colour encoding of a picture's samples.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub struct ColourEncoding {

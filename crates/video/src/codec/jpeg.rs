@@ -4,7 +4,7 @@
 //! computed once a picture.
 
 use barrelman_vocab::Picture;
-use barrelman_vocab::video::{ColourEncoding, SampleRange};
+use barrelman_vocab::video::{ColourEncoding, FullScale};
 use jpeg_encoder::{Encoder, EncodingError, ImageBuffer, JpegColorType, SamplingFactor};
 use thiserror::Error;
 
@@ -82,10 +82,7 @@ fn conversion_from(colour: ColourEncoding) -> Option<Conversion> {
     if colour == ColourEncoding::JPEG {
         return None;
     }
-    let (luma_scale, chroma_scale, black) = match colour.range {
-        SampleRange::Limited => (255.0 / 219.0, 255.0 / 224.0, 16.0),
-        SampleRange::Full => (1.0, 1.0, 0.0),
-    };
+    let FullScale { luma: luma_scale, chroma: chroma_scale, black } = colour.range.full_scale();
     let (weights, jpeg) = (colour.matrix.luma_weights(), ColourEncoding::JPEG.matrix.luma_weights());
     let converted = |y: f64, cb: f64, cr: f64| {
         let r = y + weights.cr_divisor() * cr;
@@ -110,7 +107,7 @@ fn conversion_from(colour: ColourEncoding) -> Option<Conversion> {
 #[cfg(test)]
 mod tests {
     use barrelman_vocab::PictureSize;
-    use barrelman_vocab::video::ColourMatrix;
+    use barrelman_vocab::video::{ColourMatrix, SampleRange};
     use zune_core::bytestream::ZCursor;
 
     use super::*;
