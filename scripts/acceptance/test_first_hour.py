@@ -113,7 +113,9 @@ def inline(text: str) -> list[str]:
 def kind_of(command: str) -> str:
     """How a command ends: `absent`, `serves`, `long`, or `ends`."""
     words = command.split()
-    if any(name in command for name in ABSENT):
+    # A run waits for a serial vehicle, as it does for its video.
+    waits = command.startswith("barrelman run") and "serial:" in command
+    if any(name in command for name in ABSENT) and not waits:
         return "absent"
     if words == ["barrelman"] or (
         words[1] == "demo" and not {"--replay", "--clip", "--seconds"} & set(words)
@@ -289,11 +291,8 @@ class Reader:
         out, errors = child.communicate(timeout=PATIENCE)
         problems = faults(out + errors)
         if kind == "absent":
-            named = [words for address, words in ABSENT.items() if address in command]
             problems += [] if child.returncode == 1 else [f"exit {child.returncode}, 1 expected"]
-            return problems + (
-                [] if any(word in out + errors for word in named) else [f"does not name {named}"]
-            )
+            return problems + self.unnamed(command, out + errors)
         problems += (
             [] if child.returncode == 0 else [f"exit {child.returncode}: {(errors or out).strip()[-160:]}"]
         )
@@ -313,6 +312,12 @@ class Reader:
             [] if promised in said or "--json" in command else [f"does not print {promised!r}"]
         )
 
+    @staticmethod
+    def unnamed(command: str, said: str) -> list[str]:
+        """What is wrong where a command does not name the device or host that is absent."""
+        named = [words for address, words in ABSENT.items() if address in command]
+        return [] if not named or any(words in said for words in named) else [f"does not name {named}"]
+
     def absent(self, command: str) -> list[str]:
         """The files that a command promises and has not written."""
         paths = {name: self.folder / name for name in files_of(command)}
@@ -330,7 +335,8 @@ class Reader:
         )
         # A drive needs some ticks, and a run some pictures.
         time.sleep(3)
-        return self.interrupted(child, lines, errors) + self.absent(command)
+        problems = self.unnamed(command, lines.text() + errors.text())
+        return problems + self.interrupted(child, lines, errors) + self.absent(command)
 
     @staticmethod
     def interrupted(child: Child, lines: Lines, errors: Lines) -> list[str]:

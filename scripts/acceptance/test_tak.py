@@ -77,21 +77,22 @@ class Display:
         return found
 
     def boat_error_m(self, program: Program) -> float:
-        """How far the boat of an event is from where distance and direction in the API have it meanwhile."""
+        """How far the boat of an event is from where distance and direction in the API had it then."""
         deadline = time.monotonic() + PATIENCE_S
+        places: list[tuple[float, tuple[float, float]]] = []
         while True:
             assert time.monotonic() < deadline, "no event of the boat"
-            places, ready = [], False
-            while not ready:
+            while not select.select([self.socket], [], [], 0.02)[0]:
                 boat = program.status()["boat"]
                 if boat and boat["on_earth"]:
                     direction = math.radians(boat["direction_deg"])
                     distance = boat["distance_m"]
-                    places.append(place_of(distance * math.sin(direction), distance * math.cos(direction)))
-                ready = bool(select.select([self.socket], [], [], 0.02)[0])
+                    place = place_of(distance * math.sin(direction), distance * math.cos(direction))
+                    places.append((time.time() * 1e3, place))
             event = takproto.parse_proto(bytearray(self.socket.recv(65_536))).cotEvent
-            if event.uid.endswith("-boat") and places:
-                return min(away_m(event, place) for place in places)
+            errors = [away_m(event, place) for at, place in places if abs(at - event.startTime) < 150]
+            if event.uid.endswith("-boat") and errors:
+                return min(errors)
 
 
 def test_a_display_is_told_where_boat_camera_and_marks_are(
