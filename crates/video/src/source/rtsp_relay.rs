@@ -20,10 +20,11 @@ const READ_BYTES: usize = 64 << 10;
 #[derive(Debug, Clone, Default)]
 pub(super) struct RelayEnd(Arc<Mutex<Option<Ended>>>);
 
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 enum Ended {
     Refused(Refusal),
-    Unreachable(io::ErrorKind),
+    /// Why, in words.
+    Unreachable(String),
 }
 
 impl RelayEnd {
@@ -32,7 +33,7 @@ impl RelayEnd {
     }
 
     fn get(&self) -> Option<Ended> {
-        *self.0.lock().unwrap_or_else(PoisonError::into_inner)
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }
 
     /// Why the filter has ended the connection; `None`: it has not.
@@ -52,7 +53,7 @@ impl RelayEnd {
     pub(super) fn reason(&self) -> Option<String> {
         match self.get()? {
             Ended::Refused(refusal) => Some(refusal.to_string()),
-            Ended::Unreachable(kind) => Some(format!("the server cannot be reached: {kind}")),
+            Ended::Unreachable(why) => Some(format!("the server cannot be reached: {why}")),
         }
     }
 }
@@ -84,7 +85,7 @@ async fn relay(listener: &TcpListener, server: &Url, near: SocketAddr, permits_b
     let (client, _) = listener.accept().await.ok()?;
     let server = match connect(server).await {
         Ok(server) => server,
-        Err(error) => return Some(Ended::Unreachable(error.kind())),
+        Err(error) => return Some(Ended::Unreachable(error.to_string())),
     };
     let _ = client.set_nodelay(true);
     let _ = server.set_nodelay(true);
