@@ -3,10 +3,12 @@
 use anyhow::Result;
 use barrelman_control::LawSettings;
 use barrelman_control::view::View;
-use barrelman_experiments::calibration::{CalibrationRecorder, CalibrationResult, CannotTell, MeasuredAxis};
+use barrelman_experiments::calibration::{
+    CalibrationRecorder, CalibrationResult, CannotTell, MeasuredAxis, MeasuredSpeeds,
+};
 use barrelman_experiments::scenario::{self, ScenarioOverrides};
 use barrelman_experiments::tracker_choice::{TrackerName, TrackerSettings};
-use barrelman_pilot::{Input, Mode, Outcome, Pilot, PilotSettings};
+use barrelman_pilot::{Input, Mode, NUDGE_RATE_RAD_PER_S, Outcome, Pilot, PilotSettings};
 use barrelman_sim::camera_axis::AxisPlant;
 use barrelman_sim::pose::CameraPose;
 use barrelman_sim::random::{CounterRng, Stream};
@@ -27,6 +29,8 @@ use crate::parallel;
 /// Requirements: gain, as a share of the true one, and dead times, seconds.
 const MAX_GAIN_ERROR: f64 = 0.05;
 const MAX_DEAD_TIME_ERROR_S: f64 = 0.06;
+/// Requirement on a rate that short motions tell, as a share of the true one.
+const MAX_RATE_ERROR: f64 = 0.1;
 /// A calibration takes less than this, seconds.
 const MAX_S: f64 = 110.0;
 
@@ -48,6 +52,9 @@ pub(crate) struct Options {
     /// Measure in rendered pictures; otherwise the patches move as the camera does over flat water, with noise.
     #[arg(long)]
     pixels: bool,
+    /// Make the short motions that tell how fast an axis turns at one speed, and compare the rates alone.
+    #[arg(long)]
+    speeds: bool,
     /// Width of the picture.
     #[arg(long, value_name = "WIDTH", default_value_t = 640)]
     width: u32,
@@ -66,6 +73,7 @@ struct Calibrated {
     pan: TrueAxis,
     tilt: TrueAxis,
     result: CalibrationResult,
+    speeds: MeasuredSpeeds,
 }
 
 /// The patches of a picture of flat water, as the true camera sees them.
@@ -160,6 +168,9 @@ pub(crate) fn run(options: &Options) -> Result<bool> {
         options.setting,
         options.width
     ));
+    if options.speeds {
+        return Ok(print_rates(&calibrated));
+    }
     print_line("  seed axis   true gain  measured   error   start ms  stop ms    lag ms");
     let mut counts = Counts::default();
     for camera in &calibrated {
@@ -180,6 +191,42 @@ pub(crate) fn run(options: &Options) -> Result<bool> {
     ));
     let wrong = counts.wrong_sign + counts.wrong_gain + counts.wrong_dead_time;
     Ok(wrong == 0 && 2 * counts.told >= counts.untold)
+}
+
+/// Prints the rates that short motions have told. Returns whether they are right.
+fn print_rates(calibrated: &[Calibrated]) -> bool {
+    let (mut errors, mut untold) = (Vec::new(), 0);
+    print_line("  seed axis   true gain   rate/gain");
+    for camera in calibrated {
+        for (name, truth, rate) in
+            [("pan", camera.pan, camera.speeds.pan), ("tilt", camera.tilt, camera.speeds.tilt)]
+        {
+            let told = match rate {
+                Ok(rate) => {
+                    let share = rate / (NUDGE_RATE_RAD_PER_S * truth.gain.abs());
+                    errors.push((share - 1.0).abs());
+                    format!("{share:.3}")
+                }
+                Err(reason) => {
+                    untold += 1;
+                    format!("cannot tell: {reason}")
+                }
+            };
+            print_line(&format!("{:6} {name:5} {:+9.3}   {told}", camera.seed, truth.gain));
+        }
+    }
+    errors.sort_by(f64::total_cmp);
+    let wrong = errors.iter().filter(|error| **error > MAX_RATE_ERROR).count();
+    let at = |share: f64| 100.0 * errors.get((share * errors.len() as f64) as usize).unwrap_or(&f64::NAN);
+    print_line(&format!(
+        "{} axes: {} told, {untold} cannot be told; error: median {:.1} %, 95 % of them {:.1} %; {wrong} above {:.0} %",
+        2 * calibrated.len(),
+        errors.len(),
+        at(0.5),
+        at(0.95),
+        100.0 * MAX_RATE_ERROR
+    ));
+    wrong == 0 && errors.len() >= untold
 }
 
 #[derive(Debug, Default)]
@@ -253,13 +300,14 @@ fn calibrate(options: &Options, seed: u64) -> Result<Calibrated> {
     while simulation.world().now().as_secs_f64() < 1.0 {
         simulation.tick(&mut frames, &mut recording);
     }
+    let motions = if options.speeds { TestMotions::Speed } else { TestMotions::Axes };
     simulation.request(
-        OperatorRequest::Camera(CameraRequest::Calibrate { motions: TestMotions::Axes }),
+        OperatorRequest::Camera(CameraRequest::Calibrate { motions }),
         &mut recording,
     );
     while recording.is_calibrating && !simulation.is_over() {
         simulation.tick(&mut frames, &mut recording);
     }
-    let result = recording.recorder.result();
-    Ok(Calibrated { seed, pan: truth(scenario.mount.pan), tilt: truth(scenario.mount.tilt), result })
+    let (result, speeds) = (recording.recorder.result(), recording.recorder.speeds());
+    Ok(Calibrated { seed, pan: truth(scenario.mount.pan), tilt: truth(scenario.mount.tilt), result, speeds })
 }

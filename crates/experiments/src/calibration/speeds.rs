@@ -67,9 +67,9 @@ impl Axis {
         f64::from(SPEEDS[self.at]) / 1e3
     }
 
-    fn take(&mut self, measured: Result<f64, CannotTell>) {
+    fn take(&mut self, measured: Result<f64, CannotTell>) -> Result<(), SweepError> {
         if self.is_done {
-            return;
+            return Ok(());
         }
         let fastest = self.points.last().map_or(0.0, |point| point.rate.radians_per_second());
         match measured {
@@ -83,6 +83,12 @@ impl Axis {
             }
             // The dead zone, or a picture that moves too fast to be measured.
             Err(reason) => {
+                // At the least speed the picture is measured, whether it moves or not.
+                let is_hopeless = matches!(reason, CannotTell::Bars(_))
+                    || (matches!(reason, CannotTell::NotMeasured) && self.at == 0);
+                if is_hopeless {
+                    return Err(SweepError { axis: self.name, reason });
+                }
                 self.refused = reason;
                 self.is_done = fastest >= TOO_FAST_TO_TELL;
             }
@@ -92,6 +98,7 @@ impl Axis {
         } else {
             self.is_done = true;
         }
+        Ok(())
     }
 
     /// The curve on which the pilot's low rate is the speed that is measured.
@@ -128,9 +135,12 @@ impl SpeedSweep {
     }
 
     /// Takes what was measured at the speeds of [`SpeedSweep::next`].
-    pub fn take(&mut self, measured: MeasuredSpeeds) {
-        self.pan.take(measured.pan);
-        self.tilt.take(measured.tilt);
+    ///
+    /// # Errors
+    /// If a picture like that tells no speed at all.
+    pub fn take(&mut self, measured: MeasuredSpeeds) -> Result<(), SweepError> {
+        self.pan.take(measured.pan)?;
+        self.tilt.take(measured.tilt)
     }
 
     /// The curves.
@@ -144,17 +154,19 @@ impl SpeedSweep {
 
 #[cfg(test)]
 mod tests {
+    use super::super::bars::Bars;
     use super::*;
 
     /// The sweep of a camera whose axes turn so; what is below 0.01 rad/s is not seen.
     fn sweep(rate: impl Fn(f64) -> f64) -> (SpeedSweep, Vec<f64>) {
         let (mut sweep, mut tried) = (SpeedSweep::default(), Vec::new());
-        let seen = |rate: f64| if rate < 0.01 { Err(CannotTell::NotMeasured) } else { Ok(rate) };
+        let rests = Err(CannotTell::NotFollowing { explained: 0.1 });
+        let seen = |rate: f64| if rate < 0.01 { rests } else { Ok(rate) };
         while let Some(([pan, tilt], provisional)) = sweep.next() {
             let low = AngularRate::from_radians_per_second(NUDGE_RATE_RAD_PER_S);
             assert!((provisional.pan.speed_for(low) - pan).abs() < 1e-9);
             tried.push(pan);
-            sweep.take(MeasuredSpeeds { pan: seen(rate(pan)), tilt: seen(0.5 * rate(tilt)) });
+            sweep.take(MeasuredSpeeds { pan: seen(rate(pan)), tilt: seen(0.5 * rate(tilt)) }).unwrap();
         }
         (sweep, tried)
     }
@@ -176,6 +188,16 @@ mod tests {
         assert_eq!(found.curves().unwrap().pan.points().len(), 1);
         let (found, tried) = sweep(|_| 0.0);
         assert_eq!((tried.len(), found.curves().unwrap_err().axis), (SPEEDS.len(), "pan"));
+    }
+
+    #[test]
+    fn a_picture_that_tells_no_speed_ends_the_sweep_at_once() {
+        let told = |pan| SpeedSweep::default().take(MeasuredSpeeds { pan, tilt: Ok(0.1) });
+        let bars = CannotTell::Bars(Bars { top: 60, bottom: 56, ..Bars::default() });
+        for reason in [CannotTell::NotMeasured, bars] {
+            assert_eq!(told(Err(reason)), Err(SweepError { axis: "pan", reason }));
+        }
+        assert_eq!(told(Err(CannotTell::NotFollowing { explained: 0.2 })), Ok(()));
     }
 
     #[test]

@@ -94,19 +94,26 @@ fn measure_speeds(configuration: &Configuration, given: &Given) -> Result<AxisSp
         let Some(measured) = made.map(|made| made.with_recorder(CalibrationRecorder::speeds)) else {
             bail!("the test motions were not all made: the speeds were not measured");
         };
-        let told = |rate: &Result<f64, CannotTell>| {
-            rate.as_ref()
-                .map_or("not seen to turn".to_owned(), |rate| format!("{:.1} deg/s", rate.to_degrees()))
-        };
         let line = format!(
             "speed {pan:.2} of pan: {}; speed {tilt:.2} of tilt: {}",
-            told(&measured.pan),
-            told(&measured.tilt)
+            rate_text(&measured.pan),
+            rate_text(&measured.tilt)
         );
         writeln!(stdout(), "{line}")?;
-        sweep.take(measured);
+        sweep.take(measured).context("the speeds cannot be told")?;
     }
     sweep.curves().context("the speeds cannot be told")
+}
+
+fn rate_text(rate: &Result<f64, CannotTell>) -> String {
+    match rate {
+        Ok(rate) => format!("{:.1} deg/s", rate.to_degrees()),
+        Err(CannotTell::NotFollowing { .. }) => "not seen to turn".to_owned(),
+        Err(CannotTell::Unsteady { gain_error, .. }) => {
+            format!("the repetitions differ by {:.0} %", 100.0 * gain_error)
+        }
+        Err(CannotTell::NotMeasured | CannotTell::Bars(_)) => "not measured".to_owned(),
+    }
 }
 
 /// Makes test motions in a run of its own; `None`: they were not all made.
