@@ -28,6 +28,7 @@ pub fn onvif(bytes: &[u8]) {
     let settings = OnvifSettings {
         login: Some(login.clone()),
         speeds: Some(AxisSpeeds { pan: curve.clone(), tilt: curve }),
+        profile: None,
     };
     let mut talk = Talk {
         session: OnvifSession::open(&settings, [7; 16], now),

@@ -25,7 +25,7 @@ pub fn sigma(bytes: &[u8]) {
     let mut rest = bytes.iter().copied();
     let mut now = Timestamp::from_secs_f64(1.0);
     let mut talk = Talk {
-        session: FotokiteSigmaSession::open(now),
+        session: FotokiteSigmaSession::open(None, now),
         vehicle: Sigma::new(SigmaSettings::example()),
         waiting: Vec::new(),
         is_closing: false,

@@ -21,11 +21,10 @@ pub mod settings;
 pub mod port;
 
 pub mod fotokite_sigma;
-pub mod main_video;
-pub mod named_video;
 pub mod onvif;
 
 pub mod tls_relay;
+pub mod vehicle_video;
 
 mod authorization;
 mod connection;
@@ -37,8 +36,9 @@ mod socket;
 mod tls;
 
 pub use link::open_link;
-pub use main_video::main_video;
-pub use named_video::MainVideo;
-pub use settings::{ClientIdentity, Credential, CredentialError, HttpProtocol, HttpSettings, Trust};
+pub use settings::{
+    ClientIdentity, Credential, CredentialError, HttpProtocol, HttpSettings, SigmaAccess, Trust,
+};
 pub use tls::client_config;
 pub use tls_relay::{RelayFailures, TlsRelay, TlsServer};
+pub use vehicle_video::{VehicleVideo, vehicle_video};

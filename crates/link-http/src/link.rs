@@ -17,7 +17,7 @@ use barrelman_wire::onvif::OnvifSession;
 use barrelman_wire::{LinkHistory, Session};
 
 use crate::port::{HttpIo, Reach};
-use crate::settings::{HttpProtocol, HttpSettings};
+use crate::settings::{HttpProtocol, HttpSettings, SigmaAccess};
 use crate::{fotokite_sigma, onvif};
 
 /// Opens the link: the vehicle is reached, and the threads `link` and `http` are started. `report` takes the reports; it must
@@ -32,16 +32,10 @@ pub fn open_link(
     report: impl Fn(LinkReport) -> bool + Send + 'static,
 ) -> Result<LinkHandle, LinkError> {
     match settings.protocol.clone() {
-        HttpProtocol::FotokiteSigma(credential) => {
+        HttpProtocol::FotokiteSigma(SigmaAccess { credential, stream }) => {
             let reach = move |settings: &HttpSettings| fotokite_sigma::reach(settings, &credential);
-            open(
-                settings,
-                reach,
-                Arc::new(|now| Box::new(FotokiteSigmaSession::open(now))),
-                faults,
-                clock,
-                report,
-            )
+            let opener = move |now| Box::new(FotokiteSigmaSession::open(stream.clone(), now));
+            open(settings, reach, Arc::new(opener), faults, clock, report)
         }
         HttpProtocol::Onvif(onvif) => {
             let seed = onvif::seed()?;

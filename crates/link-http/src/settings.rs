@@ -20,10 +20,19 @@ pub struct HttpSettings {
 /// A protocol of vehicles that answer requests over HTTP.
 #[derive(Debug, Clone)]
 pub enum HttpProtocol {
-    /// The Fotokite Sigma's web API, with what proves who asks.
-    FotokiteSigma(Credential),
+    /// The Fotokite Sigma's web API.
+    FotokiteSigma(SigmaAccess),
     /// ONVIF.
     Onvif(OnvifSettings),
+}
+
+/// What a link to a Fotokite Sigma knows from the start.
+#[derive(Debug, Clone)]
+pub struct SigmaAccess {
+    /// Proves who asks.
+    pub credential: Credential,
+    /// The name of the video that is used; `None`: the main one.
+    pub stream: Option<String>,
 }
 
 /// Whose certificates are accepted. There is no way to accept any.

@@ -10,7 +10,9 @@ use barrelman_host::clock::Clock;
 use barrelman_host::input;
 use barrelman_link::url::HttpAddress;
 use barrelman_link_http::settings::Fingerprint;
-use barrelman_link_http::{ClientIdentity, Credential, HttpProtocol, HttpSettings, Trust, client_config};
+use barrelman_link_http::{
+    ClientIdentity, Credential, HttpProtocol, HttpSettings, SigmaAccess, Trust, client_config,
+};
 use barrelman_video::VideoUrl;
 use barrelman_video::url::Login;
 use barrelman_vocab::{Timestamp, VehicleProfile};
@@ -186,7 +188,7 @@ fn is_server(text: &str, host: &str, port: u16, url: &VideoUrl) -> bool {
     stated.is_some_and(|(stated, at)| stated.eq_ignore_ascii_case(host) && at == port)
 }
 
-/// What a link over HTTP needs, with the token or the login of its file. If others may read the file, a warning is logged.
+/// What a link over HTTP needs, with the token or the login of its file, and the vehicle's video that is used. If others may read the file, a warning is logged.
 ///
 /// # Errors
 /// If a Sigma's token file is not named, or a file or the fingerprint is not usable. The message repeats nothing of a secret.
@@ -194,12 +196,15 @@ pub fn http_settings(
     address: &HttpAddress,
     access: &LinkAccess,
     profile: &VehicleProfile,
+    video_stream: Option<&str>,
 ) -> Result<HttpSettings> {
+    let stream = video_stream.map(str::to_owned);
     let protocol = if address.scheme.is_onvif() {
         let login = access.login_file.as_deref().map(camera_login).transpose()?;
-        HttpProtocol::Onvif(OnvifSettings { login, speeds: profile.speeds.clone() })
+        HttpProtocol::Onvif(OnvifSettings { login, speeds: profile.speeds.clone(), profile: stream })
     } else {
-        HttpProtocol::FotokiteSigma(sigma_credential(address, access)?)
+        let credential = sigma_credential(address, access)?;
+        HttpProtocol::FotokiteSigma(SigmaAccess { credential, stream })
     };
     Ok(HttpSettings { address: address.clone(), trust: trust(&access.trust)?, protocol })
 }

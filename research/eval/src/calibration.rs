@@ -301,10 +301,7 @@ fn calibrate(options: &Options, seed: u64) -> Result<Calibrated> {
         simulation.tick(&mut frames, &mut recording);
     }
     let motions = if options.speeds { TestMotions::Speed } else { TestMotions::Axes };
-    simulation.request(
-        OperatorRequest::Camera(CameraRequest::Calibrate { motions }),
-        &mut recording,
-    );
+    simulation.request(OperatorRequest::Camera(CameraRequest::Calibrate { motions }), &mut recording);
     while recording.is_calibrating && !simulation.is_over() {
         simulation.tick(&mut frames, &mut recording);
     }

@@ -13,7 +13,7 @@ use barrelman_host::fault::FaultPlan;
 use barrelman_link::url::Endpoint;
 use barrelman_link::{LinkReport, LinkUrl};
 use barrelman_link_http::onvif::Camera;
-use barrelman_link_http::{HttpProtocol, HttpSettings, MainVideo, Trust, main_video, open_link};
+use barrelman_link_http::{HttpProtocol, HttpSettings, Trust, VehicleVideo, open_link, vehicle_video};
 use barrelman_vocab::acceptance::Acceptance;
 use barrelman_vocab::telemetry::{LinkState, Report};
 use barrelman_vocab::{AngularRate, Timestamp, VehicleRates};
@@ -46,7 +46,7 @@ fn settings(camera: &EmulatedCamera, login: Option<Login>) -> HttpSettings {
     let Endpoint::Http(address) = LinkUrl::parse(&camera.url()).unwrap().endpoint else {
         panic!("{}", camera.url());
     };
-    let onvif = OnvifSettings { login, speeds: Some(example_speeds()) };
+    let onvif = OnvifSettings { login, speeds: Some(example_speeds()), profile: None };
     HttpSettings { address, trust: Trust::WellKnown, protocol: HttpProtocol::Onvif(onvif) }
 }
 
@@ -99,9 +99,10 @@ fn a_camera_says_what_check_asks_to_the_right_login_alone() {
         };
         let joined = reach(Some(login("right"))).unwrap();
         assert_eq!((joined.profile.as_str(), joined.full), ("Profile_1", (1.0, 1.0)));
-        let video = main_video(&settings(&camera, Some(login("right")))).unwrap();
+        let video = vehicle_video(&settings(&camera, Some(login("right")))).unwrap();
         let address = Some("rtsp://127.0.0.1/stream1".to_owned());
-        assert_eq!(video, Some(MainVideo { name: "Profile_1".to_owned(), address }));
+        let choices = ["Profile_1", "Profile_2"].map(str::to_owned).to_vec();
+        assert_eq!(video, Some(VehicleVideo { name: "Profile_1".to_owned(), address, choices }));
         for wrong in [None, Some(login("wrong"))] {
             let refused = reach(wrong).unwrap_err().to_string();
             assert!(refused.contains("--link-login-file"), "{refused}");

@@ -11,7 +11,9 @@ use barrelman_host::fault::FaultPlan;
 use barrelman_link::url::Endpoint;
 use barrelman_link::{LinkReport, LinkUrl};
 use barrelman_link_http::fotokite_sigma::Sigma;
-use barrelman_link_http::{Credential, HttpProtocol, HttpSettings, Trust, open_link};
+use barrelman_link_http::{
+    Credential, HttpProtocol, HttpSettings, SigmaAccess, Trust, VehicleVideo, open_link,
+};
 use barrelman_vocab::acceptance::Acceptance;
 use barrelman_vocab::telemetry::{FlightState, LinkState, Report};
 use barrelman_vocab::{Angle, AngularRate, Timestamp, VehicleRates};
@@ -35,7 +37,11 @@ fn settings(sigma: &EmulatedSigma, credential: Credential) -> HttpSettings {
     let Endpoint::Http(address) = LinkUrl::parse(&sigma.url()).unwrap().endpoint else {
         panic!("{}", sigma.url());
     };
-    HttpSettings { address, trust: Trust::WellKnown, protocol: HttpProtocol::FotokiteSigma(credential) }
+    HttpSettings {
+        address,
+        trust: Trust::WellKnown,
+        protocol: HttpProtocol::FotokiteSigma(SigmaAccess { credential, stream: None }),
+    }
 }
 
 /// The first report that fulfils the condition.
@@ -91,6 +97,11 @@ fn a_vehicle_says_what_check_asks() {
     assert_eq!(vehicle.camera_info().map(|info| info.pan_speed_min), Ok(2.0));
     assert_eq!(vehicle.is_camera_online(), Ok(true));
     assert_eq!(vehicle.controller(), Ok(None));
+    let name = |video: Option<VehicleVideo>| video.map(|video| video.name);
+    assert_eq!(vehicle.video(None).map(name), Ok(Some("zoom".to_owned())));
+    assert_eq!(vehicle.video(Some("thermal")).map(name), Ok(Some("thermal".to_owned())));
+    let unknown = vehicle.video(Some("overview")).unwrap_err().to_string();
+    assert!(unknown.contains("video.stream be one of zoom, thermal"), "{unknown}");
     let wrong = reach(Credential::Token("wrong".to_owned())).unwrap();
     assert_eq!(wrong.camera_info(), Err(Acceptance::TokenRefused));
     let refused = reach(Credential::ApiKey("wrong".to_owned()));

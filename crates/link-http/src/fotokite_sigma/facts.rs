@@ -1,11 +1,28 @@
 //! What a vehicle says of itself, for `check` and for the address of its video. Nothing is changed by asking.
 
+use barrelman_vocab::Named as _;
 use barrelman_vocab::acceptance::Acceptance;
 use barrelman_wire::fotokite_sigma::control::refusal;
 use barrelman_wire::fotokite_sigma::json::{self, CameraInfo, CameraState, HandoffState, VideoStream};
 
 use super::Sigma;
-use crate::named_video::MainVideo;
+use crate::vehicle_video::VehicleVideo;
+
+/// Why a vehicle's video is not known.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum VideoError {
+    /// The vehicle does not tell it.
+    #[error("{}", .0.text())]
+    Refused(Acceptance),
+    /// None is called so.
+    #[error("the vehicle has no video {chosen:?}: let video.stream be one of {choices}")]
+    NoStream {
+        /// What the operator wrote.
+        chosen: String,
+        /// The names, with commas.
+        choices: String,
+    },
+}
 
 impl Sigma {
     /// The speeds that the camera takes, degrees per second.
@@ -37,17 +54,24 @@ impl Sigma {
         Ok(state.controlling_client.map(name))
     }
 
-    /// The main video; `None`: the vehicle has none.
+    /// The chosen video, or the main one; `None`: the vehicle has none.
     ///
     /// # Errors
-    /// What the vehicle says instead.
-    pub fn main_video(&self) -> Result<Option<MainVideo>, Acceptance> {
-        let streams: Vec<VideoStream> = self.read("/v1/videostreams")?;
-        let main = json::main_stream(&streams);
-        Ok(main.map(|stream| MainVideo {
-            name: stream.stream_id.clone(),
-            address: stream.rtsp_url.clone().or_else(|| stream.rtsps_url.clone()),
-        }))
+    /// What the vehicle says instead, or that it has none of the chosen name.
+    pub fn video(&self, chosen: Option<&str>) -> Result<Option<VehicleVideo>, VideoError> {
+        let streams: Vec<VideoStream> = self.read("/v1/videostreams").map_err(VideoError::Refused)?;
+        let choices: Vec<String> = streams.iter().map(|stream| stream.stream_id.clone()).collect();
+        match (json::main_stream(&streams, chosen), chosen) {
+            (Some(stream), _) => Ok(Some(VehicleVideo {
+                name: stream.stream_id.clone(),
+                address: stream.rtsp_url.clone().or_else(|| stream.rtsps_url.clone()),
+                choices,
+            })),
+            (None, Some(chosen)) if !choices.is_empty() => {
+                Err(VideoError::NoStream { chosen: chosen.to_owned(), choices: choices.join(", ") })
+            }
+            (None, _) => Ok(None),
+        }
     }
 
     fn read<T: for<'a> serde::Deserialize<'a>>(&self, path: &str) -> Result<T, Acceptance> {

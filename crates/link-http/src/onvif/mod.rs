@@ -18,8 +18,8 @@ use ring::rand::{SecureRandom as _, SystemRandom};
 use crate::authorization::Authorization;
 use crate::connection::Asked;
 use crate::inquiry::{Inquiry, not_usable, reason};
-use crate::named_video::MainVideo;
 use crate::settings::HttpSettings;
+use crate::vehicle_video::VehicleVideo;
 
 /// A camera that was reached, and answers what a link needs.
 pub struct Camera {
@@ -40,7 +40,7 @@ impl Camera {
         let inquiry = reach(settings, onvif)?;
         let clock = Clock::start();
         let mut caller = Caller::new(onvif.login.clone(), seed().map_err(|error| fails(error.to_string()))?);
-        let mut joining = Joining::default();
+        let mut joining = Joining::new(onvif.profile.clone());
         while let Some(ask) = joining.next() {
             let call = caller.call(ask, joining.paths(), clock.now());
             let (status, body) = inquiry.ask(&Asked::from(&call)).map_err(|error| fails(reason(&error)))?;
@@ -62,7 +62,7 @@ impl Camera {
     ///
     /// # Errors
     /// What the camera says instead.
-    pub fn main_video(mut self) -> Result<MainVideo, JoiningError> {
+    pub fn video(mut self) -> Result<VehicleVideo, JoiningError> {
         let question = "GetStreamUri";
         let unreadable = || JoiningError::Unreadable(question);
         let call = self.caller.call(self.joined.stream_uri(), self.joining.paths(), self.clock.now());
@@ -71,7 +71,8 @@ impl Camera {
             return Err(JoiningError::Refused { question, refusal });
         }
         let answer: StreamUriBody = soap::read(&body).ok_or_else(unreadable)?;
-        Ok(MainVideo { name: self.joined.profile, address: answer.answer.address() })
+        let Joined { profile, moving, .. } = self.joined;
+        Ok(VehicleVideo { name: profile, address: answer.answer.address(), choices: moving })
     }
 }
 
@@ -87,7 +88,7 @@ fn with_remedy(error: &JoiningError) -> String {
 pub(crate) fn reach(settings: &HttpSettings, onvif: &OnvifSettings) -> Result<Inquiry, PortError> {
     let authorization = onvif.login.clone().map_or(Authorization::None, Authorization::Digest);
     let inquiry = Inquiry::new(settings, authorization)?;
-    let call = Caller::new(None, [0; 16]).call(Ask::DateAndTime, Joining::default().paths(), Timestamp::ZERO);
+    let call = Caller::new(None, [0; 16]).call(Ask::DateAndTime, Joining::new(None).paths(), Timestamp::ZERO);
     inquiry.ask(&Asked::from(&call)).map_err(|error| not_usable(settings, reason(&error)))?;
     Ok(inquiry)
 }

@@ -13,7 +13,7 @@ use super::*;
 use crate::authorization::Authorization;
 use crate::connection::Connector;
 use crate::runtime::LinkRuntime;
-use crate::settings::{Credential, HttpProtocol, Trust};
+use crate::settings::{Credential, HttpProtocol, SigmaAccess, Trust};
 
 /// What the server does with each request, in the order of their arrival.
 #[derive(Debug, Clone, Copy)]
@@ -46,7 +46,11 @@ fn serve(does: &'static [Does]) -> (HttpSettings, mpsc::Receiver<Got>) {
     });
     let credential = Credential::Token("t0ken".to_owned());
     (
-        HttpSettings { address, trust: Trust::WellKnown, protocol: HttpProtocol::FotokiteSigma(credential) },
+        HttpSettings {
+            address,
+            trust: Trust::WellKnown,
+            protocol: HttpProtocol::FotokiteSigma(SigmaAccess { credential, stream: None }),
+        },
         queue,
     )
 }
@@ -178,7 +182,9 @@ fn queued(id: u64, left: Option<Duration>) -> Queued {
 }
 
 fn open(settings: &HttpSettings) -> Result<HttpPort, PortError> {
-    let HttpProtocol::FotokiteSigma(credential) = settings.protocol.clone() else { panic!() };
+    let HttpProtocol::FotokiteSigma(SigmaAccess { credential, .. }) = settings.protocol.clone() else {
+        panic!()
+    };
     let reach = move |settings: &HttpSettings| crate::fotokite_sigma::reach(settings, &credential);
     HttpPort::open(settings, reach, Call::LANES)
 }

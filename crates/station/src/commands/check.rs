@@ -42,6 +42,11 @@ const UDEV_RULE: &str = "/etc/udev/rules.d/70-barrelman.rules";
 /// Where the rule may be: installed by hand, or by the package.
 pub(super) const UDEV_RULES: [&str; 2] = [UDEV_RULE, "/usr/lib/udev/rules.d/70-barrelman.rules"];
 
+/// Whether the vehicle at this link is asked for its own video, whose check is part of the link's.
+fn names_its_video(link: &str) -> bool {
+    LinkUrl::parse(link).is_ok_and(|url| matches!(url.endpoint, Endpoint::Http(_)))
+}
+
 /// Runs the command.
 ///
 /// # Errors
@@ -57,7 +62,7 @@ pub fn run(args: &CheckArgs, clock: Clock) -> Result<ExitCode> {
     let link = link.clone().or_else(|| configuration.as_ref().and_then(|found| found.link.clone()));
     results.push(check_decoders());
     results.extend(args.discover.into_iter().flat_map(check_discover));
-    if videos.is_empty() {
+    if videos.is_empty() && !link.as_deref().is_some_and(names_its_video) {
         let details = "none configured: give --video or video.url";
         results.push(CheckResult::new("video", Verdict::Warning, details));
     }

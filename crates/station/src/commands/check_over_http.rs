@@ -3,7 +3,7 @@
 use barrelman_link::url::HttpAddress;
 use barrelman_link_http::fotokite_sigma::Sigma;
 use barrelman_link_http::onvif::Camera;
-use barrelman_link_http::{HttpProtocol, MainVideo};
+use barrelman_link_http::{HttpProtocol, VehicleVideo};
 use barrelman_vocab::acceptance::Acceptance;
 use barrelman_vocab::profile::AxisDynamics;
 use barrelman_vocab::speed_curve::{AxisSpeeds, SpeedCurve};
@@ -25,8 +25,9 @@ pub(super) fn check_over_http(
 ) {
     let subject = format!("link {address}");
     let Some(configuration) = configuration else { return };
-    let settings = ensure_spoken_at(address, &configuration.profile)
-        .and_then(|()| secrets::http_settings(address, &configuration.link_access, &configuration.profile));
+    let Configuration { link_access, profile, video_stream, .. } = configuration;
+    let settings = ensure_spoken_at(address, profile)
+        .and_then(|()| secrets::http_settings(address, link_access, profile, video_stream.as_deref()));
     let settings = match settings {
         Ok(settings) => settings,
         Err(error) => {
@@ -36,7 +37,7 @@ pub(super) fn check_over_http(
     };
     let hosts = PermittedHosts { link: &address.host, configured: configuration.link_video_host.as_deref() };
     match &settings.protocol {
-        HttpProtocol::FotokiteSigma(credential) => match Sigma::reach(&settings, credential) {
+        HttpProtocol::FotokiteSigma(sigma) => match Sigma::reach(&settings, &sigma.credential) {
             Ok(vehicle) => check_sigma(&vehicle, subject, configuration, hosts, results),
             Err(error) => results.push(CheckResult::new(subject, Verdict::Failed, error.to_string())),
         },
@@ -80,8 +81,8 @@ fn check_sigma(
         Ok(None) => CheckResult::new("control", Verdict::Ok, "nobody controls the vehicle"),
         Err(said) => CheckResult::new("control", Verdict::Failed, said.text()),
     });
-    let main = vehicle.main_video().map_err(|said| said.text().to_owned());
-    results.push(check_video(main, hosts));
+    let told = vehicle.video(configuration.video_stream.as_deref());
+    results.push(check_video(told.map_err(|error| error.to_string()), hosts));
 }
 
 fn check_onvif(
@@ -109,7 +110,7 @@ fn check_onvif(
         }
         None => CheckResult::new("speeds", Verdict::Warning, Acceptance::NotCalibrated.text()),
     });
-    results.push(check_video(camera.main_video().map(Some).map_err(|error| error.to_string()), hosts));
+    results.push(check_video(camera.video().map(Some).map_err(|error| error.to_string()), hosts));
 }
 
 /// Compares the speeds that the vehicle takes with those of the profile.
@@ -136,19 +137,27 @@ fn check_speeds(info: &CameraInfo, configuration: &Configuration) -> CheckResult
     CheckResult::new("speeds", Verdict::Warning, details)
 }
 
-fn check_video(main: Result<Option<MainVideo>, String>, hosts: PermittedHosts<'_>) -> CheckResult {
-    let (verdict, details) = match main {
+fn check_video(told: Result<Option<VehicleVideo>, String>, hosts: PermittedHosts<'_>) -> CheckResult {
+    let others = |choices: &[String]| {
+        let several = choices.len() > 1;
+        if several { format!(" (of {}: video.stream chooses)", choices.join(", ")) } else { String::new() }
+    };
+    let (verdict, details) = match told {
         Err(said) => (Verdict::Failed, said),
         Ok(None) => (Verdict::Warning, "the vehicle has no video".to_owned()),
-        Ok(Some(MainVideo { name, address: Some(address) })) => match named_video(&address, hosts) {
-            Ok(url) => {
-                let protocol = if url.tls_server().is_some() { "RTSP in TLS" } else { "RTSP" };
-                (Verdict::Ok, format!("{name}, by {protocol}: `run` without --video takes it"))
+        Ok(Some(VehicleVideo { name, address: Some(address), choices })) => {
+            match named_video(&address, hosts) {
+                Ok(url) => {
+                    let protocol = if url.tls_server().is_some() { "RTSP in TLS" } else { "RTSP" };
+                    let others = others(&choices);
+                    (Verdict::Ok, format!("{name}{others}, by {protocol}: `run` without --video takes it"))
+                }
+                Err(error) => (Verdict::Failed, format!("{error}; or give --video rtsp://...")),
             }
-            Err(error) => (Verdict::Failed, format!("{error}; or give --video rtsp://...")),
-        },
-        Ok(Some(MainVideo { name, address: None })) => {
-            (Verdict::Warning, format!("{name}, without an address: give --video rtsp://..."))
+        }
+        Ok(Some(VehicleVideo { name, address: None, choices })) => {
+            let others = others(&choices);
+            (Verdict::Warning, format!("{name}{others}, without an address: give --video rtsp://..."))
         }
     };
     CheckResult::new("the vehicle's video", verdict, details)

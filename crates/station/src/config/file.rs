@@ -98,6 +98,12 @@ pub struct VideoSection {
     #[schemars(example = &"BARRELMAN_CAMERA_LOGIN")]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub login_env: Option<String>,
+    /// The vehicle's own video, by its name there, where the vehicle has several: a stream of a Sigma, or a
+    /// media profile of an ONVIF camera, which is then also the one that is moved. `check` lists them;
+    /// default: the main one.
+    #[schemars(example = &"overview")]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub stream: Option<String>,
     /// Which clock gives the times of capture of a stream.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub clock: Option<ClockChoice>,

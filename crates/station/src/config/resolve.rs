@@ -7,7 +7,7 @@ use anyhow::{Context, Result, bail};
 use barrelman_pilot::NUDGE_RATE_RAD_PER_S;
 use barrelman_video::engine::VideoEngine;
 use barrelman_video::sender_clock::ClockChoice;
-use barrelman_vocab::profile::{AxisRates, AxisSigns, RegionShares, Sign};
+use barrelman_vocab::profile::{Addressing, AxisRates, AxisSigns, RegionShares, Sign};
 use barrelman_vocab::{Angle, AngularRate, VehicleProfile};
 use barrelman_wire::Framing;
 
@@ -43,6 +43,8 @@ pub struct Configuration {
     pub video: Option<String>,
     /// The second video, if there is one.
     pub second_video: Option<SecondVideo>,
+    /// The name of the vehicle's video that is used; `None`: the main one.
+    pub video_stream: Option<String>,
     /// Which clock gives the times of capture of a live stream.
     pub video_clock: ClockChoice,
     /// The engine that reads and decodes the video.
@@ -96,6 +98,14 @@ pub struct GuardChoice {
 
 /// The largest rate of a simulated vehicle, rad/s.
 const MAX_SIMULATED_RAD_PER_S: f64 = 3.0;
+
+/// The vehicle's video that the file chooses.
+fn video_stream(file: &VideoSection, profile: &VehicleProfile) -> Result<Option<String>> {
+    if file.stream.is_some() && profile.protocol.addressing() == Addressing::Line {
+        bail!("video.stream has no effect on the vehicle {}, which names no videos: omit it", profile.name);
+    }
+    Ok(file.stream.clone())
+}
 
 /// The built-in profile of a name.
 ///
@@ -160,6 +170,7 @@ impl Configuration {
         Ok(Self {
             video: file.video.url.clone(),
             second_video: second_video(&file.video)?,
+            video_stream: video_stream(&file.video, &profile)?,
             video_clock: file.video.clock.unwrap_or_default(),
             video_engine: file.video.engine.unwrap_or_default(),
             video_login: VideoLogin {

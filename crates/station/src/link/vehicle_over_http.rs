@@ -3,7 +3,7 @@
 use anyhow::{Result, anyhow, bail};
 use barrelman_link::LinkUrl;
 use barrelman_link::url::{Endpoint, HttpAddress};
-use barrelman_link_http::{HttpSettings, MainVideo, main_video};
+use barrelman_link_http::{HttpSettings, VehicleVideo, vehicle_video};
 use barrelman_video::VideoUrl;
 use barrelman_vocab::VehicleProfile;
 use barrelman_vocab::profile::Addressing;
@@ -25,7 +25,8 @@ pub fn vehicle_over_http(
         None | Some(Endpoint::SimulatedCamera) => Ok(None),
         Some(Endpoint::Http(address)) => {
             ensure_spoken_at(address, profile)?;
-            secrets::http_settings(address, &configuration.link_access, profile).map(Some)
+            let stream = configuration.video_stream.as_deref();
+            secrets::http_settings(address, &configuration.link_access, profile, stream).map(Some)
         }
         Some(_) => match profile.protocol.addressing() {
             Addressing::Line => Ok(None),
@@ -64,20 +65,25 @@ const fn example_link(addressing: Addressing) -> &'static str {
     }
 }
 
-/// The vehicle's main video, at the address that the vehicle names. `permitted`: a host for it beside that of the link.
+/// The vehicle's video, at the address that the vehicle names. `permitted`: a host for it beside that of the link.
 ///
 /// # Errors
 /// If the vehicle cannot be reached, refuses the token, or names no video, or one that is not opened.
 pub fn video_of_vehicle(settings: &HttpSettings, permitted: Option<&str>) -> Result<VideoUrl> {
     let HttpSettings { address, .. } = settings;
     let remedy = "give the address of the video with --video rtsp://...";
-    let main = main_video(settings);
-    match main.map_err(|error| anyhow!("the vehicle does not tell its video: {error}. Or {remedy}"))? {
-        Some(MainVideo { address: Some(url), .. }) => {
+    let told = vehicle_video(settings);
+    match told.map_err(|error| anyhow!("the vehicle does not tell its video: {error}. Or {remedy}"))? {
+        Some(VehicleVideo { name, address: Some(url), choices }) => {
+            if let [_, _, ..] = &choices[..] {
+                tracing::info!("the vehicle's video {name}, of {}: video.stream chooses", choices.join(", "));
+            }
             let hosts = PermittedHosts { link: &address.host, configured: permitted };
             named_video(&url, hosts).map_err(|error| anyhow!("{error}. Or {remedy}"))
         }
-        Some(MainVideo { name, .. }) => bail!("{address} tells no address of its video {name:?}: {remedy}"),
+        Some(VehicleVideo { name, .. }) => {
+            bail!("{address} tells no address of its video {name:?}: {remedy}")
+        }
         None => bail!("{address} has no video: is its camera mounted and on? Or {remedy}"),
     }
 }

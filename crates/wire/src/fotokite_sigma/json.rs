@@ -95,7 +95,12 @@ pub fn read<'a, T: Deserialize<'a>>(body: &'a [u8]) -> Option<T> {
 }
 
 /// The stream that the camera's rates move and the operator zooms: `zoom`, or else the first in colour, or else the first.
-pub fn main_stream(streams: &[VideoStream]) -> Option<&VideoStream> {
+///
+/// `chosen`: the name of the stream that is used instead; `None` where there is none of this name.
+pub fn main_stream<'a>(streams: &'a [VideoStream], chosen: Option<&str>) -> Option<&'a VideoStream> {
+    if let Some(chosen) = chosen {
+        return streams.iter().find(|stream| stream.stream_id == chosen);
+    }
     let named = streams.iter().find(|stream| stream.stream_id == "zoom");
     let coloured = || streams.iter().find(|stream| stream.kind.as_deref() == Some("Color"));
     named.or_else(coloured).or_else(|| streams.first())

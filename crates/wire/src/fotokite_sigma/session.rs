@@ -61,6 +61,8 @@ mod answers;
 /// One session with a Sigma.
 #[derive(Debug, Clone)]
 pub struct FotokiteSigmaSession {
+    /// The name of the video whose angle of view is reported; `None`: the main one.
+    stream: Option<String>,
     state: State,
     lanes: Lanes<Call>,
     info: Option<json::CameraInfo>,
@@ -80,9 +82,10 @@ pub struct FotokiteSigmaSession {
 }
 
 impl FotokiteSigmaSession {
-    /// A session that begins now.
-    pub fn open(now: Timestamp) -> Self {
+    /// A session that begins now. `stream`: the video whose angle of view is reported; `None`: the main one.
+    pub fn open(stream: Option<String>, now: Timestamp) -> Self {
         Self {
+            stream,
             state: State::Looking,
             lanes: Lanes::default(),
             info: None,

@@ -290,6 +290,9 @@ impl Sigma {
         json!([{
             "stream_id": "zoom", "type": "Color", "frame_width": 1920, "frame_height": 1080, "zoom_min": 1.0,
             "zoom_max": 32.0, "codec": "H.264", "rtsp_url": self.settings.rtsp_url,
+        }, {
+            "stream_id": "thermal", "type": "Thermal", "frame_width": 320, "frame_height": 240, "codec": "H.264",
+            "rtsp_url": self.settings.rtsp_url,
         }])
     }
 

@@ -145,6 +145,9 @@ pub struct Profile {
     /// Its name in requests.
     #[serde(rename = "@token")]
     pub token: String,
+    /// Its name for people.
+    #[serde(rename = "Name")]
+    name: Option<String>,
     /// Its motion, as version 1 states it.
     #[serde(rename = "PTZConfiguration")]
     ptz: Option<Configuration>,
@@ -166,6 +169,11 @@ struct Configuration {
 }
 
 impl Profile {
+    /// Whether it is called so, by its token or by its name.
+    pub fn is_called(&self, text: &str) -> bool {
+        self.token == text || self.name.as_deref() == Some(text)
+    }
+
     /// The configuration of its motion; `None`: it has none.
     pub fn motion(&self) -> Option<&str> {
         let of_two = self.configurations.as_ref().and_then(|all| all.ptz.as_ref());

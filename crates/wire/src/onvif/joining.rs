@@ -6,7 +6,7 @@ use barrelman_vocab::Timestamp;
 use barrelman_vocab::acceptance::Acceptance;
 
 use super::answers::{
-    CapabilitiesBody, DateAndTimeBody, MoveOptions, MoveOptionsBody, ProfilesBody, ServiceAddress,
+    CapabilitiesBody, DateAndTimeBody, MoveOptions, MoveOptionsBody, Profile, ProfilesBody, ServiceAddress,
     ServicesBody,
 };
 use super::ask::{Ask, MOVE_TIMEOUT, Media, Service};
@@ -55,6 +55,13 @@ pub enum JoiningError {
     NoService(&'static str),
     /// None of its media profiles pans and tilts.
     NoMotion,
+    /// None of its media profiles that pan and tilt is called so.
+    NoProfile {
+        /// What the operator wrote.
+        chosen: String,
+        /// The profiles that pan and tilt.
+        moving: Vec<String>,
+    },
     /// It cannot be turned at a speed.
     NoVelocity,
     /// It ends a motion by itself only after this time at least.
@@ -67,9 +74,11 @@ impl JoiningError {
         match self {
             Self::Refused { refusal, .. } => refusal.said,
             Self::Unreadable(_) => Acceptance::Fault,
-            Self::NoService(_) | Self::NoMotion | Self::NoVelocity | Self::LateTimeout(_) => {
-                Acceptance::NoCamera
-            }
+            Self::NoService(_)
+            | Self::NoMotion
+            | Self::NoProfile { .. }
+            | Self::NoVelocity
+            | Self::LateTimeout(_) => Acceptance::NoCamera,
         }
     }
 }
@@ -83,6 +92,11 @@ impl core::fmt::Display for JoiningError {
             Self::Unreadable(question) => write!(f, "the camera's answer to {question} cannot be read"),
             Self::NoService(name) => write!(f, "the camera has no {name} service"),
             Self::NoMotion => f.write_str("none of the camera's media profiles has a PTZ configuration"),
+            Self::NoProfile { chosen, moving } => write!(
+                f,
+                "no media profile of the camera that moves is called {chosen:?}: let video.stream be one of {}",
+                moving.join(", ")
+            ),
             Self::NoVelocity => f.write_str("the camera cannot be turned at a speed (ContinuousMove)"),
             Self::LateTimeout(least) => write!(
                 f,
@@ -104,6 +118,8 @@ pub struct Joined {
     pub media: Media,
     /// The media profile.
     pub profile: String,
+    /// All that move, in the camera's order.
+    pub moving: Vec<String>,
     /// The largest pan and tilt of its range.
     pub full: (f64, f64),
     /// When it ends a motion by itself.
@@ -130,18 +146,20 @@ enum Step {
 /// The questions, one after the other.
 #[derive(Debug, Clone)]
 pub struct Joining {
+    /// The media profile that the operator has chosen; `None`: the first that moves.
+    chosen: Option<String>,
+    moving: Vec<String>,
     step: Step,
     paths: Paths,
     time: Option<CameraTime>,
 }
 
-impl Default for Joining {
-    fn default() -> Self {
-        Self { step: Step::Time, paths: Paths::default(), time: None }
-    }
-}
-
 impl Joining {
+    /// The questions to a camera whose media profile of this token or name is to be used; `None`: the first that moves.
+    pub fn new(chosen: Option<String>) -> Self {
+        Self { chosen, moving: Vec::new(), step: Step::Time, paths: Paths::default(), time: None }
+    }
+
     /// The next question; `None`: all have been answered.
     pub fn next(&self) -> Option<Ask> {
         match &self.step {
@@ -201,15 +219,11 @@ impl Joining {
             }
             Step::Profiles(media) => {
                 let found: ProfilesBody = answer("GetProfiles", Refusal::of(status, body), body)?;
-                let moving = found.answer.profiles.iter().find_map(|profile| {
-                    let configuration = profile.motion()?.to_owned();
-                    Some(Step::Options { media, profile: profile.token.clone(), configuration })
-                });
-                moving.ok_or(JoiningError::NoMotion)?
+                self.take_profiles(media, &found.answer.profiles)?
             }
             Step::Options { media, profile, .. } => {
                 let (full, timeout) = limits_of(Refusal::of(status, body), body)?;
-                Step::Done(Joined { media, profile, full, timeout })
+                Step::Done(Joined { media, profile, moving: self.moving.clone(), full, timeout })
             }
             done @ Step::Done(_) => done,
         };
@@ -225,6 +239,21 @@ impl Joining {
             .into_iter()
             .find_map(|media| address_of(Service::Media(media)).map(|address| (media, address)));
         self.take_paths(media, address_of(Service::Ptz))
+    }
+
+    fn take_profiles(&mut self, media: Media, profiles: &[Profile]) -> Result<Step, JoiningError> {
+        let moving =
+            || profiles.iter().filter_map(|profile| profile.motion().map(|motion| (profile, motion)));
+        self.moving = moving().map(|(profile, _)| profile.token.clone()).collect();
+        let is_chosen = |profile: &Profile| self.chosen.as_deref().is_none_or(|text| profile.is_called(text));
+        let used = moving().find(|(profile, _)| is_chosen(profile));
+        let (profile, motion) = used.ok_or_else(|| match &self.chosen {
+            Some(chosen) if !self.moving.is_empty() => {
+                JoiningError::NoProfile { chosen: chosen.clone(), moving: self.moving.clone() }
+            }
+            _ => JoiningError::NoMotion,
+        })?;
+        Ok(Step::Options { media, profile: profile.token.clone(), configuration: motion.to_owned() })
     }
 
     fn take_paths(

@@ -17,7 +17,8 @@ mod requests;
 /// A message older or newer than this on the camera's clock is refused.
 const MAX_SKEW: Duration = Duration::from_secs(30);
 /// The media profile, and the configuration of its motion.
-const PROFILE: &str = "Profile_1";
+/// The media profiles that move, the main stream first.
+const PROFILES: [(&str, &str); 2] = [("Profile_1", "main"), ("Profile_2", "sub")];
 const CONFIGURATION: &str = "PTZ_1";
 
 /// What an emulated camera is like.
@@ -190,27 +191,27 @@ impl PtzCamera {
             Asked::DateAndTime => replies::date_and_time(self.clock(now)),
             Asked::Services if *knows_services => replies::services(base),
             Asked::Capabilities => replies::capabilities(base),
-            Asked::Profiles => replies::profiles(PROFILE, CONFIGURATION),
+            Asked::Profiles => replies::profiles(&PROFILES, CONFIGURATION),
             Asked::StreamUri { profile } => {
-                known(profile, PROFILE)?;
+                known(profile, PROFILES.map(|(token, _)| token))?;
                 replies::stream_uri(video)
             }
             Asked::MoveOptions { configuration } => {
-                known(configuration, CONFIGURATION)?;
+                known(configuration, [CONFIGURATION])?;
                 replies::move_options(*full, *timeouts)
             }
             Asked::Status { profile } => {
-                known(profile, PROFILE)?;
+                known(profile, PROFILES.map(|(token, _)| token))?;
                 let is_moving = self.velocity(now) != (0.0, 0.0);
                 replies::status(tells_position.then_some(position), is_moving, self.clock(now))
             }
             Asked::Move { profile, velocity, timeout } => {
-                known(profile, PROFILE)?;
+                known(profile, PROFILES.map(|(token, _)| token))?;
                 self.start_moving(*velocity, *timeout, now)?;
                 replies::done("ContinuousMoveResponse")
             }
             Asked::Stop { profile } => {
-                known(profile, PROFILE)?;
+                known(profile, PROFILES.map(|(token, _)| token))?;
                 self.stops += 1;
                 if !self.faults.ignores_stops {
                     self.moving = None;
@@ -257,8 +258,8 @@ impl PtzCamera {
     }
 }
 
-fn known(token: &str, expected: &str) -> Result<(), Answer> {
-    if token == expected {
+fn known<const N: usize>(token: &str, expected: [&str; N]) -> Result<(), Answer> {
+    if expected.contains(&token) {
         return Ok(());
     }
     Err(replies::fault(400, &["s:Sender", "ter:InvalidArgVal", "ter:NoProfile"], "there is no such token"))

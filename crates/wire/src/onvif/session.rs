@@ -49,6 +49,8 @@ pub struct OnvifSettings {
     pub login: Option<Login>,
     /// How fast the camera turns at its speeds; `None`: not measured, and the camera is not moved.
     pub speeds: Option<AxisSpeeds>,
+    /// Token or name of the media profile that is moved and shown; `None`: the first that can be moved.
+    pub profile: Option<String>,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -90,7 +92,7 @@ impl OnvifSession {
             speeds: settings.speeds.clone(),
             caller: Caller::new(settings.login.clone(), seed),
             lanes: Lanes::default(),
-            joining: Joining::default(),
+            joining: Joining::new(settings.profile.clone()),
             failure: None,
             rates: VehicleRates::REST,
             motion: Motion::default(),

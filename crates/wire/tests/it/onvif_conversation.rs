@@ -105,7 +105,7 @@ impl OnvifConversation {
     /// A conversation with a camera of measured speeds, which is up.
     pub(crate) fn up(camera: CameraSettings) -> Self {
         let login = camera.login.clone();
-        let mut talk = Self::new(camera, OnvifSettings { login, speeds: Some(speeds()) });
+        let mut talk = Self::new(camera, OnvifSettings { login, speeds: Some(speeds()), profile: None });
         talk.run_for(1_500);
         assert_eq!(talk.acceptance(), Some(Acceptance::Accepted));
         talk

@@ -31,8 +31,10 @@ fn with_login() -> CameraSettings {
 
 #[test]
 fn the_first_command_is_a_stop_and_the_time_is_asked_for_first() {
-    let mut talk =
-        OnvifConversation::new(with_login(), OnvifSettings { login: Some(login()), speeds: Some(speeds()) });
+    let mut talk = OnvifConversation::new(
+        with_login(),
+        OnvifSettings { login: Some(login()), speeds: Some(speeds()), profile: None },
+    );
     talk.session.request(rates(0.3, 0.0), Some(at(60_000)));
     talk.run_for(600);
     assert_eq!(talk.sent[0].1, Ask::DateAndTime);
@@ -88,7 +90,7 @@ fn without_renewal_the_motion_ends_by_the_cameras_own_time_out() {
 #[test]
 fn a_camera_that_ends_no_motion_soon_is_not_used() {
     let timeouts = (Duration::from_secs(10), Duration::from_secs(60));
-    let settings = OnvifSettings { login: None, speeds: Some(speeds()) };
+    let settings = OnvifSettings { login: None, speeds: Some(speeds()), profile: None };
     let mut talk = OnvifConversation::new(CameraSettings { timeouts, ..camera() }, settings);
     talk.session.request(rates(0.3, 0.0), Some(at(60_000)));
     talk.run_for(2_000);
@@ -98,8 +100,37 @@ fn a_camera_that_ends_no_motion_soon_is_not_used() {
 }
 
 #[test]
+fn the_chosen_media_profile_is_moved_and_one_that_is_not_there_is_no_camera() {
+    let with = |profile: Option<&str>| {
+        let profile = profile.map(str::to_owned);
+        let settings = OnvifSettings { login: None, speeds: Some(speeds()), profile };
+        let mut talk = OnvifConversation::new(camera(), settings);
+        talk.session.request(rates(0.3, 0.0), Some(at(60_000)));
+        talk.run_for(2_000);
+        talk
+    };
+    for (chosen, moved) in [(None, "Profile_1"), (Some("Profile_2"), "Profile_2"), (Some("sub"), "Profile_2")]
+    {
+        let talk = with(chosen);
+        assert!(talk.is_turning());
+        let is_of_it = |ask: &&Ask| match ask {
+            Ask::Move { profile, .. } | Ask::Stop { profile } => profile == moved,
+            _ => true,
+        };
+        assert!(talk.commands_since(at(0)).iter().all(is_of_it), "{chosen:?}");
+    }
+    for unknown in ["Fixed", "Profile_3", ""] {
+        let talk = with(Some(unknown));
+        assert_eq!(talk.acceptance(), Some(Acceptance::NoCamera));
+        assert!(talk.session.failure().unwrap().contains("Profile_1, Profile_2"), "{unknown}");
+        assert_eq!(talk.commands_since(at(0)).len(), 0);
+    }
+}
+
+#[test]
 fn a_camera_whose_speeds_were_not_measured_is_not_turned() {
-    let mut talk = OnvifConversation::new(camera(), OnvifSettings { login: None, speeds: None });
+    let mut talk =
+        OnvifConversation::new(camera(), OnvifSettings { login: None, speeds: None, profile: None });
     talk.session.request(rates(0.3, 0.0), Some(at(60_000)));
     talk.run_for(3_000);
     assert_eq!(talk.acceptance(), Some(Acceptance::NotCalibrated));
@@ -246,7 +277,7 @@ proptest! {
         cuts in prop::collection::vec((any::<u8>(), any::<u16>(), any::<u8>(), 200_u16..600), 0..60),
     ) {
         let answers = answers();
-        let settings = OnvifSettings { login: Some(login()), speeds: Some(speeds()) };
+        let settings = OnvifSettings { login: Some(login()), speeds: Some(speeds()), profile: None };
         let mut session = OnvifSession::open(&settings, [3; 16], at(0));
         session.request(rates(0.3, 0.1), Some(at(60_000)));
         let mut ms = 0;

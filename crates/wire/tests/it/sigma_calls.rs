@@ -108,9 +108,14 @@ fn the_zoom_s_stream_is_the_main_one() {
     let streams = r#"[{"stream_id":"thermal","type":"Thermal"},{"stream_id":"overview","type":"Color"},
         {"stream_id":"zoom","type":"Color","rtsp_url":"rtsp://camera.example/zoom","new_field":1}]"#;
     let streams: Vec<json::VideoStream> = json::read(streams.as_bytes()).unwrap();
-    assert_eq!(json::main_stream(&streams).unwrap().rtsp_url.as_deref(), Some("rtsp://camera.example/zoom"));
-    assert_eq!(json::main_stream(&streams[..2]).unwrap().stream_id, "overview");
-    assert_eq!(json::main_stream(&streams[..1]).unwrap().stream_id, "thermal");
+    assert_eq!(
+        json::main_stream(&streams, None).unwrap().rtsp_url.as_deref(),
+        Some("rtsp://camera.example/zoom")
+    );
+    assert_eq!(json::main_stream(&streams[..2], None).unwrap().stream_id, "overview");
+    assert_eq!(json::main_stream(&streams[..1], None).unwrap().stream_id, "thermal");
+    assert_eq!(json::main_stream(&streams, Some("thermal")).unwrap().stream_id, "thermal");
+    assert!(json::main_stream(&streams[..2], Some("zoom")).is_none(), "no other takes its place");
 }
 
 proptest! {

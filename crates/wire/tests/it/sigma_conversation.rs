@@ -86,7 +86,7 @@ impl Talk for Conversation {
 impl Conversation {
     pub(crate) fn new() -> Self {
         Self {
-            session: FotokiteSigmaSession::open(at(0)),
+            session: FotokiteSigmaSession::open(None, at(0)),
             sigma: Sigma::new(SigmaSettings::example()),
             now: at(0),
             token: "token",

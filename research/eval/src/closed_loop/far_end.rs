@@ -56,13 +56,13 @@ impl Line {
                 if has_no_least_rates {
                     (settings.camera.pan_speed_min, settings.camera.tilt_speed_min) = (0.0, 0.0);
                 }
-                let session = Box::new(FotokiteSigmaSession::open(now));
+                let session = Box::new(FotokiteSigmaSession::open(None, now));
                 let sigma = Box::new(Sigma::new(settings));
                 return Ok(Self::Sigma { session, sigma, down: Vec::new(), ticks: 0 });
             }
             Protocol::OnvifPtz => {
                 let speeds = onvif_speeds();
-                let settings = OnvifSettings { login: None, speeds: Some(speeds.clone()) };
+                let settings = OnvifSettings { login: None, speeds: Some(speeds.clone()), profile: None };
                 let session = Box::new(OnvifSession::open(&settings, [0; 16], now));
                 let camera = Box::new(PtzCamera::new(CameraSettings::example()));
                 return Ok(Self::Onvif { session, camera, speeds, down: Vec::new() });

@@ -31,12 +31,13 @@ impl Vehicle {
         self.profile().keeps_last_rate()
     }
 
-    /// The longest time to rest, ms. The last command of a Sigma or an ONVIF camera has to expire.
+    /// The longest time to rest, ms. The last command of a Sigma or an ONVIF camera has to expire: one that left when the
+    /// licence was about to end adds its time-out, 1 s for an ONVIF camera, to the licence's 0.25 s.
     pub(super) const fn rest_limit_ms(self) -> u64 {
         match self {
             Self::FotokitePro | Self::MavlinkGimbal => 350,
             Self::FotokiteSigma => 500,
-            Self::OnvifPtz => 1_100,
+            Self::OnvifPtz => 1_250,
         }
     }
 
@@ -62,11 +63,14 @@ impl Vehicle {
 
     fn session_opener(self) -> Result<Opener<VehicleRates>> {
         if self == Self::FotokiteSigma {
-            return Ok(Arc::new(|now| Box::new(SessionOverNetwork(FotokiteSigmaSession::open(now)))));
+            return Ok(Arc::new(|now| Box::new(SessionOverNetwork(FotokiteSigmaSession::open(None, now)))));
         }
         if self == Self::OnvifPtz {
-            let settings =
-                OnvifSettings { login: Some(onvif_station::login()), speeds: self.profile().speeds };
+            let settings = OnvifSettings {
+                login: Some(onvif_station::login()),
+                speeds: self.profile().speeds,
+                profile: None,
+            };
             // A conversation begins at a time of its own: no nonce is used twice.
             let seed = |now: Timestamp| {
                 let nanos = now.as_nanos().to_le_bytes();

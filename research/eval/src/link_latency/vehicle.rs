@@ -66,7 +66,11 @@ impl Vehicle {
         if !profile.keeps_last_rate() {
             let Endpoint::Http(address) = url.endpoint else { bail!("{address} is not reached over HTTP") };
             let protocol = if self == Self::OnvifPtz {
-                HttpProtocol::Onvif(OnvifSettings { login: Some(onvif::login()), speeds: profile.speeds })
+                HttpProtocol::Onvif(OnvifSettings {
+                    login: Some(onvif::login()),
+                    speeds: profile.speeds,
+                    profile: None,
+                })
             } else {
                 HttpProtocol::FotokiteSigma(Credential::Token(fotokite_sigma::TOKEN.to_owned()))
             };

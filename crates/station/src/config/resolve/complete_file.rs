@@ -57,6 +57,7 @@ impl Configuration {
                 .as_ref()
                 .and_then(|second| second.field_of_view)
                 .map(Angle::degrees),
+            stream: self.video_stream.clone(),
             clock: Some(self.video_clock),
             engine: Some(self.video_engine),
             login_file: match &self.video_login.source {

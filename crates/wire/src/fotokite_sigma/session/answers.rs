@@ -94,7 +94,7 @@ impl FotokiteSigmaSession {
 
     fn on_video_streams(&mut self, body: Option<&[u8]>) {
         let streams: Vec<json::VideoStream> = body.and_then(json::read).unwrap_or_default();
-        let main = json::main_stream(&streams);
+        let main = json::main_stream(&streams, self.stream.as_deref());
         self.schedule.set_stream(main.and_then(|stream| StreamId::new(&stream.stream_id)));
     }
 

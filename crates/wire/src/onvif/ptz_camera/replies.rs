@@ -103,15 +103,23 @@ pub(super) fn capabilities(base: &str) -> Answer {
 }
 
 /// The media profiles: the first one cannot be moved.
-pub(super) fn profiles(profile: &str, configuration: &str) -> Answer {
+pub(super) fn profiles(moving: &[(&str, &str)], configuration: &str) -> Answer {
+    let moving: String = moving
+        .iter()
+        .map(|(token, name)| {
+            format!(
+                "<trt:Profiles token=\"{token}\" fixed=\"true\"><tt:Name>{name}</tt:Name>\
+                 <tt:PTZConfiguration token=\"{configuration}\"><tt:Name>motion</tt:Name>\
+                 <tt:UseCount>2</tt:UseCount><tt:NodeToken>Node_1</tt:NodeToken></tt:PTZConfiguration></trt:Profiles>"
+            )
+        })
+        .collect();
     answer(
         200,
         &format!(
             "<trt:GetProfilesResponse>\
              <trt:Profiles token=\"Fixed\" fixed=\"true\"><tt:Name>fixed</tt:Name></trt:Profiles>\
-             <trt:Profiles token=\"{profile}\" fixed=\"true\"><tt:Name>main</tt:Name>\
-             <tt:PTZConfiguration token=\"{configuration}\"><tt:Name>motion</tt:Name><tt:UseCount>1</tt:UseCount>\
-             <tt:NodeToken>Node_1</tt:NodeToken></tt:PTZConfiguration></trt:Profiles></trt:GetProfilesResponse>"
+             {moving}</trt:GetProfilesResponse>"
         ),
     )
 }

@@ -1,0 +1,36 @@
+//! The video that a vehicle of any protocol names.
+
+use barrelman_link::port::PortError;
+
+use crate::fotokite_sigma::Sigma;
+use crate::inquiry::not_usable;
+use crate::onvif::Camera;
+use crate::settings::{HttpProtocol, HttpSettings};
+
+/// A video of a vehicle: the one that the operator has chosen, or the main one.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct VehicleVideo {
+    /// The stream's name.
+    pub name: String,
+    /// Its address: without encryption where there is one, otherwise in TLS (`rtsps://`); `None`: it has neither.
+    pub address: Option<String>,
+    /// The names of all streams that may be chosen, this one among them.
+    pub choices: Vec<String>,
+}
+
+/// The video of the vehicle; `None`: it has none.
+///
+/// # Errors
+/// If the vehicle cannot be reached, does not tell its video, or has none of the chosen name.
+pub fn vehicle_video(settings: &HttpSettings) -> Result<Option<VehicleVideo>, PortError> {
+    match &settings.protocol {
+        HttpProtocol::FotokiteSigma(sigma) => {
+            let told = Sigma::reach(settings, &sigma.credential)?.video(sigma.stream.as_deref());
+            told.map_err(|error| not_usable(settings, error.to_string()))
+        }
+        HttpProtocol::Onvif(onvif) => {
+            let told = Camera::reach(settings, onvif)?.video();
+            told.map(Some).map_err(|error| not_usable(settings, error.to_string()))
+        }
+    }
+}
