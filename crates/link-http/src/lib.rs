@@ -24,21 +24,23 @@ pub mod fotokite_sigma;
 pub mod onvif;
 
 pub mod tls_relay;
-pub mod vehicle_video;
 
 mod authorization;
 mod connection;
 mod inbox;
 mod inquiry;
 mod lane;
+mod named_video;
 mod runtime;
 mod socket;
 mod tls;
+mod vehicle_video;
 
 pub use link::open_link;
+pub use named_video::VehicleVideo;
 pub use settings::{
     ClientIdentity, Credential, CredentialError, HttpProtocol, HttpSettings, SigmaAccess, Trust,
 };
 pub use tls::client_config;
 pub use tls_relay::{RelayFailures, TlsRelay, TlsServer};
-pub use vehicle_video::{VehicleVideo, vehicle_video};
+pub use vehicle_video::vehicle_video;

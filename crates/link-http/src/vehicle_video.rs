@@ -1,22 +1,12 @@
-//! The video that a vehicle of any protocol names.
+//! Asks a vehicle of any protocol for its video.
 
 use barrelman_link::port::PortError;
 
 use crate::fotokite_sigma::Sigma;
 use crate::inquiry::not_usable;
+use crate::named_video::VehicleVideo;
 use crate::onvif::Camera;
 use crate::settings::{HttpProtocol, HttpSettings};
-
-/// A video of a vehicle: the one that the operator has chosen, or the main one.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct VehicleVideo {
-    /// The stream's name.
-    pub name: String,
-    /// Its address: without encryption where there is one, otherwise in TLS (`rtsps://`); `None`: it has neither.
-    pub address: Option<String>,
-    /// The names of all streams that may be chosen, this one among them.
-    pub choices: Vec<String>,
-}
 
 /// The video of the vehicle; `None`: it has none.
 ///

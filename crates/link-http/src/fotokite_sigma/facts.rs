@@ -6,7 +6,7 @@ use barrelman_wire::fotokite_sigma::control::refusal;
 use barrelman_wire::fotokite_sigma::json::{self, CameraInfo, CameraState, HandoffState, VideoStream};
 
 use super::Sigma;
-use crate::vehicle_video::VehicleVideo;
+use crate::named_video::VehicleVideo;
 
 /// Why a vehicle's video is not known.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]

@@ -18,8 +18,8 @@ use ring::rand::{SecureRandom as _, SystemRandom};
 use crate::authorization::Authorization;
 use crate::connection::Asked;
 use crate::inquiry::{Inquiry, not_usable, reason};
+use crate::named_video::VehicleVideo;
 use crate::settings::HttpSettings;
-use crate::vehicle_video::VehicleVideo;
 
 /// A camera that was reached, and answers what a link needs.
 pub struct Camera {

@@ -10,7 +10,7 @@ use barrelman_link::guard::message::GuardedVehicle;
 use barrelman_link::guarded::GuardedLinkSettings;
 use barrelman_link::url::Endpoint;
 use barrelman_link::{GuardedLink, LinkHandle, LinkReport, LinkUrl};
-use barrelman_link_http::{Credential, HttpProtocol, HttpSettings, Trust};
+use barrelman_link_http::{Credential, HttpProtocol, HttpSettings, SigmaAccess, Trust};
 use barrelman_vocab::{Timestamp, VehicleRates};
 use barrelman_wire::onvif::OnvifSettings;
 use barrelman_wire::{ByteProtocol, ByteProtocolName, Framing};
@@ -72,7 +72,8 @@ impl Vehicle {
                     profile: None,
                 })
             } else {
-                HttpProtocol::FotokiteSigma(Credential::Token(fotokite_sigma::TOKEN.to_owned()))
+                let credential = Credential::Token(fotokite_sigma::TOKEN.to_owned());
+                HttpProtocol::FotokiteSigma(SigmaAccess { credential, stream: None })
             };
             let settings = HttpSettings { address, trust: Trust::WellKnown, protocol };
             let link = barrelman_link_http::open_link(settings, FaultPlan::default(), clock, tell)?;
