@@ -1,5 +1,5 @@
 //! The rule of the campaign, judged apart from the program: the rate in force at the ground station is zero within the time to
-//! rest of the last moment that permitted motion: 350 ms, 500 ms where a command has to expire.
+//! rest of the last moment that permitted motion: 350 ms, or longer where a command has to expire.
 //!
 //! Motion is permitted at the arrival of a fresh localisation while the operator's consent to follow lasts, at each
 //! renewal of a nudge, and at the arrival of a picture while the consent to a search or a calibration lasts. That consent

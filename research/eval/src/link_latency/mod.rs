@@ -37,6 +37,8 @@ use crate::vehicle::Vehicle;
 
 /// Least time between two commands: longer than the spacing of lines on the wire.
 const SPACING: Duration = Duration::from_millis(70);
+/// Difference of one command from the next, rad/s: more than a vehicle's protocol rounds away.
+const RATE_STEP: f64 = 0.002;
 /// Time to live of a command.
 const LIVES: Duration = Duration::from_millis(400);
 
@@ -65,7 +67,7 @@ pub(crate) fn run(options: &Options) -> Result<bool> {
     let (mut linked_ms, mut bare_ms) = (Vec::new(), Vec::new());
     for index in 0..options.commands {
         // No two rates in a row are alike: each is a line of its own.
-        let yaw = 0.05 + 0.0003 * f64::from(index % 1_000);
+        let yaw = 0.05 + RATE_STEP * f64::from(index % 150);
         let rates = VehicleRates { yaw: AngularRate::from_radians_per_second(yaw), ..VehicleRates::REST };
         let sent = Instant::now();
         link.send(rates, Some(clock.now().plus(LIVES)));
@@ -115,7 +117,7 @@ fn wait_until_up(reports: &Receiver<LinkReport>) -> Result<()> {
 fn arrival(yaw_rates: &Receiver<Heard>, wanted: f64) -> Result<Instant> {
     loop {
         let (rate, at) = yaw_rates.recv_timeout(PATIENCE).context("a command did not arrive")?;
-        if (rate - wanted).abs() < 5e-5 {
+        if (rate - wanted).abs() < 0.5 * RATE_STEP {
             return Ok(at);
         }
     }
