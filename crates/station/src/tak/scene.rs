@@ -78,9 +78,12 @@ fn camera(snapshot: &Snapshot, outcome: &Outcome) -> Option<Located> {
 }
 
 /// The boat where the line of sight meets the water, which is known where its error is small enough. Its speed is
-/// known to the guidance alone.
+/// known to the guidance alone. A selection that is not confirmed yet is no boat, nor is what a detector doubts.
 fn boat(snapshot: &Snapshot, outcome: &Outcome) -> Option<Located> {
     let Track::Tracking(seen) = outcome.track else { return None };
+    if outcome.is_confirming || outcome.is_doubted {
+        return None;
+    }
     let (sighting, frame) = (snapshot.boat?, outcome.earth.ok()?);
     let progress = outcome.vessel.guidance.and_then(|guidance| guidance.progress);
     // The course counts from the frame's y.

@@ -97,6 +97,17 @@ fn what_is_not_known_any_more_is_not_sent() {
 }
 
 #[test]
+fn what_may_be_another_object_is_no_boat() {
+    let seen = outcome(tracking(at(9_900)), Ok(frame()));
+    let doubted = Outcome { is_doubted: true, ..seen.clone() };
+    let unconfirmed = Outcome { is_confirming: true, ..seen.clone() };
+    assert_eq!(subjects(&snapshot(seen), 10_000), [CAMERA, Subject::Boat]);
+    for outcome in [doubted, unconfirmed] {
+        assert_eq!(subjects(&snapshot(outcome), 10_000), [CAMERA]);
+    }
+}
+
+#[test]
 fn a_guided_boat_has_speed_and_course() {
     let mut guided = outcome(tracking(at(9_900)), Ok(frame()));
     let progress = Progress {

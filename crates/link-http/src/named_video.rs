@@ -1,0 +1,12 @@
+//! The video that a vehicle names.
+
+/// A video of a vehicle: the one that the operator has chosen, or the main one.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct VehicleVideo {
+    /// The stream's name.
+    pub name: String,
+    /// Its address: without encryption where there is one, otherwise in TLS (`rtsps://`); `None`: it has neither.
+    pub address: Option<String>,
+    /// The names of all streams that may be chosen, this one among them.
+    pub choices: Vec<String>,
+}
