@@ -9,9 +9,9 @@ use barrelman_vocab::{Angle, Timestamp, VehicleRates};
 use barrelman_wire::mavlink::frame::{FrameReader, FrameWriter};
 use barrelman_wire::mavlink::gimbal_manager::{GimbalAngles, GimbalManagerSettings, Habits, MANAGER};
 use barrelman_wire::mavlink::{GimbalManager, GimbalSession};
-use barrelman_wire::{LinkHistory, NextAction, Session as _};
+use barrelman_wire::{LinkHistory, Session as _};
 
-use crate::vehicle::{check_report, rates_of};
+use crate::vehicle::{check_report, goes_on, rates_of};
 
 /// The messages of the protocol, whose payloads are any bytes: heartbeat, command, its answer, information, status, attitude,
 /// rates.
@@ -108,17 +108,7 @@ impl Talk {
         if self.is_heard {
             self.hear(&answers, now);
         }
-        match next {
-            NextAction::WaitUntil(_) => true,
-            NextAction::Reopen { reason } => {
-                assert!(!reason.is_empty());
-                false
-            }
-            NextAction::Closed => {
-                assert!(self.is_closing || self.session.link_state() == LinkState::Closed);
-                false
-            }
-        }
+        goes_on(next, self.is_closing || self.session.link_state() == LinkState::Closed)
     }
 }
 
