@@ -68,6 +68,11 @@ pub struct Outcome {
 }
 
 impl Outcome {
+    /// Whether what is followed may be another object than the boat. The camera rests meanwhile.
+    pub const fn is_target_uncertain(&self) -> bool {
+        self.is_confirming || self.is_doubted
+    }
+
     /// The outcome of a pilot that has observed nothing and was asked for nothing.
     pub fn idle(at: Timestamp) -> Self {
         Self {

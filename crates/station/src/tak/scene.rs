@@ -81,7 +81,7 @@ fn camera(snapshot: &Snapshot, outcome: &Outcome) -> Option<Located> {
 /// known to the guidance alone. A selection that is not confirmed yet is no boat, nor is what a detector doubts.
 fn boat(snapshot: &Snapshot, outcome: &Outcome) -> Option<Located> {
     let Track::Tracking(seen) = outcome.track else { return None };
-    if outcome.is_confirming || outcome.is_doubted {
+    if outcome.is_target_uncertain() {
         return None;
     }
     let (sighting, frame) = (snapshot.boat?, outcome.earth.ok()?);

@@ -14,7 +14,7 @@ const MAX_AGE: Duration = Duration::from_secs(1);
 pub(super) fn view(snapshot: &Snapshot, now: Timestamp) -> Shown {
     let Some((captured, picture)) = snapshot.video.frame else { return Shown::default() };
     let target = match &snapshot.outcome {
-        Some(outcome) if outcome.is_confirming || outcome.is_doubted => ShownTarget::None,
+        Some(outcome) if outcome.is_target_uncertain() => ShownTarget::None,
         Some(outcome) => shown_target(&outcome.track, now.since(captured)),
         None => ShownTarget::None,
     };
