@@ -67,13 +67,12 @@ struct TrueAxis {
     plant: AxisPlant,
 }
 
-/// A calibrated camera.
-struct Calibrated {
+/// A camera whose test motions told `M`.
+struct Calibrated<M> {
     seed: u64,
     pan: TrueAxis,
     tilt: TrueAxis,
-    result: CalibrationResult,
-    speeds: MeasuredSpeeds,
+    measured: M,
 }
 
 /// The patches of a picture of flat water, as the true camera sees them.
@@ -158,9 +157,22 @@ impl StepObserver for Recording {
 /// # Errors
 /// If the scenario cannot be loaded.
 pub(crate) fn run(options: &Options) -> Result<bool> {
+    if options.speeds {
+        let calibrated = calibrate_all(options, TestMotions::Speed, CalibrationRecorder::speeds)?;
+        return Ok(print_rates(&calibrated));
+    }
+    let calibrated = calibrate_all(options, TestMotions::Axes, CalibrationRecorder::result)?;
+    Ok(print_axes(&calibrated))
+}
+
+/// Makes the test motions with every drawn camera.
+fn calibrate_all<M: Send>(
+    options: &Options,
+    motions: TestMotions,
+    read: impl Fn(&CalibrationRecorder) -> M + Sync,
+) -> Result<Vec<Calibrated<M>>> {
     let seeds: Vec<u64> = (options.first_seed..options.first_seed + options.seeds).collect();
-    let calibrated: Vec<Calibrated> =
-        parallel::map(&seeds, |seed| calibrate(options, *seed)).into_iter().collect::<Result<_>>()?;
+    let calibrated = parallel::map(&seeds, |seed| calibrate(options, *seed, motions, &read));
     print_line(&format!(
         "{} drawn cameras of {} ({}), pictures {} px wide; errors of what was measured",
         seeds.len(),
@@ -168,21 +180,23 @@ pub(crate) fn run(options: &Options) -> Result<bool> {
         options.setting,
         options.width
     ));
-    if options.speeds {
-        return Ok(print_rates(&calibrated));
-    }
+    calibrated.into_iter().collect()
+}
+
+/// Prints what long motions have told. Returns whether it is right.
+fn print_axes(calibrated: &[Calibrated<CalibrationResult>]) -> bool {
     print_line("  seed axis   true gain  measured   error   start ms  stop ms    lag ms");
     let mut counts = Counts::default();
-    for camera in &calibrated {
+    for camera in calibrated {
         for (name, truth, measured) in
-            [("pan", camera.pan, &camera.result.pan), ("tilt", camera.tilt, &camera.result.tilt)]
+            [("pan", camera.pan, &camera.measured.pan), ("tilt", camera.tilt, &camera.measured.tilt)]
         {
             print_line(&format!("{:6} {name:5} {}", camera.seed, row(truth, measured, &mut counts)));
         }
     }
     print_line(&format!(
         "{} axes: {} told, {} cannot be told; of those told: wrong sign {}, gain off by more than 5 % {}, dead time off by more than 60 ms {}",
-        2 * seeds.len(),
+        2 * calibrated.len(),
         counts.told,
         counts.untold,
         counts.wrong_sign,
@@ -190,16 +204,16 @@ pub(crate) fn run(options: &Options) -> Result<bool> {
         counts.wrong_dead_time
     ));
     let wrong = counts.wrong_sign + counts.wrong_gain + counts.wrong_dead_time;
-    Ok(wrong == 0 && 2 * counts.told >= counts.untold)
+    wrong == 0 && 2 * counts.told >= counts.untold
 }
 
 /// Prints the rates that short motions have told. Returns whether they are right.
-fn print_rates(calibrated: &[Calibrated]) -> bool {
+fn print_rates(calibrated: &[Calibrated<MeasuredSpeeds>]) -> bool {
     let (mut errors, mut untold) = (Vec::new(), 0);
     print_line("  seed axis   true gain   rate/gain");
     for camera in calibrated {
         for (name, truth, rate) in
-            [("pan", camera.pan, camera.speeds.pan), ("tilt", camera.tilt, camera.speeds.tilt)]
+            [("pan", camera.pan, camera.measured.pan), ("tilt", camera.tilt, camera.measured.tilt)]
         {
             let told = match rate {
                 Ok(rate) => {
@@ -264,7 +278,12 @@ fn row(truth: TrueAxis, measured: &Result<MeasuredAxis, CannotTell>, counts: &mu
     )
 }
 
-fn calibrate(options: &Options, seed: u64) -> Result<Calibrated> {
+fn calibrate<M>(
+    options: &Options,
+    seed: u64,
+    motions: TestMotions,
+    read: impl Fn(&CalibrationRecorder) -> M,
+) -> Result<Calibrated<M>> {
     let overrides = ScenarioOverrides {
         setting: Some(options.setting.clone()),
         size: Some(PictureSize::new(options.width, options.width * 9 / 16)),
@@ -300,11 +319,10 @@ fn calibrate(options: &Options, seed: u64) -> Result<Calibrated> {
     while simulation.world().now().as_secs_f64() < 1.0 {
         simulation.tick(&mut frames, &mut recording);
     }
-    let motions = if options.speeds { TestMotions::Speed } else { TestMotions::Axes };
     simulation.request(OperatorRequest::Camera(CameraRequest::Calibrate { motions }), &mut recording);
     while recording.is_calibrating && !simulation.is_over() {
         simulation.tick(&mut frames, &mut recording);
     }
-    let (result, speeds) = (recording.recorder.result(), recording.recorder.speeds());
-    Ok(Calibrated { seed, pan: truth(scenario.mount.pan), tilt: truth(scenario.mount.tilt), result, speeds })
+    let measured = read(&recording.recorder);
+    Ok(Calibrated { seed, pan: truth(scenario.mount.pan), tilt: truth(scenario.mount.tilt), measured })
 }
