@@ -10,3 +10,14 @@ pub struct VehicleVideo {
     /// The names of all streams that may be chosen, this one among them.
     pub choices: Vec<String>,
 }
+
+impl VehicleVideo {
+    /// Its name, with those of the others where there are some.
+    pub fn among_choices(&self) -> String {
+        let Self { name, choices, .. } = self;
+        match &choices[..] {
+            [] | [_] => name.clone(),
+            several => format!("{name} (of {}: video.stream chooses)", several.join(", ")),
+        }
+    }
+}

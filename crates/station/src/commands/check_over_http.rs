@@ -138,27 +138,21 @@ fn check_speeds(info: &CameraInfo, configuration: &Configuration) -> CheckResult
 }
 
 fn check_video(told: Result<Option<VehicleVideo>, String>, hosts: PermittedHosts<'_>) -> CheckResult {
-    let others = |choices: &[String]| {
-        let several = choices.len() > 1;
-        if several { format!(" (of {}: video.stream chooses)", choices.join(", ")) } else { String::new() }
-    };
     let (verdict, details) = match told {
         Err(said) => (Verdict::Failed, said),
         Ok(None) => (Verdict::Warning, "the vehicle has no video".to_owned()),
-        Ok(Some(VehicleVideo { name, address: Some(address), choices })) => {
-            match named_video(&address, hosts) {
-                Ok(url) => {
-                    let protocol = if url.tls_server().is_some() { "RTSP in TLS" } else { "RTSP" };
-                    let others = others(&choices);
-                    (Verdict::Ok, format!("{name}{others}, by {protocol}: `run` without --video takes it"))
-                }
-                Err(error) => (Verdict::Failed, format!("{error}; or give --video rtsp://...")),
+        Ok(Some(video)) => match video.address.as_deref().map(|address| named_video(address, hosts)) {
+            Some(Ok(url)) => {
+                let protocol = if url.tls_server().is_some() { "RTSP in TLS" } else { "RTSP" };
+                let name = video.among_choices();
+                (Verdict::Ok, format!("{name}, by {protocol}: `run` without --video takes it"))
             }
-        }
-        Ok(Some(VehicleVideo { name, address: None, choices })) => {
-            let others = others(&choices);
-            (Verdict::Warning, format!("{name}{others}, without an address: give --video rtsp://..."))
-        }
+            Some(Err(error)) => (Verdict::Failed, format!("{error}; or give --video rtsp://...")),
+            None => {
+                let name = video.among_choices();
+                (Verdict::Warning, format!("{name}, without an address: give --video rtsp://..."))
+            }
+        },
     };
     CheckResult::new("the vehicle's video", verdict, details)
 }

@@ -3,7 +3,7 @@
 use anyhow::{Result, anyhow, bail};
 use barrelman_link::LinkUrl;
 use barrelman_link::url::{Endpoint, HttpAddress};
-use barrelman_link_http::{HttpSettings, VehicleVideo, vehicle_video};
+use barrelman_link_http::{HttpSettings, vehicle_video};
 use barrelman_video::VideoUrl;
 use barrelman_vocab::VehicleProfile;
 use barrelman_vocab::profile::Addressing;
@@ -65,7 +65,7 @@ const fn example_link(addressing: Addressing) -> &'static str {
     }
 }
 
-/// The vehicle's video, at the address that the vehicle names. `permitted`: a host for it beside that of the link.
+/// The vehicle's video, at the address that the vehicle names. `permitted`: a host for it beside the link's.
 ///
 /// # Errors
 /// If the vehicle cannot be reached, refuses the token, or names no video, or one that is not opened.
@@ -73,17 +73,18 @@ pub fn video_of_vehicle(settings: &HttpSettings, permitted: Option<&str>) -> Res
     let HttpSettings { address, .. } = settings;
     let remedy = "give the address of the video with --video rtsp://...";
     let told = vehicle_video(settings);
-    match told.map_err(|error| anyhow!("the vehicle does not tell its video: {error}. Or {remedy}"))? {
-        Some(VehicleVideo { name, address: Some(url), choices }) => {
-            if let [_, _, ..] = &choices[..] {
-                tracing::info!("the vehicle's video {name}, of {}: video.stream chooses", choices.join(", "));
+    let told = told.map_err(|error| anyhow!("the vehicle does not tell its video: {error}. Or {remedy}"))?;
+    let Some(video) = told else {
+        bail!("{address} has no video: is its camera mounted and on? Or {remedy}");
+    };
+    match &video.address {
+        Some(url) => {
+            if video.choices.len() > 1 {
+                tracing::info!("the vehicle's video is {}", video.among_choices());
             }
             let hosts = PermittedHosts { link: &address.host, configured: permitted };
-            named_video(&url, hosts).map_err(|error| anyhow!("{error}. Or {remedy}"))
+            named_video(url, hosts).map_err(|error| anyhow!("{error}. Or {remedy}"))
         }
-        Some(VehicleVideo { name, .. }) => {
-            bail!("{address} tells no address of its video {name:?}: {remedy}")
-        }
-        None => bail!("{address} has no video: is its camera mounted and on? Or {remedy}"),
+        None => bail!("{address} tells no address of its video {:?}: {remedy}", video.name),
     }
 }
