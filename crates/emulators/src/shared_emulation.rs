@@ -1,4 +1,5 @@
-//! What the server and the ticks of an emulated vehicle over HTTP share: its state, and the faults of the way there and back.
+//! What the server and the ticks of an emulated vehicle over HTTP share: its state, and the faults of the way
+//! there and back.
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Duration;

@@ -188,7 +188,8 @@ fn is_server(text: &str, host: &str, port: u16, url: &VideoUrl) -> bool {
     stated.is_some_and(|(stated, at)| stated.eq_ignore_ascii_case(host) && at == port)
 }
 
-/// What a link over HTTP needs, with the token or the login of its file, and the vehicle's video that is used. If others may read the file, a warning is logged.
+/// What a link over HTTP needs, with the token or the login of its file, and the vehicle's video that is used.
+/// If others may read the file, a warning is logged.
 ///
 /// # Errors
 /// If a Sigma's token file is not named, or a file or the fingerprint is not usable. The message repeats nothing of a secret.

@@ -10,7 +10,7 @@ use barrelman_vocab::acceptance::Acceptance;
 use barrelman_vocab::{Named as _, Timestamp};
 use barrelman_wire::onvif::answers::StreamUriBody;
 use barrelman_wire::onvif::call::Caller;
-use barrelman_wire::onvif::joining::{Joined, Joining, JoiningError};
+use barrelman_wire::onvif::joining::{Joined, Joining, JoiningError, Paths};
 use barrelman_wire::onvif::refusal::Refusal;
 use barrelman_wire::onvif::{Ask, OnvifSettings, soap};
 use ring::rand::{SecureRandom as _, SystemRandom};
@@ -88,7 +88,7 @@ fn with_remedy(error: &JoiningError) -> String {
 pub(crate) fn reach(settings: &HttpSettings, onvif: &OnvifSettings) -> Result<Inquiry, PortError> {
     let authorization = onvif.login.clone().map_or(Authorization::None, Authorization::Digest);
     let inquiry = Inquiry::new(settings, authorization)?;
-    let call = Caller::new(None, [0; 16]).call(Ask::DateAndTime, Joining::new(None).paths(), Timestamp::ZERO);
+    let call = Caller::new(None, [0; 16]).call(Ask::DateAndTime, &Paths::default(), Timestamp::ZERO);
     inquiry.ask(&Asked::from(&call)).map_err(|error| not_usable(settings, reason(&error)))?;
     Ok(inquiry)
 }

@@ -155,7 +155,8 @@ pub struct Joining {
 }
 
 impl Joining {
-    /// The questions to a camera whose media profile of this token or name is to be used; `None`: the first that moves.
+    /// The questions to a camera whose media profile of this token or name is to be used; `None`: the first
+    /// that moves.
     pub fn new(chosen: Option<String>) -> Self {
         Self { chosen, moving: Vec::new(), step: Step::Time, paths: Paths::default(), time: None }
     }

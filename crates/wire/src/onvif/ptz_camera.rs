@@ -16,8 +16,7 @@ mod requests;
 
 /// A message older or newer than this on the camera's clock is refused.
 const MAX_SKEW: Duration = Duration::from_secs(30);
-/// The media profile, and the configuration of its motion.
-/// The media profiles that move, the main stream first.
+/// Tokens and names of the media profiles that move, the main stream first, and the configuration of their motion.
 const PROFILES: [(&str, &str); 2] = [("Profile_1", "main"), ("Profile_2", "sub")];
 const CONFIGURATION: &str = "PTZ_1";
 
@@ -193,25 +192,25 @@ impl PtzCamera {
             Asked::Capabilities => replies::capabilities(base),
             Asked::Profiles => replies::profiles(&PROFILES, CONFIGURATION),
             Asked::StreamUri { profile } => {
-                known(profile, PROFILES.map(|(token, _)| token))?;
+                known_profile(profile)?;
                 replies::stream_uri(video)
             }
             Asked::MoveOptions { configuration } => {
-                known(configuration, [CONFIGURATION])?;
+                known(configuration == CONFIGURATION)?;
                 replies::move_options(*full, *timeouts)
             }
             Asked::Status { profile } => {
-                known(profile, PROFILES.map(|(token, _)| token))?;
+                known_profile(profile)?;
                 let is_moving = self.velocity(now) != (0.0, 0.0);
                 replies::status(tells_position.then_some(position), is_moving, self.clock(now))
             }
             Asked::Move { profile, velocity, timeout } => {
-                known(profile, PROFILES.map(|(token, _)| token))?;
+                known_profile(profile)?;
                 self.start_moving(*velocity, *timeout, now)?;
                 replies::done("ContinuousMoveResponse")
             }
             Asked::Stop { profile } => {
-                known(profile, PROFILES.map(|(token, _)| token))?;
+                known_profile(profile)?;
                 self.stops += 1;
                 if !self.faults.ignores_stops {
                     self.moving = None;
@@ -258,8 +257,12 @@ impl PtzCamera {
     }
 }
 
-fn known<const N: usize>(token: &str, expected: [&str; N]) -> Result<(), Answer> {
-    if expected.contains(&token) {
+fn known_profile(token: &str) -> Result<(), Answer> {
+    known(PROFILES.iter().any(|(known, _)| *known == token))
+}
+
+fn known(is_known: bool) -> Result<(), Answer> {
+    if is_known {
         return Ok(());
     }
     Err(replies::fault(400, &["s:Sender", "ter:InvalidArgVal", "ter:NoProfile"], "there is no such token"))

@@ -26,7 +26,8 @@ pub(crate) trait Talk: Sized {
         }
     }
 
-    /// Goes on until the condition holds, at most for `most_ms` milliseconds; returns the time that it took, milliseconds.
+    /// Goes on until the condition holds, at most for `most_ms` milliseconds; returns the time that it took,
+    /// milliseconds.
     fn run_until(&mut self, most_ms: u64, mut condition: impl FnMut(&Self) -> bool) -> Option<u64> {
         for ms in 0..=most_ms {
             if condition(self) {

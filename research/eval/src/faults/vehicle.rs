@@ -31,8 +31,8 @@ impl Vehicle {
         self.profile().keeps_last_rate()
     }
 
-    /// The longest time to rest, ms. The last command of a Sigma or an ONVIF camera has to expire: one that left when the
-    /// licence was about to end adds its time-out, 1 s for an ONVIF camera, to the licence's 0.25 s.
+    /// The longest time to rest, ms. The last command of a Sigma or an ONVIF camera has to expire: one that left
+    /// when the licence was about to end adds its time-out, 1 s for an ONVIF camera, to the licence's 0.25 s.
     pub(super) const fn rest_limit_ms(self) -> u64 {
         match self {
             Self::FotokitePro | Self::MavlinkGimbal => 350,
