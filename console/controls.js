@@ -1,6 +1,6 @@
 // Which controls are enabled, and why the others are not. A control that does not apply stays in its place.
 
-import { nudgeObstacle } from "./nudge_obstacle.js";
+import { nudgeObstacle, zoomObstacle } from "./nudge_obstacle.js";
 import { words } from "./words.js";
 
 /** From this net yaw on, it can be set to zero: after the tether was untwisted by hand. */
@@ -41,6 +41,7 @@ export function enableControls({ snapshot, isConnected, seat, stage, video }) {
   // What a vehicle has is known after the first step, and stays.
   if (snapshot.step === 0) return;
   at("drive").hidden = at("boat").hidden = at("marks").hidden = !snapshot.vessel;
+  for (const id of ["lens-up", "lens-down", "keep-size"]) at(id).hidden = !snapshot.zoom;
   at("world").hidden = !snapshot.world;
   at("pause").hidden = at("drills").hidden = !snapshot.drive;
   at("helmsman").hidden = !snapshot.vessel;
@@ -60,6 +61,10 @@ function setCamera(snapshot, set) {
   set("law", !mode.engaged, words.reasons.law);
   const obstacle = snapshot && nudgeObstacle(snapshot);
   for (const direction of DIRECTIONS) set(`nudge-${direction}`, !obstacle, words.reasons[obstacle]);
+  const noZoom = snapshot && zoomObstacle(snapshot);
+  for (const direction of ["up", "down"]) set(`lens-${direction}`, !noZoom, words.reasons[noZoom]);
+  set("keep-size", true);
+  at("keep-size").setAttribute("aria-pressed", String(Boolean(snapshot?.zoom?.keeps_size)));
 }
 
 function setBoat(vessel, set) {

@@ -5,14 +5,15 @@ import { fixed, words } from "./words.js";
 /** A simulated world below this share of real time is named as slow. */
 const SLOW = 0.9;
 
-/** A rate with its sign and its direction: pan is positive to the right, tilt upwards. */
-function rateText({ pan, tilt }) {
+/** A rate with its sign and its direction: pan is positive to the right, tilt upwards, zoom to a closer view. */
+function rateText({ pan, tilt, zoom }) {
   const turn = (axis, rate, plus, minus) => {
     const value = fixed(Math.abs(rate), 2);
     return Number(value) === 0 ? [] : [`${axis} ${rate > 0 ? "+" : "\u2212"}${value} rad/s (${rate > 0 ? plus : minus})`];
   };
-  const { left, right, up, down, rest, pan: panWord, tilt: tiltWord } = words.turns;
-  return [...turn(panWord, pan, right, left), ...turn(tiltWord, tilt, up, down)].join(", ") || rest;
+  const { left, right, up, down, rest, pan: panWord, tilt: tiltWord, zoom: zoomWord, closer, wider } = words.turns;
+  const zooms = zoom === 0 ? [] : [`${zoomWord} ${zoom > 0 ? closer : wider}`];
+  return [...turn(panWord, pan, right, left), ...turn(tiltWord, tilt, up, down), ...zooms].join(", ") || rest;
 }
 
 /** Names and values of all figures of a snapshot. @returns {string[][]} */
@@ -25,7 +26,7 @@ export function factsOf(snapshot) {
     [words.facts.track, words.tracks[track.confirming ? "confirming" : track.doubted ? "doubted" : track.state] + lost + distance],
     [words.facts.p, `${number(percept?.p)}${work.schema_p === null ? "" : `  (${words.facts.schemaP}: ${number(work.schema_p)})`}`],
     [words.facts.confidence, number(track.confidence)],
-    [words.facts.camera, rateText(snapshot.command)],
+    [words.facts.camera, rateText(snapshot.command) + (snapshot.zoom ? `, ${fixed(snapshot.zoom.ratio, 1)}\u00d7` : "")],
     [words.facts.video, words.videoText(words.videos[video.state], video.fps, video.dropped) + (video.reason ? `: ${video.reason}` : "")],
     [words.facts.link, words.links[link.state] + (link.battery_v === null ? "" : `, ${fixed(link.battery_v, 1)} V`)],
     [words.facts.recording, words.recordings[recording.state] + (recording.path ? `: ${recording.path.split("/").at(-1)}` : "")],

@@ -1,23 +1,28 @@
-// Buttons and keys that are held: turning the camera by hand, and driving the simulated boat.
+// Buttons and keys that are held: turning and zooming the camera by hand, and driving the boat.
 
 import { HeldDirections } from "./held.js";
+
+/** How long one turn of the wheel holds. */
+const WHEEL_MS = 200;
 
 /** Sends a request again and again while a direction is held and may be, and once more at the end. */
 export class HeldControl {
   #held = new HeldDirections();
   #timer = 0;
+  #wheelTimer = 0;
 
   /**
    * @param {object} options
    * @param {Record<string, string>} options.keys direction by key
    * @param {string} options.buttons prefix of the buttons' ids
+   * @param {string[]} [options.directions] those that have a button
    * @param {number} options.everyMs
    * @param {() => boolean} options.mayStart
    * @param {(axes: number[]) => void} options.send
    */
-  constructor({ keys, buttons, everyMs, mayStart, send }) {
+  constructor({ keys, buttons, directions = ["up", "down", "left", "right"], everyMs, mayStart, send }) {
     Object.assign(this, { keys, everyMs, mayStart, send });
-    for (const direction of ["up", "down", "left", "right"]) {
+    for (const direction of directions) {
       const button = document.getElementById(`${buttons}-${direction}`);
       button.addEventListener("pointerdown", (event) => {
         if (event.button !== 0) return;
@@ -49,6 +54,13 @@ export class HeldControl {
     if (!direction) return false;
     this.#set(direction, key, isDown);
     return true;
+  }
+
+  /** Holds a direction for a short time, as a turn of the wheel does. */
+  holdBriefly(direction) {
+    this.#set(direction, "wheel", true);
+    clearTimeout(this.#wheelTimer);
+    this.#wheelTimer = setTimeout(() => this.#set(direction, "wheel", false), WHEEL_MS);
   }
 
   release() {

@@ -1,6 +1,6 @@
 // The keyboard: which key presses which button, and which keys are held.
 
-const BUTTONS = { t: "mark", u: "unmark", g: "guide", b: "stop-boat", c: "next-mark", y: "go-home", e: "engage", r: "disengage", z: "freeze", x: "reject", l: "search", p: "pause", h: "helmsman", k: "new-drive", n: "theme", m: "note", q: "sound", o: "candidates", v: "video", i: "level", f: "full-screen", "?": "keys", "+": "zoom-in", "-": "zoom-out", 0: "zoom-reset" };
+const BUTTONS = { t: "mark", u: "unmark", g: "guide", b: "stop-boat", c: "next-mark", y: "go-home", e: "engage", r: "disengage", z: "freeze", x: "reject", l: "search", j: "keep-size", p: "pause", h: "helmsman", k: "new-drive", n: "theme", m: "note", q: "sound", o: "candidates", v: "video", i: "level", f: "full-screen", "?": "keys", "+": "zoom-in", "-": "zoom-out", 0: "zoom-reset" };
 
 /** Whether keys write text there. A checkbox takes none: Enter switches it. */
 const takesText = (element) => element instanceof HTMLInputElement && element.type !== "checkbox";

@@ -6,7 +6,7 @@ import { ControlSeat } from "./control_seat.js";
 import { openDialog } from "./dialogs.js";
 import { Drills } from "./drills.js";
 import { EventList } from "./events.js";
-import { GamepadHelm } from "./gamepad.js";
+import { GamepadStick } from "./gamepad.js";
 import { Heartbeat } from "./heartbeat.js";
 import { HeldControl } from "./held_controls.js";
 import { helpPlace } from "./help_place.js";
@@ -17,7 +17,7 @@ import { Link } from "./link.js";
 import { Devices } from "./devices.js";
 import { NewDrive } from "./new_drive.js";
 import { setMap } from "./map_tiles.js";
-import { nudgeObstacle } from "./nudge_obstacle.js";
+import { nudgeObstacle, zoomObstacle } from "./nudge_obstacle.js";
 import { Sounds } from "./sounds.js";
 import { Stage } from "./stage.js";
 import { showStatus, toast } from "./status.js";
@@ -163,13 +163,30 @@ setInterval(() => {
 }, 100);
 stopper.addEventListener("change", show);
 
+/** What is held of the camera: each control renews all of it. */
+const byHand = { pan: 0, tilt: 0, zoom: 0 };
+const nudge = (part) => request({ kind: "nudge", ...Object.assign(byHand, part) });
 const turn = new HeldControl({
   keys: { w: "up", a: "left", s: "down", d: "right" },
   buttons: "nudge",
   everyMs: 80,
   mayStart: () => seat.isControlling && Boolean(snapshot) && !nudgeObstacle(snapshot),
-  send: ([pan, tilt]) => request({ kind: "nudge", pan, tilt }),
+  send: ([pan, tilt]) => nudge({ pan, tilt }),
 });
+const mayZoom = () => seat.isControlling && Boolean(snapshot?.zoom) && !zoomObstacle(snapshot);
+const lens = new HeldControl({
+  keys: { PageUp: "up", PageDown: "down" },
+  buttons: "lens",
+  directions: ["up", "down"],
+  everyMs: 80,
+  mayStart: mayZoom,
+  send: ([, zoom]) => nudge({ zoom }),
+});
+at("picture").addEventListener("wheel", (event) => {
+  if (!event.shiftKey) return;
+  lens.holdBriefly((event.deltaY || event.deltaX) < 0 ? "up" : "down");
+  event.preventDefault();
+}, { passive: false });
 const maySteer = () => seat.isControlling && Boolean(snapshot?.vessel);
 const steer = ([right, ahead]) => request({ kind: "steer", throttle: ahead, rudder: right });
 const helm = new HeldControl({
@@ -179,8 +196,11 @@ const helm = new HeldControl({
   mayStart: maySteer,
   send: steer,
 });
-const gamepad = new GamepadHelm({ mayStart: maySteer, send: steer });
-setInterval(() => gamepad.tick(), 150);
+const sticks = [
+  new GamepadStick({ axes: [0, 1], mayStart: maySteer, send: steer }),
+  new GamepadStick({ axes: [2, 3], mayStart: mayZoom, send: ([, zoom]) => nudge({ zoom }) }),
+];
+setInterval(() => sticks.forEach((stick) => stick.tick()), 150);
 
 /** Removes the mark that was tapped last, otherwise the newest. */
 function unmark() {
@@ -196,6 +216,7 @@ const act = {
   candidates: () => request({ kind: "candidates", shown: !snapshot?.candidates_on_demand }),
   deselect: () => request({ kind: "deselect" }),
   search: () => request({ kind: "search" }),
+  "keep-size": () => request({ kind: "keep-size", keep: !snapshot?.zoom?.keeps_size }),
   "net-yaw-zero": () => request({ kind: "net-yaw", degrees: 0 }),
   pause: () => request({ kind: snapshot?.drive?.paused ? "resume" : "pause" }),
   "new-drive": () => newDrive.open(),
@@ -242,7 +263,7 @@ at("law").addEventListener("change", async (event) => {
   delete event.target.dataset.law;
 });
 const take = (number) => request({ kind: "take-candidate", number });
-listenToKeys({ act, take, held: [turn, helm], onEscape: () => stage.isMarking && stage.setMarking(false) });
+listenToKeys({ act, take, held: [turn, lens, helm], onEscape: () => stage.isMarking && stage.setMarking(false) });
 
 at("mark-kind").replaceChildren(...Object.entries(words.markKinds).map(([kind, text]) => new Option(text, kind)));
 for (const [key, meaning] of words.keyList) {

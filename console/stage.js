@@ -247,7 +247,8 @@ export class Stage extends EventTarget {
     canvas.addEventListener("pointerup", (event) => end(event, true));
     canvas.addEventListener("pointercancel", (event) => end(event, false));
     canvas.addEventListener("wheel", (event) => {
-      if (!this.#shown) return;
+      // With Shift it is the camera's.
+      if (!this.#shown || event.shiftKey) return;
       this.view.zoomBy(Math.exp(-event.deltaY / 400), this.#at(event));
       this.redraw();
       event.preventDefault();

@@ -280,7 +280,8 @@ def test_no_figure_is_minus_zero(page: AlteredPage) -> None:
     show(page, (1280, 800), "expert")
     tiny = {
         "net_yaw_deg": -0.2,
-        "command": {"pan": -0.001, "tilt": -0.0001},
+        "command": {"pan": -0.001, "tilt": -0.0001, "zoom": 0.1},
+        "zoom": {"ratio": 2.0, "keeps_size": True},
         "drive": {"speed_m_per_s": -0.01},
         "boat": {"distance_m": 40.0, "std_dev_m": 0.4, "direction_deg": -0.3, "on_earth": None},
         "vessel": {"rudder": -0.001, "throttle": -0.001},

@@ -182,7 +182,7 @@ fn check_values(request: &OperatorRequest) -> Result<(), &'static str> {
                 check_box(bounds)
             }
             CameraRequest::Propose(Tap { at, .. }) => check_point(at),
-            CameraRequest::Nudge(Nudge { pan, tilt }) => check_shares([pan, tilt]),
+            CameraRequest::Nudge(Nudge { pan, tilt, zoom }) => check_shares([pan, tilt, zoom]),
             CameraRequest::NetYaw { degrees } if !degrees.is_finite() => {
                 Err("the net yaw must be a number of degrees")
             }
@@ -190,6 +190,7 @@ fn check_values(request: &OperatorRequest) -> Result<(), &'static str> {
                 Err("calibrate with `barrelman calibrate axes`, which stores the result")
             }
             CameraRequest::NetYaw { .. }
+            | CameraRequest::KeepSize { .. }
             | CameraRequest::Candidates { .. }
             | CameraRequest::TakeCandidate { .. }
             | CameraRequest::Reject
@@ -230,7 +231,7 @@ fn check_point(PixelPoint { u, v }: PixelPoint) -> Result<(), &'static str> {
     if u.is_finite() && v.is_finite() { Ok(()) } else { Err("the point must have two numbers") }
 }
 
-fn check_shares(shares: [f64; 2]) -> Result<(), &'static str> {
+fn check_shares<const N: usize>(shares: [f64; N]) -> Result<(), &'static str> {
     if shares.iter().all(|share| (-1.0..=1.0).contains(share)) {
         Ok(())
     } else {

@@ -8,9 +8,9 @@ use barrelman_vocab::telemetry::{ControlState, FlightState};
 use barrelman_vocab::{Angle, CameraCommand, MarkKind, Named as _, PixelBox, Videos};
 
 use super::api::{
-    AxisPair, BoatStatus, CameraWork, CandidateStatus, EncodedVideo, LinkStatus, ModeStatus,
+    AxisRates, BoatStatus, CameraWork, CandidateStatus, EncodedVideo, LinkStatus, ModeStatus,
     OtherVideoStatus, PerceptStatus, PositionStatus, ProposalStatus, RecordingStatus, RegionStatus,
-    StatusSnapshot, TrackStatus, VideoStatus, WorkFigures,
+    StatusSnapshot, TrackStatus, VideoStatus, WorkFigures, ZoomStatus,
 };
 use super::track_status::{NO_TRACK, track_of};
 use super::vessel_status::vessel_of;
@@ -40,6 +40,9 @@ pub(super) fn status_of(snapshot: &Snapshot, codecs: &Videos<Option<EncodedVideo
         command: outcome.map_or_else(|| axes_of(CameraCommand::REST), |outcome| axes_of(outcome.command)),
         yaw_rate: snapshot.rates.yaw.radians_per_second(),
         pitch_rate: snapshot.rates.pitch.radians_per_second(),
+        zoom: outcome
+            .and_then(|outcome| outcome.zoom)
+            .map(|zoom| ZoomStatus { ratio: zoom.ratio, keeps_size: zoom.keeps_size }),
         net_yaw_deg: outcome.map_or(0.0, |outcome| outcome.net_yaw.angle.degrees()),
         search_refusal: outcome.and_then(|outcome| outcome.search_refusal).map(|refusal| refusal.to_string()),
         law: snapshot.law,
@@ -121,8 +124,12 @@ pub(super) fn percept_of(percept: Option<Percept>, advice: Option<Advice>) -> Op
     Some(PerceptStatus { x: percept.position.x, y: percept.position.y, p: percept.p, sector })
 }
 
-pub(super) fn axes_of(command: CameraCommand) -> AxisPair {
-    AxisPair { pan: command.pan.radians_per_second(), tilt: command.tilt.radians_per_second() }
+pub(super) fn axes_of(command: CameraCommand) -> AxisRates {
+    AxisRates {
+        pan: command.pan.radians_per_second(),
+        tilt: command.tilt.radians_per_second(),
+        zoom: command.zoom.per_second(),
+    }
 }
 
 /// The name of a source's state, and the reason for it.

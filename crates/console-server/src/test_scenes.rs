@@ -29,7 +29,7 @@ pub(crate) fn localisation(captured: Timestamp) -> Localisation {
 /// A command in rad/s.
 pub(crate) fn command(pan: f64, tilt: f64) -> CameraCommand {
     let rate = AngularRate::from_radians_per_second;
-    CameraCommand { pan: rate(pan), tilt: rate(tilt) }
+    CameraCommand::turning(rate(pan), rate(tilt))
 }
 
 /// A black video frame that was captured at this time.

@@ -9,19 +9,22 @@
 //! neither frame counts nor the video latency enter.
 //!
 //! The inputs are commands. If the vehicle reports the gimbal's attitude, [`CameraModel::correct_tilt`] corrects the
-//! tilt; if it reports a zoom, [`CameraModel::set_field_of_view`] sets the focal length. The model does not contain the
-//! sway of the kite. The laws take the camera for a pinhole; points on the water are computed with its lens
+//! tilt; if it reports a field of view, [`CameraModel::set_field_of_view`] sets the focal length, which follows the commands to
+//! zoom in between. The model does not contain the sway of the kite. The laws take the camera for a pinhole; points on the water are computed with its lens
 //! ([`CameraModel::lens_at`]). Work: O(1) per command and query, no allocation after construction.
 
 mod axis;
 mod axis_history;
 mod focal_history;
+mod focal_length;
 
 use barrelman_vocab::profile::{AxisRates, CameraDynamics};
-use barrelman_vocab::{Angle, CameraCommand, ImagePoint, Lens, MotionPrior, PictureSize, Timestamp};
+use barrelman_vocab::{
+    Angle, CameraCommand, ImagePoint, Lens, MotionPrior, PictureSize, Timestamp, VehicleProfile, ZoomDynamics,
+};
 
 use self::axis::AxisModel;
-use self::focal_history::FocalHistory;
+use self::focal_length::FocalLength;
 use crate::view::View;
 
 /// Standard deviation of a kite's sway in wind, radians per square root of a second: 3 degrees with a time constant of
@@ -33,8 +36,6 @@ const SHIFT_ERROR: f64 = 0.5;
 const REPORT_SHARE: f64 = 0.2;
 /// Valid focal lengths, as shares of the picture's width.
 const FOCAL_SHARES: core::ops::RangeInclusive<f64> = 0.1..=20.0;
-/// Smallest relative change of the focal length that counts as a zoom: reports are rounded.
-const MIN_FOCAL_CHANGE: f64 = 0.002;
 /// A reported focal length that differs by no more than this share from the calibrated one is that of the calibrated lens: a
 /// vehicle states a nominal field of view. More is a zoom, with which the calibration does not hold.
 const MAX_CALIBRATED_CHANGE: f64 = 0.05;
@@ -62,21 +63,26 @@ pub struct CameraModel {
     dynamics: CameraDynamics,
     pan: AxisModel,
     tilt: AxisModel,
-    focal_lengths: FocalHistory,
+    focal_length: FocalLength,
 }
 
 impl CameraModel {
     /// A camera at rest, with the initial tilt of the profile.
-    pub fn new(dynamics: CameraDynamics, limits: AxisRates) -> Self {
+    pub fn new(dynamics: CameraDynamics, limits: AxisRates, zoom: Option<ZoomDynamics>) -> Self {
         let (low, high) = dynamics.tilt_stops;
         let stops = (low.radians(), high.radians());
         let tilt = dynamics.initial_tilt.radians().clamp(stops.0, stops.1);
         Self {
             pan: AxisModel::new(dynamics.pan, limits.pan.radians_per_second(), 0.0, None),
             tilt: AxisModel::new(dynamics.tilt, limits.tilt.radians_per_second(), tilt, Some(stops)),
-            focal_lengths: FocalHistory::new(dynamics.focal_share),
+            focal_length: FocalLength::new(dynamics.focal_share, zoom),
             dynamics,
         }
+    }
+
+    /// The camera of a vehicle.
+    pub fn of(profile: &VehicleProfile) -> Self {
+        Self::new(profile.camera, profile.limits, profile.zoom)
     }
 
     /// The dynamics that the model was built with.
@@ -90,6 +96,7 @@ impl CameraModel {
         for axis in [&mut self.pan, &mut self.tilt] {
             axis.advance(now_s + axis.start_s());
         }
+        self.focal_length.advance(now);
     }
 
     /// Puts a command in force from `now` on.
@@ -97,6 +104,7 @@ impl CameraModel {
         let now_s = now.as_secs_f64();
         self.pan.command(command.pan.radians_per_second(), now_s);
         self.tilt.command(command.tilt.radians_per_second(), now_s);
+        self.focal_length.command(command.zoom, now);
     }
 
     /// Corrects the tilt with the gimbal's report at the time `at`. A value that is not finite is ignored.
@@ -117,19 +125,16 @@ impl CameraModel {
         }
     }
 
-    /// Sets the horizontal field of view from the time `at` on: the camera zooms. Impossible values are ignored.
+    /// Takes a report of the horizontal field of view at the time `at`. Impossible values are ignored.
     pub fn set_field_of_view(&mut self, angle: Angle, at: Timestamp) {
-        let known = self.focal_lengths.at(at);
-        if let Some(share) = focal_share_of(angle)
-            && (share - known).abs() > MIN_FOCAL_CHANGE * known
-        {
-            self.focal_lengths.push(share, at);
+        if let Some(share) = focal_share_of(angle) {
+            self.focal_length.report(share, at);
         }
     }
 
     /// Focal length at a time, as a share of the picture's width.
     pub fn focal_share_at(&self, at: Timestamp) -> f64 {
-        self.focal_lengths.at(at)
+        self.focal_length.at(at)
     }
 
     /// Focal length at a time for a picture of this size, pixels.
@@ -139,7 +144,7 @@ impl CameraModel {
 
     /// The lens at a time for a picture of this size ([`lens_in_force`]).
     pub fn lens_at(&self, at: Timestamp, picture: PictureSize) -> Lens {
-        lens_in_force(&self.dynamics, self.focal_lengths.at(at), picture)
+        lens_in_force(&self.dynamics, self.focal_length.at(at), picture)
     }
 
     /// Pan (relative to the initial direction; unbounded) and tilt at a time, radians. The history covers at least 1.5
@@ -155,24 +160,26 @@ impl CameraModel {
         (self.pan.at(at_s).rate, self.tilt.at(at_s).rate)
     }
 
-    /// Shift of a stationary object at the picture's centre between two pictures due to camera motion, with its
-    /// standard deviation. The deviation covers the kite's sway and differences between vehicle and profile.
+    /// Shift of a stationary object at the picture's centre between two pictures due to camera motion, and the zoom, with
+    /// the shift's standard deviation. The deviation covers the kite's sway and differences between vehicle and profile.
     pub fn motion_prior(&self, from: Timestamp, to: Timestamp, picture: PictureSize) -> MotionPrior {
-        let focal_px = self.focal_px(to, picture);
+        let (focal_px, focal_px_before) = (self.focal_px(to, picture), self.focal_px(from, picture));
         let interval = to.since(from);
-        if self.focal_px(from, picture).to_bits() != focal_px.to_bits() {
-            // A zoom moves every object differently: the shift is unknown.
+        if self.focal_length.is_changed_by_another(from, to) {
+            // By how much, is not known of each picture in between: the shift is unknown.
             let std_dev_px = f64::from(picture.width);
-            return MotionPrior { shift_u_px: 0.0, shift_v_px: 0.0, std_dev_px, interval };
+            return MotionPrior { shift_u_px: 0.0, shift_v_px: 0.0, std_dev_px, scale: 1.0, interval };
         }
         let ((pan, tilt), (pan_before, tilt_before)) = (self.angles_at(to), self.angles_at(from));
-        let centre = View::new(focal_px, pan_before, tilt_before).unproject(ImagePoint { x: 0.0, y: 0.0 });
+        let centre =
+            View::new(focal_px_before, pan_before, tilt_before).unproject(ImagePoint { x: 0.0, y: 0.0 });
         let shift = View::new(focal_px, pan, tilt).project(centre);
         let sway = focal_px * SWAY_RAD_PER_ROOT_S * libm::sqrt(interval.as_secs_f64());
         MotionPrior {
             shift_u_px: shift.x,
             shift_v_px: -shift.y,
             std_dev_px: libm::hypot(sway, SHIFT_ERROR * libm::hypot(shift.x, shift.y)),
+            scale: focal_px / focal_px_before,
             interval,
         }
     }

@@ -82,10 +82,10 @@ impl Centring {
                 limit.radians_per_second(),
             ))
         };
-        CameraCommand {
-            pan: axis(&mut self.pan, percept.position.x, self.limits.pan),
-            tilt: axis(&mut self.tilt, percept.position.y, self.limits.tilt),
-        }
+        CameraCommand::turning(
+            axis(&mut self.pan, percept.position.x, self.limits.pan),
+            axis(&mut self.tilt, percept.position.y, self.limits.tilt),
+        )
     }
 }
 

@@ -105,7 +105,7 @@ impl CameraLaw {
 
     /// A custom law for a vehicle.
     pub fn from_law(law: Box<dyn Law>, profile: &VehicleProfile) -> Self {
-        Self { camera: CameraModel::new(profile.camera, profile.limits), law }
+        Self { camera: CameraModel::of(profile), law }
     }
 
     /// Changes the law. The camera model keeps its state.
@@ -150,7 +150,7 @@ impl CameraLaw {
         self.camera.set_tilt(tilt, at);
     }
 
-    /// Processes a report of the horizontal field of view from the time `at` on: the camera zooms.
+    /// Processes a report of the horizontal field of view at the time `at`.
     pub fn on_field_of_view_report(&mut self, angle: Angle, at: Timestamp) {
         self.camera.set_field_of_view(angle, at);
     }

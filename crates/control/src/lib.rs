@@ -37,6 +37,7 @@ pub mod optimal;
 pub mod shadow;
 
 pub mod law;
+pub mod size_keeping;
 
 pub use bearing::{Bearing, BearingFilter, BearingNoise};
 pub use camera_model::CameraModel;

@@ -80,8 +80,8 @@ impl MotorSchema {
         if !Self::is_released(percept) {
             return CameraCommand::REST;
         }
-        let pan = |rate| CameraCommand { pan: rate, tilt: AngularRate::ZERO };
-        let tilt = |rate| CameraCommand { pan: AngularRate::ZERO, tilt: rate };
+        let pan = |rate| CameraCommand::turning(rate, AngularRate::ZERO);
+        let tilt = |rate| CameraCommand::turning(AngularRate::ZERO, rate);
         match Sector::from_point(percept.position) {
             Sector::Right => pan(self.rates.pan),
             Sector::Left => pan(-self.rates.pan),

@@ -38,7 +38,7 @@ use crate::law_input::LawInput;
 ///
 /// let profile = VehicleProfile::fotokite_pro();
 /// let mut law = OptimalLaw::new(&OptimalSettings::new(OptimalMode::MinimumEnergy), &profile);
-/// let camera = CameraModel::new(profile.camera, profile.limits);
+/// let camera = CameraModel::of(&profile);
 /// let picture = PictureSize::new(640, 480);
 /// let region = Region::from_shares(profile.region, picture);
 /// let percept = Percept::new(ImagePoint { x: 250.0, y: 0.0 }, region);

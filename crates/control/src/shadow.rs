@@ -42,7 +42,7 @@ impl ShadowController {
     pub fn new(profile: &VehicleProfile) -> Self {
         Self {
             motor_schema: MotorSchema::new(profile.motor_schema_rates),
-            camera: CameraModel::new(profile.camera, profile.limits),
+            camera: CameraModel::of(profile),
             coast_motion: profile.coast_motion,
             last: None,
         }

@@ -28,6 +28,8 @@ pub struct Pointing {
     pub tilt: Angle,
     /// Height above the water, metres.
     pub height_m: f64,
+    /// Horizontal field of view; `None`: the camera does not zoom.
+    pub field_of_view: Option<Angle>,
 }
 
 #[derive(Default)]
@@ -170,7 +172,7 @@ mod tests {
         link.on_pose_report(move |pose| listener.lock().unwrap().push(pose.tilt.degrees().round() as i32));
         for tick in 1..=120 {
             let tilt = Angle::from_degrees(-f64::from(tick));
-            link.set_pointing(Pointing { pan: Angle::ZERO, tilt, height_m: 10.0 });
+            link.set_pointing(Pointing { pan: Angle::ZERO, tilt, height_m: 10.0, field_of_view: None });
         }
         assert_eq!(*reports.lock().unwrap(), [-12, -24, -36, -48, -60, -72, -84, -96, -108, -120]);
     }

@@ -248,7 +248,7 @@ impl<V: EmulatedVehicle> Emulator<V> {
 
     fn pointing(&self) -> Pointing {
         let (pan, tilt) = (self.mount.pan.angle(), self.mount.tilt.angle());
-        let own = Pointing { pan, tilt, height_m: START_HEIGHT_M };
+        let own = Pointing { pan, tilt, height_m: START_HEIGHT_M, field_of_view: None };
         self.world.as_ref().and_then(CameraLink::pointing).unwrap_or(own)
     }
 }

@@ -62,7 +62,7 @@ impl EmulatedVehicle for FotokitePro {
     fn advance(&mut self, pointing: Pointing, now: Timestamp, out: &mut Vec<Vec<u8>>) {
         self.station.tick(now);
         let mut lines = Vec::new();
-        let Pointing { pan, tilt, height_m } = pointing;
+        let Pointing { pan, tilt, height_m, .. } = pointing;
         let readings = SensorReadings { altitude_m: height_m, ..SensorReadings::of_camera(pan, tilt) };
         self.station.write_telemetry(&readings, now, &mut lines);
         out.push(lines);
@@ -75,7 +75,7 @@ impl EmulatedVehicle for FotokitePro {
                 StationState::Shell => "shell",
                 StationState::RemoteControlled => "remote-controlled",
             },
-            rates: VehicleRates { yaw: rates.yaw, pitch: rates.pitch },
+            rates: VehicleRates::turning(rates.yaw, rates.pitch),
             roll: rates.roll,
             lost_lines: self.station.dropped_lines(),
         }

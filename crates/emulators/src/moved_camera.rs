@@ -36,7 +36,7 @@ impl MovedCamera {
     /// Where it points.
     pub(crate) fn pointing(&self) -> Pointing {
         let (pan, tilt) = self.mount_angles();
-        let own = Pointing { pan, tilt, height_m: START_HEIGHT_M };
+        let own = Pointing { pan, tilt, height_m: START_HEIGHT_M, field_of_view: None };
         self.world.as_ref().and_then(CameraLink::pointing).unwrap_or(own)
     }
 

@@ -10,9 +10,10 @@ use barrelman_vocab::{AngularRate, Timestamp, VehicleRates, VesselCommand, Vesse
 /// that is above the limits.
 pub fn decode(bytes: &[u8]) {
     let limit = AngularRate::from_radians_per_second(0.3);
-    let rates = VehicleRates { yaw: limit, pitch: limit };
+    let rates = VehicleRates::turning(limit, limit).zooming(1.0);
     check_to_guard(bytes, rates, |passed: VehicleRates| {
-        [passed.yaw, passed.pitch].map(|rate| rate.radians_per_second().abs() / 0.3)
+        let VehicleRates { yaw, pitch, zoom } = passed;
+        [yaw.radians_per_second().abs() / 0.3, pitch.radians_per_second().abs() / 0.3, zoom.abs()]
     });
     let largest = VesselCommand { throttle: 0.6, rudder: 1.0 };
     check_to_guard(bytes, VesselOrder::Commanded(largest), |passed: VesselOrder| {
@@ -25,10 +26,10 @@ pub fn decode(bytes: &[u8]) {
 }
 
 /// The same for one kind of commands; `shares` gives what passes in shares of the limits.
-fn check_to_guard<C: GuardedCommand + MessageCommand>(
+fn check_to_guard<C: GuardedCommand + MessageCommand, const N: usize>(
     bytes: &[u8],
     limits: C,
-    shares: impl Fn(C) -> [f64; 2],
+    shares: impl Fn(C) -> [f64; N],
 ) {
     let Ok(message) = ToGuard::<C>::decode(bytes) else { return };
     check_again(&message, message.encode(), |again| ToGuard::<C>::decode(again).map(|again| again.encode()));

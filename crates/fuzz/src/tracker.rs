@@ -122,6 +122,7 @@ fn follow(tracker: &mut dyn Tracker, bytes: &[u8]) {
             continue;
         }
         let prior = (what >= 128).then(|| MotionPrior {
+            scale: bytes.number(),
             shift_u_px: bytes.number(),
             shift_v_px: bytes.number(),
             std_dev_px: bytes.number(),

@@ -60,7 +60,7 @@ pub fn session(bytes: &[u8]) {
 /// Rates of both axes from two bytes, 128 being none. `steps` are one rad/s.
 pub(crate) fn rates_of(yaw: u8, pitch: Option<u8>, steps: f64) -> VehicleRates {
     let rate = |share: u8| AngularRate::from_radians_per_second((f64::from(share) - 128.0) / steps);
-    VehicleRates { yaw: rate(yaw), pitch: rate(pitch.unwrap_or(128)) }
+    VehicleRates::turning(rate(yaw), rate(pitch.unwrap_or(128)))
 }
 
 /// No rate above the limits of the protocol is written.

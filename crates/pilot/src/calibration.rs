@@ -77,9 +77,9 @@ impl Calibration {
         let size = if since.as_nanos() % part < moves { NUDGE_RATE_RAD_PER_S } else { 0.0 };
         let rate = AngularRate::from_radians_per_second(if index.is_multiple_of(2) { size } else { -size });
         Some(if index < 2 * repetitions {
-            CameraCommand { pan: rate, tilt: AngularRate::ZERO }
+            CameraCommand::turning(rate, AngularRate::ZERO)
         } else {
-            CameraCommand { pan: AngularRate::ZERO, tilt: rate }
+            CameraCommand::turning(AngularRate::ZERO, rate)
         })
     }
 }

@@ -179,7 +179,8 @@ impl Candidates {
             self.round = now;
             return;
         };
-        let moved = shift(self.round.min(now), now, frame.picture.size());
+        let size = frame.picture.size();
+        let moved = shift(self.round.min(now), now, size).at(place, size);
         let place = PixelPoint { u: place.u + moved.shift_u_px, v: place.v + moved.shift_v_px };
         self.look(frame, place, others);
     }
@@ -254,9 +255,10 @@ impl Candidates {
             self.detected.clear();
             return;
         };
-        let moved = shift(captured, frame.capture.at, frame.picture.size());
+        let size = frame.picture.size();
+        let moved = shift(captured, frame.capture.at, size);
         while let Some(detection) = self.detected.waiting.pop() {
-            let Detection { bounds, classification } = detection.moved(&moved);
+            let Detection { bounds, classification } = detection.moved(&moved, size);
             if self.sought == Sought::Persons && !classification.class.is_person() {
                 continue;
             }

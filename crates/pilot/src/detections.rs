@@ -73,9 +73,12 @@ pub struct Detection {
 
 impl Detection {
     /// The same in a later picture, which has moved.
-    pub(crate) fn moved(self, by: &MotionPrior) -> Self {
-        let PixelBox { u, v, w, h } = self.bounds;
-        Self { bounds: PixelBox { u: u + by.shift_u_px, v: v + by.shift_v_px, w, h }, ..self }
+    pub(crate) fn moved(self, by: &MotionPrior, picture: PictureSize) -> Self {
+        let (PixelBox { w, h, .. }, by) = (self.bounds, by.at(self.bounds.centre(), picture));
+        let centre = self.bounds.centre();
+        let (u, v) = (centre.u + by.shift_u_px, centre.v + by.shift_v_px);
+        let (w, h) = (by.scale * w, by.scale * h);
+        Self { bounds: PixelBox { u: u - 0.5 * w, v: v - 0.5 * h, w, h }, ..self }
     }
 }
 

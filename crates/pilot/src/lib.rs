@@ -31,6 +31,7 @@ mod selecting;
 mod sway_estimate;
 pub mod unasked_motion;
 mod verification;
+mod zooming;
 
 pub mod vessel;
 

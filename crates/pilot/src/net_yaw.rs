@@ -131,10 +131,10 @@ mod tests {
         NetYawLimits { warn: Angle::from_radians(2.0), refuse: Angle::from_radians(4.0) };
 
     fn pan(rate: f64) -> CameraCommand {
-        CameraCommand {
-            pan: AngularRate::from_radians_per_second(rate),
-            tilt: AngularRate::from_radians_per_second(0.1),
-        }
+        CameraCommand::turning(
+            AngularRate::from_radians_per_second(rate),
+            AngularRate::from_radians_per_second(0.1),
+        )
     }
 
     #[test]

@@ -55,6 +55,8 @@ pub struct Outcome {
     pub are_candidates_wanted: bool,
     /// By how much the vehicle is turned about the vertical.
     pub net_yaw: NetYawState,
+    /// The zoom; `None`: the camera does not zoom.
+    pub zoom: Option<ZoomState>,
     /// The rate of a camera that turns although zero is commanded, as the vehicle reports it; `None`: no such motion is reported.
     pub unasked_motion: Option<AngularRate>,
     /// Why a search would be refused now; `None`: the operator can ask for one.
@@ -91,6 +93,7 @@ impl Outcome {
             candidates: [None; MAX_CANDIDATES],
             are_candidates_wanted: false,
             net_yaw: NetYawState::default(),
+            zoom: None,
             unasked_motion: None,
             search_refusal: None,
             vessel: VesselOutcome::absent(),
@@ -104,6 +107,15 @@ impl Outcome {
         let deadlines = [self.wake_at, self.vessel.renew_by];
         deadlines.into_iter().flatten().min()
     }
+}
+
+/// The zoom of a camera.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ZoomState {
+    /// The present focal length over that of the widest view: as reported, or as commanded since.
+    pub ratio: f64,
+    /// Whether the target's size is kept by the zoom while engaged.
+    pub keeps_size: bool,
 }
 
 /// The advice of a law.
@@ -186,6 +198,8 @@ pub enum Notice {
     TestMotionsMade,
     /// The net yaw has come to another level, or was set.
     NetYaw(NetYawState),
+    /// The target's size is kept by the zoom from now on, or no longer.
+    KeepingSize(bool),
     /// The mark of this number was set.
     Marked(u32, MarkKind),
     /// The boat goes to its destination: over the water, or, for this reason, in the picture.
@@ -243,6 +257,8 @@ impl fmt::Display for Notice {
             }
             Self::TestMotionsMade => f.write_str("the test motions have been made"),
             Self::NetYaw(net) => net_yaw_text(*net, f),
+            Self::KeepingSize(true) => f.write_str("the zoom keeps the boat's size"),
+            Self::KeepingSize(false) => f.write_str("the zoom does not keep the boat's size any more"),
             Self::Marked(id, kind) => write!(f, "mark {id}: {}", mark_text(*kind)),
             Self::Going(None) => f.write_str("the boat goes over the water, around the circles"),
             Self::Going(Some(why)) => {

@@ -27,12 +27,14 @@ pub enum Refusal {
     NotYetCaptured,
     /// A tap that proposes nothing, for this reason.
     NothingProposed(NoProposal),
-    /// A nudge or a change of the law while the pilot is engaged.
+    /// A turn by hand or a change of the law while the pilot is engaged.
     Engaged,
     /// A nudge while the pilot is stopped.
     Stopped,
     /// A nudge, a helm, Go or a mark without fresh video: the operator cannot see what the camera looks at.
     NoFreshVideo,
+    /// A zoom of a camera that has none.
+    NoZoom,
     /// No object is followed that could be rejected.
     NothingToReject,
     /// The camera moves for another purpose.
@@ -89,6 +91,7 @@ impl fmt::Display for Refusal {
             Self::Engaged => f.write_str("the camera is engaged: disengage first"),
             Self::Stopped => f.write_str("the camera is stopped: disengage first"),
             Self::NoFreshVideo => f.write_str("there is no fresh video: nothing is moved blindly"),
+            Self::NoZoom => f.write_str("this camera does not zoom"),
             Self::NothingToReject => f.write_str("no object is followed"),
             Self::Busy(purpose) => {
                 let now = match purpose {

@@ -3,11 +3,12 @@
 //! 1. A stop outranks everything. After a stop, only `Engage` allows motion again; `Disengage` ends the stop in the
 //!    idle mode.
 //! 2. Motion requires fresh localisations. Only a fresh localisation starts or raises a rate; a coasting one can only
-//!    lower it.
+//!    lower it, and make the view wider.
 //! 3. A rate lasts at most `coast_motion` after the arrival of the last fresh localisation; then both rates become
 //!    zero. They also become zero if the current time lies before that arrival, because its age is then unknown.
 //! 4. Every motion has one licence with its own time to live ([`crate::licence`]): following, as above; a nudge, a search or a
-//!    calibration, at a low rate, with video throughout, and only as long as it is renewed.
+//!    calibration, at a low rate, with video throughout, and only as long as it is renewed. So is a zoom by hand, which the
+//!    licence to follow permits.
 //! 5. Nothing moves the camera while its vehicle takes no commands ([`VehicleState::obstacle`]). Motion begins again with
 //!    the next fresh localisation; the other licences end. What the vehicle reports may end an engagement; it then takes a
 //!    new `Engage`.
@@ -15,15 +16,19 @@
 use core::time::Duration;
 
 use barrelman_vocab::telemetry::Report;
-use barrelman_vocab::{AngularRate, CameraCommand, CameraRequest, HoldCause, Nudge, StopCause, Timestamp};
+use barrelman_vocab::{
+    AngularRate, CameraCommand, CameraRequest, HoldCause, Nudge, StopCause, Timestamp, ZoomRate,
+};
 
-use crate::licence::Licences;
+use crate::licence::{Licences, NUDGE_LASTS};
 use crate::outcome::{Mode, Refusal};
 use crate::purpose::Purpose;
 use crate::vehicle::{CommandPath, VehicleState};
 
 /// Rate of a nudge, rad/s, and largest rate of a search and a calibration: about 6 degrees a second.
 pub const NUDGE_RATE_RAD_PER_S: f64 = 0.1;
+/// Largest rate of a zoom by hand, per second: a third closer in a second.
+const NUDGE_ZOOM_PER_S: f64 = 0.3;
 /// A nudge, a search and a calibration need a video frame that arrived within this time, throughout.
 const NEEDS_VIDEO: Duration = Duration::from_millis(300);
 
@@ -51,6 +56,8 @@ pub struct Safety {
     following: CameraCommand,
     /// The command of a nudge, a search or a calibration.
     proposed: CameraCommand,
+    /// The rate of a zoom by hand while the camera follows, and when it was renewed.
+    zoom_by_hand: Option<(ZoomRate, Timestamp)>,
     last_video_at: Option<Timestamp>,
     vehicle: VehicleState,
 }
@@ -75,6 +82,7 @@ impl Safety {
             hold_cause: HoldCause::NoSelection,
             following: CameraCommand::REST,
             proposed: CameraCommand::REST,
+            zoom_by_hand: None,
             last_video_at: None,
             vehicle: VehicleState::new(path),
         }
@@ -136,6 +144,7 @@ impl Safety {
             CameraRequest::NetYaw { .. }
             | CameraRequest::Propose(_)
             | CameraRequest::Candidates { .. }
+            | CameraRequest::KeepSize { .. }
             | CameraRequest::TakeCandidate { .. } => {}
             CameraRequest::Select(_)
             | CameraRequest::SelectNext(_)
@@ -151,11 +160,20 @@ impl Safety {
         Ok(())
     }
 
-    /// Starts or renews a nudge. A nudge of zero ends it.
+    /// Starts or renews a nudge. A nudge of zero ends it. While the camera follows, it may zoom by hand.
     fn on_nudge(&mut self, nudge: Nudge, now: Timestamp) -> Result<(), Refusal> {
         let command = nudge_command(nudge);
         match (self.licences.held(), self.licences.stop_cause()) {
-            (Some(Purpose::Follow), _) => return Err(Refusal::Engaged),
+            (Some(Purpose::Follow), _) if !(command.pan.is_zero() && command.tilt.is_zero()) => {
+                return Err(Refusal::Engaged);
+            }
+            (Some(Purpose::Follow), _) => {
+                self.zoom_by_hand = None;
+                if !command.zoom.is_zero() {
+                    self.may_begin(now)?;
+                    self.zoom_by_hand = Some((command.zoom, now));
+                }
+            }
             (_, Some(_)) => return Err(Refusal::Stopped),
             _ if command.is_rest() => self.licences.end(Purpose::Nudge),
             _ => {
@@ -171,12 +189,7 @@ impl Safety {
     /// # Errors
     /// The reason, if the camera may not be moved for that purpose now.
     pub fn consent(&mut self, purpose: Purpose, now: Timestamp) -> Result<(), Refusal> {
-        if let Some(obstacle) = self.vehicle.obstacle() {
-            return Err(Refusal::NoMotion(obstacle));
-        }
-        if !self.has_video(now) {
-            return Err(Refusal::NoFreshVideo);
-        }
+        self.may_begin(now)?;
         if self.licences.held() != Some(purpose) {
             self.licences.consent(purpose, now)?;
             self.proposed = CameraCommand::REST;
@@ -184,13 +197,25 @@ impl Safety {
         Ok(())
     }
 
+    /// Whether the vehicle takes commands, and there is video.
+    fn may_begin(&self, now: Timestamp) -> Result<(), Refusal> {
+        match self.vehicle.obstacle() {
+            Some(obstacle) => Err(Refusal::NoMotion(obstacle)),
+            None if self.has_video(now) => Ok(()),
+            None => Err(Refusal::NoFreshVideo),
+        }
+    }
+
     /// Renews the licence of a purpose with its next command, which is held to the low rate; nothing happens without that
     /// licence.
     pub fn propose(&mut self, purpose: Purpose, command: CameraCommand, now: Timestamp) {
         if purpose != Purpose::Follow && self.licences.held() == Some(purpose) {
             let limit = AngularRate::from_radians_per_second(NUDGE_RATE_RAD_PER_S);
-            self.proposed =
-                CameraCommand { pan: command.pan.clamped(limit), tilt: command.tilt.clamped(limit) };
+            self.proposed = CameraCommand {
+                pan: command.pan.clamped(limit),
+                tilt: command.tilt.clamped(limit),
+                ..command
+            };
             self.licences.renew(purpose, now);
         }
     }
@@ -249,7 +274,28 @@ impl Safety {
         };
         // What is left of a nudge is no rate to follow with.
         self.following = if mode == Mode::Servoing { command } else { CameraCommand::REST };
+        let (command, wake_at) = self.with_zoom_by_hand(command, wake_at, now);
         Decision { mode, command, wake_at }
+    }
+
+    /// The command with the zoom by hand while the camera follows, or waits for what to follow.
+    fn with_zoom_by_hand(
+        &mut self,
+        command: CameraCommand,
+        wake_at: Option<Timestamp>,
+        now: Timestamp,
+    ) -> (CameraCommand, Option<Timestamp>) {
+        let is_held = |(_, since): &(ZoomRate, Timestamp)| {
+            *since <= now
+                && now < since.plus(NUDGE_LASTS)
+                && self.licences.held() == Some(Purpose::Follow)
+                && self.may_begin(now).is_ok()
+        };
+        self.zoom_by_hand = self.zoom_by_hand.filter(is_held);
+        let Some((rate, since)) = self.zoom_by_hand else { return (command, wake_at) };
+        let video_ends = self.last_video_at.map_or(now, |at| at.plus(NEEDS_VIDEO));
+        let ends = since.plus(NUDGE_LASTS).min(video_ends);
+        (command.zooming(rate), Some(wake_at.map_or(ends, |at| at.min(ends))))
     }
 
     /// What the vehicle can execute of the decided command: a rate that was taken away while the camera follows starts again
@@ -262,6 +308,9 @@ impl Safety {
         };
         lower(&mut self.following.pan, command.pan);
         lower(&mut self.following.tilt, command.tilt);
+        if command.zoom.abs() < self.following.zoom.abs() {
+            self.following.zoom = command.zoom;
+        }
     }
 
     fn mode(&self, obstacle: Option<HoldCause>, now: Timestamp) -> Mode {
@@ -295,25 +344,32 @@ impl Safety {
 
 /// The command of a nudge. A share that is no number is zero.
 fn nudge_command(nudge: Nudge) -> CameraCommand {
-    let rate = |share: f64| {
-        let share = if share.is_nan() { 0.0 } else { share.clamp(-1.0, 1.0) };
-        AngularRate::from_radians_per_second(share * NUDGE_RATE_RAD_PER_S)
-    };
-    CameraCommand { pan: rate(nudge.pan), tilt: rate(nudge.tilt) }
+    let share = |share: f64| if share.is_nan() { 0.0 } else { share.clamp(-1.0, 1.0) };
+    let rate = |wanted: f64| AngularRate::from_radians_per_second(share(wanted) * NUDGE_RATE_RAD_PER_S);
+    let zoom = ZoomRate::from_per_second(share(nudge.zoom) * NUDGE_ZOOM_PER_S);
+    CameraCommand::turning(rate(nudge.pan), rate(nudge.tilt)).zooming(zoom)
 }
 
-/// The command in force, with each axis limited to the advised rate. An axis with the opposite direction rests.
+/// The command in force, with each axis limited to the advised rate. An axis with the opposite direction rests. The view may
+/// become wider as advised: more of the water is seen then.
 fn reduced(in_force: CameraCommand, advised: CameraCommand) -> CameraCommand {
-    let axis = |running: AngularRate, advised: AngularRate| {
-        let (running, advised) = (running.radians_per_second(), advised.radians_per_second());
-        let rate = if running * advised <= 0.0 {
+    let smaller = |running: f64, advised: f64| {
+        if running * advised <= 0.0 {
             0.0
         } else if running > 0.0 {
             running.min(advised)
         } else {
             running.max(advised)
-        };
+        }
+    };
+    let axis = |running: AngularRate, advised: AngularRate| {
+        let rate = smaller(running.radians_per_second(), advised.radians_per_second());
         AngularRate::from_radians_per_second(rate)
     };
-    CameraCommand { pan: axis(in_force.pan, advised.pan), tilt: axis(in_force.tilt, advised.tilt) }
+    let zoom = match advised.zoom.per_second() {
+        wider if wider < 0.0 => wider,
+        closer => smaller(in_force.zoom.per_second(), closer),
+    };
+    CameraCommand::turning(axis(in_force.pan, advised.pan), axis(in_force.tilt, advised.tilt))
+        .zooming(ZoomRate::from_per_second(zoom))
 }

@@ -179,7 +179,7 @@ impl Search {
             if !has_ended {
                 self.towards = Some(towards);
                 let rate = AngularRate::from_radians_per_second;
-                return Some(CameraCommand { pan: rate(pan_rate), tilt: rate(tilt_rate) });
+                return Some(CameraCommand::turning(rate(pan_rate), rate(tilt_rate)));
             }
             (self.towards, self.leg) = (None, self.leg + 1);
         }

@@ -25,6 +25,7 @@ use crate::unasked_motion::UnaskedMotion;
 use crate::vehicle::CommandPath;
 use crate::verification::Verification;
 use crate::vessel::{VesselPilot, VesselSettings};
+use crate::zooming::Zooming;
 
 mod net_turn;
 mod observing;
@@ -33,6 +34,7 @@ mod reports;
 mod requests;
 mod searching;
 mod vessel_part;
+mod zooming;
 
 /// A reported tilt holds the camera off its end stops for this time: vehicles report the tilt some times a
 /// second.
@@ -83,6 +85,7 @@ pub struct Pilot {
     last_bearing: Option<LastBearing>,
     search: Option<Search>,
     calibration: Option<Calibration>,
+    zooming: Option<Zooming>,
     vessel: Option<Box<VesselPilot>>,
     earth: EarthReports,
 }
@@ -106,6 +109,7 @@ impl Pilot {
 
     /// The same with a custom law instead of that of the settings.
     pub fn with_law(settings: PilotSettings, law: CameraLaw, tracker: Box<dyn Tracker>) -> Self {
+        let zooming = Zooming::new(&settings.profile);
         Self {
             law,
             safety: Safety::new(settings.profile.coast_motion, CommandPath::Simulated),
@@ -135,6 +139,7 @@ impl Pilot {
             last_bearing: None,
             search: None,
             calibration: None,
+            zooming,
             vessel: None,
             earth: EarthReports::default(),
         }
@@ -227,8 +232,7 @@ impl Pilot {
 
     /// Computes percept and advice from the newest track, and classifies the observation for the safety rule.
     fn evaluate(&mut self, age: Option<Duration>, now: Timestamp) -> ObservationResult {
-        let profile = &self.settings.profile;
-        let evaluated = self.track.localisation().zip(self.region).map(|(localisation, region)| {
+        let evaluated = self.track.localisation().copied().zip(self.region).map(|(localisation, region)| {
             let percept = Percept::new(localisation.centre.in_image(localisation.picture), region);
             let input = LawInput {
                 percept: &percept,
@@ -239,11 +243,13 @@ impl Pilot {
                 now,
             };
             let command = self.law.command(&input);
+            let command = self.with_zoom(command, &localisation, &percept, &input);
             let sector = MotorSchema::is_released(&percept).then(|| Sector::from_point(percept.position));
             (percept, Advice { command, sector })
         });
         self.percept = evaluated.map(|(percept, _)| percept);
         self.advice = evaluated.map(|(_, advice)| advice);
+        let profile = &self.settings.profile;
         let is_stale = age.is_none_or(|age| age > profile.video_latency.saturating_add(profile.stale_after));
         if self.is_video_fresh(age) {
             self.safety.on_video(now);
@@ -322,6 +328,7 @@ impl Pilot {
             candidates: self.candidates.shown(),
             are_candidates_wanted: self.are_candidates_wanted,
             net_yaw,
+            zoom: self.zoom_state(now),
             unasked_motion: self.unasked_motion.turning().filter(|_| self.safety.path() == CommandPath::Link),
             search_refusal: self.search_refusal(now),
             vessel,

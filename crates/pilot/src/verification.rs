@@ -72,7 +72,8 @@ impl Verification {
         }
         let moved = shift(captured, seen.captured, seen.picture);
         let is_boat_there = |found: &Detection| {
-            found.classification.class.is_boat() && is_near(found.moved(&moved).bounds, seen.bounds)
+            found.classification.class.is_boat()
+                && is_near(found.moved(&moved, seen.picture).bounds, seen.bounds)
         };
         let is_there = detections.found.iter().take(MAX_DETECTIONS).any(is_boat_there);
         match &mut self.state {

@@ -155,6 +155,7 @@ fn snapshot(scene: Scene, tick: u64) -> Snapshot {
         tick,
         first_row: camera,
         last_row: camera,
+        zoom: 1.0,
         light: Light {
             sun_bearing: Angle::from_degrees(120.0),
             sun_elevation: Angle::from_degrees(45.0),

@@ -1,14 +1,15 @@
-//! Both axes of a vehicle's camera: pan (yaw of the flight unit) and tilt (pitch of the gimbal).
+//! The axes of a vehicle's camera: pan (yaw of the flight unit), tilt (pitch of the gimbal), and the zoom.
 
-use barrelman_vocab::{Angle, AngularRate, CameraCommand};
+use barrelman_vocab::{Angle, AngularRate, CameraCommand, ZoomDynamics};
 
 use crate::camera_axis::{AxisImperfections, AxisPlant, CameraAxis};
 use crate::tick::TICKS_PER_SECOND;
+use crate::zoom::CommandedZoom;
 
 /// Ticks from one report of the tilt to the next, where the gimbal reports its tilt: 10 Hz.
 pub const TICKS_PER_TILT_REPORT: u32 = TICKS_PER_SECOND / 10;
 
-/// Dynamics of both axes.
+/// Dynamics of the axes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MountPlant {
     /// Pan.
@@ -19,6 +20,8 @@ pub struct MountPlant {
     pub cross_talk: f64,
     /// Rate at which the tilt sinks by itself, rad/s.
     pub droop_rad_per_s: f64,
+    /// The zoom; `None`: the camera has none.
+    pub zoom: Option<ZoomDynamics>,
 }
 
 impl MountPlant {
@@ -47,6 +50,7 @@ impl MountPlant {
             },
             cross_talk: 0.0,
             droop_rad_per_s: 0.0,
+            zoom: None,
         }
     }
 }
@@ -58,6 +62,7 @@ pub struct CameraMount {
     pub pan: CameraAxis,
     /// Tilt: 0 is level, positive upwards.
     pub tilt: CameraAxis,
+    zoom: Option<CommandedZoom>,
     cross_talk: f64,
     droop_rad_per_s: f64,
     tick: u64,
@@ -74,16 +79,20 @@ impl CameraMount {
         Self {
             pan: CameraAxis::at_rest(plant.pan, pan),
             tilt: CameraAxis::at_rest(plant.tilt, tilt),
+            zoom: plant.zoom.map(CommandedZoom::at_rest),
             cross_talk: plant.cross_talk,
             droop_rad_per_s: plant.droop_rad_per_s,
             tick: 0,
         }
     }
 
-    /// Passes a command to both axes, at the present tick.
+    /// Passes a command to the axes, at the present tick.
     pub fn command(&mut self, command: CameraCommand) {
         self.pan.command(command.pan, self.tick);
         self.tilt.command(command.tilt, self.tick);
+        if let Some(zoom) = &mut self.zoom {
+            zoom.command(command.zoom, self.tick);
+        }
     }
 
     /// Advances by one tick.
@@ -91,7 +100,15 @@ impl CameraMount {
         let (pan, tilt) = (self.pan.rate().radians_per_second(), self.tilt.rate().radians_per_second());
         self.pan.advance_with_disturbance(self.tick, self.cross_talk * tilt);
         self.tilt.advance_with_disturbance(self.tick, self.cross_talk * pan - self.droop_rad_per_s);
+        if let Some(zoom) = &mut self.zoom {
+            zoom.advance(self.tick);
+        }
         self.tick += 1;
+    }
+
+    /// The focal length over that of the widest view; `None`: the camera does not zoom by command.
+    pub fn zoom_factor(&self) -> Option<f64> {
+        self.zoom.as_ref().map(CommandedZoom::factor)
     }
 
     /// Ticks so far.

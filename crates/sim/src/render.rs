@@ -119,7 +119,10 @@ impl RenderStage {
 /// Renders the pictures of one camera.
 #[derive(Debug)]
 pub struct Renderer {
+    /// The optics are those of the present zoom.
     settings: RenderSettings,
+    /// Focal length of the settings, pixels.
+    focal_px: f64,
     sea: Sea,
     camera: Camera,
     textures: Textures,
@@ -150,11 +153,12 @@ impl Renderer {
             frame: Frame::new(settings.optics.picture, seed),
             truth: RenderedTruth::default(),
             sea,
+            focal_px: settings.optics.focal_px,
             settings,
         }
     }
 
-    /// The settings of the renderer.
+    /// The settings of the renderer, with the zoom of the last snapshot.
     pub fn settings(&self) -> &RenderSettings {
         &self.settings
     }
@@ -204,6 +208,8 @@ impl Renderer {
             RenderStage::Waves => {}
             RenderStage::Wake => self.advance_wake(snapshot),
             RenderStage::ReflectionsAndShadows => {
+                self.settings.optics.focal_px = snapshot.zoom * self.focal_px;
+                self.camera.optics = self.settings.optics;
                 self.camera.pose(snapshot);
                 self.objects.list(&self.settings, &self.sea, &self.camera, snapshot);
                 let scene = (&self.camera, &light);

@@ -68,7 +68,7 @@ pub struct CameraSetup {
     pub first_view: FirstView,
     /// Drift of the camera's electronics.
     pub electronics: ElectronicsModel,
-    /// How the camera zooms; `None`: it does not.
+    /// How the camera zooms by itself; `None`: it does not.
     pub zoom: Option<Zoom>,
 }
 
@@ -190,6 +190,7 @@ impl Scenario {
             tilt: axis(&self.mount.tilt, &self.ranges.tilt, 5),
             cross_talk: rng.between(9, self.ranges.cross_talk),
             droop_rad_per_s: rng.between(10, self.ranges.droop_rad_per_s),
+            zoom: self.mount.zoom,
         };
         sampled
     }
@@ -199,13 +200,6 @@ impl CameraSetup {
     /// Ticks from one video frame to the next.
     pub const fn ticks_per_picture(&self) -> u64 {
         (TICKS_PER_SECOND / self.pictures_per_second) as u64
-    }
-
-    /// The optics at a tick, with the zoom.
-    pub fn optics_at(&self, tick: u64) -> Optics {
-        let focal_px =
-            self.zoom.map_or(self.optics.focal_px, |zoom| zoom.factor_at(tick) * self.optics.focal_px);
-        Optics { focal_px, ..self.optics }
     }
 
     /// Least latency of the video.

@@ -4,6 +4,7 @@ use core::f64::consts::TAU;
 
 use barrelman_vocab::{Angle, ImagePoint, Localisation, PixelBox};
 
+use crate::optics::Optics;
 use crate::pose::WorldPoint;
 use crate::random::{CounterRng, OrnsteinUhlenbeck, OrnsteinUhlenbeckProcess, Stream};
 use crate::scenario::{BeyondBorder, CameraSetup, SensorModel};
@@ -59,7 +60,7 @@ impl LocalisationSensor {
         let picture = self.camera.frame;
         let centre = ImagePoint { x, y }.in_pixels(picture);
         let (length, breadth) = self.sensing.target_size_m;
-        let px_per_m = self.camera.optics_at(truth.tick).focal_px / truth.range_m;
+        let px_per_m = truth.focal_px / truth.range_m;
         let (w, h) = (length * px_per_m, breadth * px_per_m);
         let bounds = PixelBox { u: centre.u - 0.5 * w, v: centre.v - 0.5 * h, w, h };
         Some(Localisation {
@@ -78,9 +79,10 @@ impl LocalisationSensor {
         let noise = self.heading?;
         let WorldPoint { x, y, z } = truth.target.position;
         let (sin, cos) = libm::sincos(truth.target.heading.radians());
+        let optics = Optics { focal_px: truth.focal_px, ..self.camera.optics };
         let seen = |ahead_m: f64| {
             let point = WorldPoint { x: x + ahead_m * cos, y: y + ahead_m * sin, z };
-            self.camera.optics_at(truth.tick).project(truth.camera.camera_from_world(point))
+            optics.project(truth.camera.camera_from_world(point))
         };
         let half_m = 0.5 * self.sensing.target_size_m.0;
         let (bow, stern) = (seen(half_m)?, seen(-half_m)?);

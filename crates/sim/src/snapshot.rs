@@ -13,6 +13,8 @@ pub struct Snapshot {
     pub first_row: CameraPose,
     /// Camera pose when the last row is exposed (rolling shutter).
     pub last_row: CameraPose,
+    /// Focal length of the camera over that of the renderer's settings: its zoom.
+    pub zoom: f64,
     /// Sun and sky.
     pub light: Light,
     /// The ground under all objects.

@@ -12,6 +12,7 @@ use crate::camera_mount::CameraMount;
 use crate::electronics::Electronics;
 use crate::helmsman::Helmsman;
 use crate::kite::{Kite, SETTLING_TICKS};
+use crate::optics::Optics;
 use crate::path::InvalidPath;
 use crate::pose::{BodyPose, CameraPose, WorldPoint};
 use crate::pursuit::{Pursuit, wrap_angle};
@@ -39,6 +40,8 @@ pub struct Truth {
     pub image: ImagePoint,
     /// Whether the projection lies within the picture.
     pub in_picture: bool,
+    /// The camera's focal length, pixels.
+    pub focal_px: f64,
     /// From the camera to the target, metres.
     pub range_m: f64,
     /// Rates of the camera's axes, rad/s: pan, tilt.
@@ -257,11 +260,24 @@ impl World {
         }
     }
 
+    /// The present optics, with the zoom.
+    pub fn optics(&self) -> Optics {
+        Optics { focal_px: self.zoom() * self.camera.optics.focal_px, ..self.camera.optics }
+    }
+
+    /// The present focal length over the scenario's.
+    fn zoom(&self) -> f64 {
+        let by_itself = self.camera.zoom.map_or(1.0, |zoom| zoom.factor_at(self.tick));
+        by_itself * self.mount.zoom_factor().unwrap_or(1.0)
+    }
+
     /// The present horizontal field of view of the frame, of a camera that zooms; `None`: it does not.
     pub fn zoomed_field_of_view(&self) -> Option<Angle> {
-        self.camera.zoom?;
+        if self.camera.zoom.is_none() && self.mount.zoom_factor().is_none() {
+            return None;
+        }
         let half_width = 0.5 * f64::from(self.camera.frame.width);
-        let focal_px = self.camera.optics_at(self.tick).focal_px;
+        let focal_px = self.optics().focal_px;
         Some(Angle::from_radians(2.0 * libm::atan(half_width / focal_px)))
     }
 
@@ -288,8 +304,9 @@ impl World {
     pub fn truth(&self) -> Truth {
         let (camera, target) = (self.camera_pose(), self.target_pose());
         let (right, down, ahead) = camera.camera_from_world(target.position);
-        let picture = self.camera.optics.picture;
-        let seen = self.camera.optics_at(self.tick).project((right, down, ahead.max(MIN_AHEAD_M)));
+        let optics = self.optics();
+        let picture = optics.picture;
+        let seen = optics.project((right, down, ahead.max(MIN_AHEAD_M)));
         let image = seen.map_or(ImagePoint { x: 0.0, y: 0.0 }, |seen| seen.in_image(picture));
         let (half_width, half_height) = (0.5 * f64::from(picture.width), 0.5 * f64::from(picture.height));
         Truth {
@@ -299,6 +316,7 @@ impl World {
             target,
             image,
             in_picture: ahead > MIN_AHEAD_M && image.x.abs() < half_width && image.y.abs() < half_height,
+            focal_px: optics.focal_px,
             range_m: camera.position.vector_to(target.position).norm(),
             rates: self.camera_rates(),
         }
@@ -315,6 +333,7 @@ impl World {
         snapshot.first_row = first_row;
         snapshot.last_row =
             CameraPose { pan: turned(first_row.pan, pan), tilt: turned(first_row.tilt, tilt), ..first_row };
+        snapshot.zoom = self.zoom();
         snapshot.light = self.light;
         snapshot.ground = if self.sea.is_some() { Ground::Water } else { Ground::Floor };
         snapshot.target = self.target.to_snapshot(self.target_pose());
@@ -328,6 +347,7 @@ impl World {
             tick: self.tick,
             first_row: self.camera_pose(),
             last_row: self.camera_pose(),
+            zoom: 1.0,
             light: self.light,
             ground: Ground::Floor,
             target: self.target.to_snapshot(self.target_pose()),

@@ -205,7 +205,7 @@ pub fn http_settings(
         HttpProtocol::Onvif(OnvifSettings { login, speeds: profile.speeds.clone(), profile: stream })
     } else {
         let credential = sigma_credential(address, access)?;
-        HttpProtocol::FotokiteSigma(SigmaAccess { credential, stream })
+        HttpProtocol::FotokiteSigma(SigmaAccess { credential, stream, full_zoom: profile.max_zoom_rate() })
     };
     Ok(HttpSettings { address: address.clone(), trust: trust(&access.trust)?, protocol })
 }

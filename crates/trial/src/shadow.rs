@@ -17,7 +17,7 @@ pub fn simulate_motor_schema(
     region: Region,
     profile: &VehicleProfile,
 ) -> Vec<Option<ShadowStep>> {
-    let mut camera = CameraModel::new(profile.camera, profile.limits);
+    let mut camera = CameraModel::of(profile);
     let mut shadow = ShadowController::new(profile);
     let steps = log.rows.iter().map(|row| {
         let now = Timestamp::from_secs_f64(row.time_s);
@@ -50,7 +50,7 @@ impl MotorSchemaShadow {
     /// A shadow at the start of a drive.
     pub fn new(profile: &VehicleProfile) -> Self {
         Self {
-            camera: CameraModel::new(profile.camera, profile.limits),
+            camera: CameraModel::of(profile),
             shadow: ShadowController::new(profile),
             last_captured: None,
             p: None,

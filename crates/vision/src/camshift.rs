@@ -265,6 +265,7 @@ fn rescaled(window: Window, from: PictureSize, to: PictureSize) -> Window {
 /// Shifts the window by the prior, in whole pixels, and keeps it in the picture. A prior that is not finite,
 /// or whose standard deviation exceeds the window's size, is ignored.
 fn shifted(window: Window, prior: &MotionPrior, picture: PictureSize) -> Window {
+    let prior = prior.at(window.to_pixel_box().centre(), picture);
     let known = prior.std_dev_px <= window.w.max(window.h) as f64;
     if !(known && prior.shift_u_px.is_finite() && prior.shift_v_px.is_finite()) {
         return window;

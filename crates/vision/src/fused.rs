@@ -101,6 +101,9 @@ use self::phase::{Phase, Visibility};
 use self::prediction::Prediction;
 use self::search::SearchInput;
 
+/// A zoom changes the size of objects from one frame to the next by no other factor.
+const PLAUSIBLE_SCALES: core::ops::RangeInclusive<f64> = 0.5..=2.0;
+
 impl Follower {
     /// Processes one frame. Returns the track to report.
     fn advance(&mut self, frame: &VideoFrame, prior: Option<&MotionPrior>) -> Track {
@@ -114,6 +117,10 @@ impl Follower {
             target: &self.target,
         });
         let seconds = self.motion.predict(now, prior, &self.target.geometry);
+        let zoomed = |scale: &f64| *scale != 1.0 && PLAUSIBLE_SCALES.contains(scale);
+        if let Some(scale) = prior.map(|prior| prior.scale).filter(zoomed) {
+            self.target.geometry.rescale(scale as f32);
+        }
         self.exchange.predict(self.target.geometry.size_px(), seconds as f32);
         let visibility = match self.phase {
             Phase::Lost { .. } => self.search_picture(&frame.picture, seconds),

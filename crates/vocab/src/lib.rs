@@ -36,6 +36,7 @@ pub mod vehicle_text;
 pub mod vessel;
 
 pub mod link_command;
+pub mod zoom;
 
 pub mod rng;
 
@@ -63,3 +64,4 @@ pub use vessel::{FailSafe, KeepWay, VesselCommand, VesselLimits, VesselOrder, Ve
 pub use video::{Picture, VideoFrame};
 pub use videos::{VideoNumber, Videos};
 pub use water::{CameraAboveWater, Sighting, SightingNoise, WaterCovariance, WaterFix, WaterPoint};
+pub use zoom::{ZoomDynamics, ZoomRate};

@@ -12,6 +12,7 @@ use crate::lens::Lens;
 use crate::mavlink::MavlinkPeers;
 use crate::speed_curve::AxisSpeeds;
 use crate::telemetry::{EulerAxis, Quaternion};
+use crate::zoom::{ZoomDynamics, ZoomRate};
 
 mod built_in;
 
@@ -28,7 +29,7 @@ const DEGREE: f64 = core::f64::consts::PI / 180.0;
 ///
 /// let profile = VehicleProfile::fotokite_pro();
 /// let rate = AngularRate::from_radians_per_second(0.2);
-/// let pan_right = CameraCommand { pan: rate, tilt: AngularRate::ZERO };
+/// let pan_right = CameraCommand::turning(rate, AngularRate::ZERO);
 /// // The Fotokite Pro counts yaw the other way.
 /// let rates = profile.to_vehicle(pan_right);
 /// assert_eq!(rates.yaw, -rate);
@@ -42,6 +43,8 @@ pub struct VehicleProfile {
     pub protocol: Protocol,
     /// The region the target may roam in.
     pub region: RegionShares,
+    /// The size in which a zoom keeps the target.
+    pub size: SizeKeeping,
     /// The fixed rates of the motor schema.
     pub motor_schema_rates: AxisRates,
     /// The largest rates that the vehicle accepts.
@@ -64,6 +67,8 @@ pub struct VehicleProfile {
     pub attitude_yaw: Option<Sign>,
     /// The rates at the vehicle's speeds, where those have no unit; `None`: they have one, or were not measured.
     pub speeds: Option<AxisSpeeds>,
+    /// The camera's zoom; `None`: the camera has none, or it is not moved.
+    pub zoom: Option<ZoomDynamics>,
 }
 
 /// Limits of the net yaw: every turn of the vehicle twists its tether.
@@ -219,6 +224,22 @@ pub struct RegionShares {
     pub half_height: f64,
 }
 
+/// How a zoom keeps a target's size: the longer side of its box as a share of the picture's height.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SizeKeeping {
+    /// Above 0, below `largest`.
+    pub smallest: f64,
+    /// At most 1.
+    pub largest: f64,
+    /// Whether the size is kept from the start of a run.
+    pub is_on_at_start: bool,
+}
+
+impl SizeKeeping {
+    /// From 14 to 86 pixels of 720: a boat of 1.2 m is recognised from 12 pixels on, and leaves room around it up to an eighth.
+    pub const DEFAULT: Self = Self { smallest: 0.02, largest: 0.12, is_on_at_start: false };
+}
+
 /// One rate for each camera axis, both at least zero.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AxisRates {
@@ -295,26 +316,54 @@ pub struct VehicleRates {
     pub yaw: AngularRate,
     /// Pitch rate; the vehicle defines the positive direction.
     pub pitch: AngularRate,
+    /// Speed of the zoom, -1 to 1 of its largest; positive to a closer view.
+    pub zoom: f64,
 }
 
 impl VehicleRates {
-    /// Both axes at rest.
-    pub const REST: Self = Self { yaw: AngularRate::ZERO, pitch: AngularRate::ZERO };
+    /// All axes at rest.
+    pub const REST: Self = Self::turning(AngularRate::ZERO, AngularRate::ZERO);
+
+    /// Rates that turn the camera and do not zoom.
+    pub const fn turning(yaw: AngularRate, pitch: AngularRate) -> Self {
+        Self { yaw, pitch, zoom: 0.0 }
+    }
+
+    /// The same rates with this speed of the zoom, -1 to 1 of its largest.
+    #[must_use]
+    pub const fn zooming(self, zoom: f64) -> Self {
+        Self { zoom, ..self }
+    }
 
     /// These rates as pan and tilt, where they were sent for `command`: their sizes, in the command's senses. The profile is
     /// not needed, as limits make a rate smaller and signs only turn it.
     #[must_use]
     pub fn in_the_senses_of(self, command: CameraCommand) -> CameraCommand {
-        CameraCommand { pan: command.pan.clamped(self.yaw), tilt: command.tilt.clamped(self.pitch) }
+        CameraCommand {
+            pan: command.pan.clamped(self.yaw),
+            tilt: command.tilt.clamped(self.pitch),
+            zoom: if self.zoom == 0.0 { ZoomRate::ZERO } else { command.zoom },
+        }
     }
 
-    /// Whether both rates are zero.
+    /// Whether all rates are zero.
     pub fn is_rest(self) -> bool {
-        self.yaw.is_zero() && self.pitch.is_zero()
+        self.yaw.is_zero() && self.pitch.is_zero() && self.zoom == 0.0
     }
 }
 
 impl VehicleProfile {
+    /// The largest rate of the zoom; zero for a camera without zoom.
+    pub fn max_zoom_rate(&self) -> ZoomRate {
+        self.zoom.map_or(ZoomRate::ZERO, |zoom| zoom.max_rate)
+    }
+
+    /// The largest rates that may be sent, in the vehicle's own axes.
+    pub fn largest_rates(&self) -> VehicleRates {
+        VehicleRates::turning(self.limits.pan, self.limits.tilt)
+            .zooming(f64::from(u8::from(self.zoom.is_some())))
+    }
+
     /// Whether the vehicle keeps the last rate for ever when the program is gone. Its port then belongs to a guard.
     pub const fn keeps_last_rate(&self) -> bool {
         self.protocol.keeps_last_rate()
@@ -348,7 +397,7 @@ impl VehicleProfile {
 
     /// What the vehicle can execute of a command of any source. Rates above their limit are reduced to it. A rate
     /// below the least rate of its axis becomes the least rate, or zero if it is less than half of it. With a reported
-    /// tilt, no rate leads beyond an end stop.
+    /// tilt, no rate leads beyond an end stop. A camera without zoom does not zoom.
     pub fn executable(&self, command: CameraCommand, tilt: Option<Angle>) -> CameraCommand {
         let (low, high) = self.camera.tilt_stops;
         let leads_beyond_stop = tilt.is_some_and(|tilt| {
@@ -359,16 +408,18 @@ impl VehicleProfile {
         CameraCommand {
             pan: executable_rate(command.pan, self.limits.pan, &self.camera.pan),
             tilt: executable_rate(wanted_tilt, self.limits.tilt, &self.camera.tilt),
+            zoom: command.zoom.clamped(self.max_zoom_rate()),
         }
     }
 
     /// The vehicle boundary: converts a command to rates in the vehicle's own signs that it can execute.
     pub fn to_vehicle(&self, command: CameraCommand) -> VehicleRates {
-        let CameraCommand { pan, tilt } = self.executable(command, None);
+        let CameraCommand { pan, tilt, zoom } = self.executable(command, None);
         let sent = |rate: AngularRate, axis: &AxisDynamics| rate * axis.gain.recip();
         VehicleRates {
             yaw: self.signs.yaw.apply(sent(pan, &self.camera.pan)).clamped(self.limits.pan),
             pitch: self.signs.pitch.apply(sent(tilt, &self.camera.tilt)).clamped(self.limits.tilt),
+            zoom: self.zoom.map_or(0.0, |dynamics| zoom.share_of(dynamics.max_rate)),
         }
     }
 
@@ -378,6 +429,7 @@ impl VehicleProfile {
         CameraCommand {
             pan: self.signs.yaw.apply(rates.yaw) * self.camera.pan.gain,
             tilt: self.signs.pitch.apply(rates.pitch) * self.camera.tilt.gain,
+            zoom: ZoomRate::from_per_second(rates.zoom * self.max_zoom_rate().per_second()),
         }
     }
 }

@@ -71,8 +71,8 @@ impl Track {
     }
 }
 
-/// Predicted shift of the picture since the previous video frame due to camera motion, from the commands in force. It
-/// is an optional input of a tracker.
+/// Predicted shift of the picture since the previous video frame due to camera motion and zoom, from the commands in
+/// force. It is an optional input of a tracker.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MotionPrior {
     /// Shift of a stationary object near the picture's centre, pixels, positive to the right (u).
@@ -81,6 +81,22 @@ pub struct MotionPrior {
     pub shift_v_px: f64,
     /// Standard deviation of each shift, pixels.
     pub std_dev_px: f64,
+    /// Present over previous size of a stationary object, above zero: the zoom. 1 without zoom.
+    pub scale: f64,
     /// Time between the two video frames.
     pub interval: Duration,
+}
+
+impl MotionPrior {
+    /// The prior of an object at this point of the previous picture: a zoom moves it away from the picture's centre, or
+    /// towards it. Without zoom it is the same prior.
+    #[must_use]
+    pub fn at(self, point: PixelPoint, picture: PictureSize) -> Self {
+        let away = |along: f64, length: u32| (self.scale - 1.0) * (along - 0.5 * f64::from(length));
+        Self {
+            shift_u_px: self.shift_u_px + away(point.u, picture.width),
+            shift_v_px: self.shift_v_px + away(point.v, picture.height),
+            ..self
+        }
+    }
 }

@@ -3,7 +3,7 @@
 //!
 //! ```text
 //! cargo run --release -p barrelman-eval --
-//! tracker|selection|training-samples|simulator|calibration|search|guidance|held-marks|law|views|fit|closed-loop|faults|link-latency
+//! tracker|selection|training-samples|simulator|calibration|search|guidance|held-marks|law|views|fit|closed-loop|faults|link-latency|zoom
 //! ```
 //! The exit status is 1 if a requirement is missed or a command fails.
 //!
@@ -24,6 +24,7 @@ mod views;
 mod closed_loop;
 mod faults;
 mod link_latency;
+mod zoom;
 
 mod output;
 mod parallel;
@@ -77,6 +78,8 @@ enum Command {
     Faults(faults::Options),
     /// Measure the time from a command to its bytes on the port, through the guard.
     LinkLatency(link_latency::Options),
+    /// Measure the zoom that keeps the boat's size, beside a fixed zoom.
+    Zoom(zoom::Options),
 }
 
 fn main() -> ExitCode {
@@ -97,6 +100,7 @@ fn main() -> ExitCode {
         Command::ClosedLoop(options) => ("closed-loop", closed_loop::run(&options)),
         Command::Faults(options) => ("faults", faults::run(&options)),
         Command::LinkLatency(options) => ("link-latency", link_latency::run(&options)),
+        Command::Zoom(options) => ("zoom", zoom::run(&options)),
     };
     match result {
         Ok(true) => ExitCode::SUCCESS,

@@ -28,9 +28,9 @@ pub use message::{
 pub use place::{PlaceStatus, WaterOnEarthStatus};
 pub use schema::api_document;
 pub use snapshot::{
-    AxisPair, BoatStatus, CameraWork, CandidateStatus, ControlSeat, EncodedVideo, LinkStatus, ModeStatus,
+    AxisRates, BoatStatus, CameraWork, CandidateStatus, ControlSeat, EncodedVideo, LinkStatus, ModeStatus,
     OtherVideoStatus, PerceptStatus, PositionStatus, ProposalStatus, RecordingStatus, RegionStatus,
-    StatusSnapshot, VideoStatus, WorkFigures,
+    StatusSnapshot, VideoStatus, WorkFigures, ZoomStatus,
 };
 pub use track::TrackStatus;
 pub use vessel::{MarkStatus, ProgressStatus, VesselStatus};

@@ -10,13 +10,24 @@ use super::vessel::VesselStatus;
 use crate::snapshot::{DriveState, WorldState};
 use barrelman_vocab::{LawId, MarkKind, VideoNumber};
 
-/// A value of each camera axis, rad/s.
+/// The rates of the camera's axes.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
-pub struct AxisPair {
-    /// Positive to the right.
+pub struct AxisRates {
+    /// rad/s, positive to the right.
     pub pan: f64,
-    /// Positive upwards.
+    /// rad/s, positive upwards.
     pub tilt: f64,
+    /// The change of the focal length's logarithm in a second, positive to a closer view.
+    pub zoom: f64,
+}
+
+/// The camera's zoom.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
+pub struct ZoomStatus {
+    /// The present focal length over that of the widest view.
+    pub ratio: f64,
+    /// Whether the zoom keeps the size of what is followed while engaged.
+    pub keeps_size: bool,
 }
 
 /// The state after the newest step: the body of `/api/v1/status`.
@@ -44,13 +55,15 @@ pub struct StatusSnapshot {
     /// The percept of the newest localisation.
     pub percept: Option<PerceptStatus>,
     /// What the law advises, whether or not the camera may move.
-    pub advice: Option<AxisPair>,
+    pub advice: Option<AxisRates>,
     /// The command in force.
-    pub command: AxisPair,
+    pub command: AxisRates,
     /// Yaw rate handed to the link, in the vehicle's own sign.
     pub yaw_rate: f64,
     /// Pitch rate handed to the link, in the vehicle's own sign.
     pub pitch_rate: f64,
+    /// The camera's zoom; `null`: the camera does not zoom.
+    pub zoom: Option<ZoomStatus>,
     /// By how much the vehicle is turned about the vertical, degrees, positive to the right: the twist of the
     /// tether.
     pub net_yaw_deg: f64,

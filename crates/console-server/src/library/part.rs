@@ -21,7 +21,7 @@ use barrelman_vocab::unit::UnitCodec;
 use barrelman_vocab::{EncodedUnit, MarkKind, Timestamp, VideoFrame, VideoNumber, WaterPoint};
 use serde::Serialize;
 
-use crate::api::{AxisPair, ModeStatus, PerceptStatus, RegionStatus, TrackStatus, VideoHead, VideoKind};
+use crate::api::{AxisRates, ModeStatus, PerceptStatus, RegionStatus, TrackStatus, VideoHead, VideoKind};
 use crate::status::{axes_of, mode_of, percept_of, region_of};
 use crate::track_status::track_of;
 
@@ -45,8 +45,8 @@ struct Scene {
     track: TrackStatus,
     region: RegionStatus,
     percept: Option<PerceptStatus>,
-    advice: Option<AxisPair>,
-    command: AxisPair,
+    advice: Option<AxisRates>,
+    command: AxisRates,
     vessel: Option<SceneVessel>,
 }
 

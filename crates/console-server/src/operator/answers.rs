@@ -41,6 +41,7 @@ impl Answers {
             }
             OperatorRequest::Camera(
                 CameraRequest::Nudge(_)
+                | CameraRequest::KeepSize { .. }
                 | CameraRequest::Candidates { .. }
                 | CameraRequest::Search
                 | CameraRequest::Calibrate { .. }

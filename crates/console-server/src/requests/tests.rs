@@ -46,7 +46,8 @@ fn each_request_reaches_the_session_in_its_own_words() {
         r#"{"kind":"select","bounds":{"u":10.5,"v":-3,"w":40,"h":20},"captured_ns":1234567890123}"#,
         pilot(OperatorRequest::Camera(CameraRequest::Select(drawn))),
     );
-    let nudge = |pan, tilt| pilot(OperatorRequest::Camera(CameraRequest::Nudge(Nudge { pan, tilt })));
+    let nudge =
+        |pan, tilt| pilot(OperatorRequest::Camera(CameraRequest::Nudge(Nudge { pan, tilt, zoom: 0.0 })));
     check(r#"{"kind":"nudge","pan":0.25,"tilt":-1}"#, nudge(0.25, -1.0));
     check(r#"{"kind":"nudge","pan":0,"tilt":1.0}"#, nudge(0.0, 1.0));
     let law = |law| pilot(OperatorRequest::Camera(CameraRequest::Law { law }));
@@ -136,7 +137,7 @@ fn numbers_that_json_cannot_carry_are_refused_too() {
     let select = |[u, v, w, h]: [f64; 4]| -> OperatorRequest {
         CameraRequest::Select(DrawnSelection { bounds: PixelBox { u, v, w, h }, captured_ns }).into()
     };
-    let nudge = |pan, tilt| CameraRequest::Nudge(Nudge { pan, tilt }).into();
+    let nudge = |pan, tilt| CameraRequest::Nudge(Nudge { pan, tilt, zoom: 0.0 }).into();
     let steer = |throttle, rudder| VesselRequest::Steer(VesselCommand { throttle, rudder }).into();
     let nan = f64::NAN;
     for request in [

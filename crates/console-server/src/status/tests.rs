@@ -41,7 +41,7 @@ fn before_the_first_step_nothing_is_known() {
         ("/region", json!(null)),
         ("/percept", json!(null)),
         ("/advice", json!(null)),
-        ("/command", json!({"pan": 0.0, "tilt": 0.0})),
+        ("/command", json!({"pan": 0.0, "tilt": 0.0, "zoom": 0.0})),
         ("/law", json!(null)),
         ("/video/state", json!("connecting")),
         ("/video/size", json!(null)),
@@ -172,19 +172,23 @@ fn the_sector_is_that_of_the_advice() {
         let outcome = Outcome { percept, advice, region: Some(region), ..idle(at(0)) };
         let status = status_after(outcome);
         assert_eq!(status["percept"], json!({"x": 400.0, "y": -50.0, "p": 4.25, "sector": name}));
-        assert_eq!(status["advice"], json!({"pan": 0.25, "tilt": -0.5}));
+        assert_eq!(status["advice"], json!({"pan": 0.25, "tilt": -0.5, "zoom": 0.0}));
         assert_eq!(status["region"], json!({"a_px": 200.0, "b_px": 100.0}));
-        assert_eq!(status["command"], json!({"pan": 0.0, "tilt": 0.0}), "advice is not in force");
+        assert_eq!(
+            status["command"],
+            json!({"pan": 0.0, "tilt": 0.0, "zoom": 0.0}),
+            "advice is not in force"
+        );
     }
 }
 
 #[test]
 fn rates_are_given_on_both_sides_of_the_vehicle_boundary() {
     let rate = AngularRate::from_radians_per_second;
-    let rates = VehicleRates { yaw: rate(-0.25), pitch: rate(0.125) };
+    let rates = VehicleRates::turning(rate(-0.25), rate(0.125));
     let outcome = Outcome { command: command(0.25, -0.125), ..idle(at(0)) };
     let status = status(Snapshot { outcome: Some(outcome), rates, ..Snapshot::default() });
-    assert_eq!(status["command"], json!({"pan": 0.25, "tilt": -0.125}));
+    assert_eq!(status["command"], json!({"pan": 0.25, "tilt": -0.125, "zoom": 0.0}));
     assert_eq!((&status["yaw_rate"], &status["pitch_rate"]), (&json!(-0.25), &json!(0.125)));
 }
 

@@ -151,6 +151,11 @@ impl AxisModel {
         }
     }
 
+    /// Sets other end stops.
+    pub(super) fn set_stops(&mut self, stops: (f64, f64)) {
+        self.stops = Some(stops);
+    }
+
     /// Adds an offset to the angle and its history, as far as the end stops allow.
     pub(super) fn shift(&mut self, by: f64) {
         let angle = self.clamp_to_stops(self.state.angle + by);

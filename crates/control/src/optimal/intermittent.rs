@@ -126,7 +126,7 @@ impl IntermittentLaw {
         let [pan, tilt] = [0, 1]
             .map(|axis| self.ramps[axis].next(before[axis], self.plateaus[axis], interval_s))
             .map(AngularRate::from_radians_per_second);
-        CameraCommand { pan, tilt }
+        CameraCommand::turning(pan, tilt)
     }
 
     /// The circumstances now; `resting` is the view of a resting camera at the start's look-ahead.

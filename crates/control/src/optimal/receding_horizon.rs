@@ -165,7 +165,7 @@ impl RecedingHorizonLaw {
             return in_force;
         }
         let [pan, tilt] = rates.map(AngularRate::from_radians_per_second);
-        CameraCommand { pan, tilt }
+        CameraCommand::turning(pan, tilt)
     }
 }
 

@@ -5,7 +5,10 @@ use std::collections::VecDeque;
 
 use barrelman_control::CameraModel;
 use barrelman_vocab::profile::{AxisRates, CameraDynamics};
-use barrelman_vocab::{Angle, AngularRate, CameraCommand, PictureSize, Timestamp, VehicleProfile};
+use barrelman_vocab::{
+    Angle, AngularRate, CameraCommand, PictureSize, PixelPoint, Timestamp, VehicleProfile, ZoomDynamics,
+    ZoomRate,
+};
 use proptest::prelude::*;
 
 /// The plant, in steps of 0.1 ms: dead times, overriding commands, lag.
@@ -63,7 +66,7 @@ fn profile() -> (CameraDynamics, AxisRates) {
 }
 
 fn pan_at(rate: f64) -> CameraCommand {
-    CameraCommand { pan: AngularRate::from_radians_per_second(rate), tilt: AngularRate::ZERO }
+    CameraCommand::turning(AngularRate::from_radians_per_second(rate), AngularRate::ZERO)
 }
 
 fn seconds(s: f64) -> Timestamp {
@@ -79,7 +82,7 @@ fn compare(commands: &[(f64, f64)]) {
         pan.stop_dead_time.as_secs_f64(),
         pan.lag.as_secs_f64(),
     );
-    let mut model = CameraModel::new(dynamics, limits);
+    let mut model = CameraModel::new(dynamics, limits, None);
     let mut course = Vec::new();
     let end_s = commands.last().unwrap().0;
     let mut next = commands.iter().peekable();
@@ -122,8 +125,8 @@ fn a_stop_is_overruled_by_a_start_that_takes_effect_before_it() {
 #[test]
 fn at_the_end_stop_it_stays() {
     let (dynamics, limits) = profile();
-    let mut model = CameraModel::new(dynamics, limits);
-    let down = CameraCommand { pan: AngularRate::ZERO, tilt: AngularRate::from_radians_per_second(-0.3) };
+    let mut model = CameraModel::new(dynamics, limits, None);
+    let down = CameraCommand::turning(AngularRate::ZERO, AngularRate::from_radians_per_second(-0.3));
     for k in 0..300 {
         model.apply_command(down, seconds(f64::from(k) / 30.0));
     }
@@ -141,7 +144,7 @@ fn at_the_end_stop_it_stays() {
 #[test]
 fn a_reported_tilt_is_believed_in_time() {
     let (dynamics, limits) = profile();
-    let mut model = CameraModel::new(dynamics, limits);
+    let mut model = CameraModel::new(dynamics, limits, None);
     for k in 0..60 {
         let now = seconds(f64::from(k) / 30.0);
         model.apply_command(CameraCommand::REST, now);
@@ -155,7 +158,7 @@ fn a_reported_tilt_is_believed_in_time() {
 #[test]
 fn a_tilt_is_taken_over_as_far_as_the_end_stops_allow() {
     let (dynamics, limits) = profile();
-    let mut model = CameraModel::new(dynamics, limits);
+    let mut model = CameraModel::new(dynamics, limits, None);
     model.set_tilt(Angle::from_degrees(-60.0), seconds(1.0));
     assert!((model.angles_at(seconds(1.0)).1.to_degrees() + 60.0).abs() < 1e-9);
     model.set_tilt(Angle::from_radians(f64::NAN), seconds(1.0));
@@ -168,7 +171,7 @@ fn a_tilt_is_taken_over_as_far_as_the_end_stops_allow() {
 fn a_zoom_counts_from_when_it_was_reported() {
     let (dynamics, limits) = profile();
     let picture = PictureSize::new(1000, 600);
-    let mut model = CameraModel::new(dynamics, limits);
+    let mut model = CameraModel::new(dynamics, limits, None);
     let first = 1000.0 * dynamics.focal_share;
     // 2 atan(1/4): the focal length is twice the picture's width.
     model.set_field_of_view(Angle::from_radians(2.0 * libm::atan(0.25)), seconds(1.0));
@@ -187,7 +190,7 @@ fn a_zoom_counts_from_when_it_was_reported() {
 fn a_zoom_under_way_is_remembered_as_it_went() {
     let (dynamics, limits) = profile();
     let picture = PictureSize::new(1000, 600);
-    let mut model = CameraModel::new(dynamics, limits);
+    let mut model = CameraModel::new(dynamics, limits, None);
     // From 1 to 3 times the picture's width within two seconds, reported twenty times a second.
     for k in 0..=40 {
         let share = 1.0 + 0.05 * f64::from(k);
@@ -205,7 +208,7 @@ fn a_zoom_under_way_is_remembered_as_it_went() {
 #[test]
 fn a_zero_on_its_way_ends_the_turn_though_nothing_more_is_said() {
     let (dynamics, limits) = profile();
-    let mut silent = CameraModel::new(dynamics, limits);
+    let mut silent = CameraModel::new(dynamics, limits, None);
     silent.apply_command(pan_at(0.3), seconds(1.0));
     silent.apply_command(CameraCommand::REST, seconds(2.0));
     let mut advanced = silent.clone();
@@ -222,8 +225,8 @@ fn a_zero_on_its_way_ends_the_turn_though_nothing_more_is_said() {
 #[test]
 fn an_end_stop_holds_though_nothing_more_is_said() {
     let (dynamics, limits) = profile();
-    let mut model = CameraModel::new(dynamics, limits);
-    let up = CameraCommand { pan: AngularRate::ZERO, tilt: AngularRate::from_radians_per_second(0.3) };
+    let mut model = CameraModel::new(dynamics, limits, None);
+    let up = CameraCommand::turning(AngularRate::ZERO, AngularRate::from_radians_per_second(0.3));
     model.apply_command(up, seconds(1.0));
     let (_, tilt) = model.angles_at(seconds(60.0));
     assert_eq!(tilt.to_bits(), dynamics.tilt_stops.1.radians().to_bits());
@@ -234,7 +237,7 @@ fn no_lag_is_no_trouble() {
     let (mut dynamics, limits) = profile();
     dynamics.pan.lag = Duration::ZERO;
     dynamics.pan.start_dead_time = Duration::ZERO;
-    let mut model = CameraModel::new(dynamics, limits);
+    let mut model = CameraModel::new(dynamics, limits, None);
     for k in 0..=30 {
         model.apply_command(pan_at(0.3), seconds(f64::from(k) / 30.0));
     }
@@ -266,13 +269,10 @@ proptest! {
         commands in prop::collection::vec((any::<u32>(), prop::num::f64::ANY, prop::num::f64::ANY), 1..200),
     ) {
         let (dynamics, limits) = profile();
-        let mut model = CameraModel::new(dynamics, limits);
+        let mut model = CameraModel::new(dynamics, limits, None);
         for (at_us, pan, tilt) in commands {
             let now = Timestamp::from_nanos(u64::from(at_us) * 1000);
-            let command = CameraCommand {
-                pan: AngularRate::from_radians_per_second(pan),
-                tilt: AngularRate::from_radians_per_second(tilt),
-            };
+            let command = CameraCommand::turning(AngularRate::from_radians_per_second(pan), AngularRate::from_radians_per_second(tilt));
             model.apply_command(command, now);
             let (pan, tilt) = model.angles_at(now);
             prop_assert!(pan.is_finite() && tilt.is_finite());
@@ -286,9 +286,9 @@ fn the_picture_shifts_against_the_turn_once_a_command_shows_and_is_known_less_we
     let at = |seconds: f64| Timestamp::from_secs_f64(seconds);
     let size = PictureSize::new(1280, 720);
     let turned = |pan: f64, tilt: f64| {
-        let mut camera = CameraModel::new(profile.camera, profile.limits);
+        let mut camera = CameraModel::of(&profile);
         let [pan, tilt] = [pan, tilt].map(AngularRate::from_radians_per_second);
-        camera.apply_command(CameraCommand { pan, tilt }, at(10.0));
+        camera.apply_command(CameraCommand::turning(pan, tilt), at(10.0));
         [camera.motion_prior(at(10.0), at(10.04), size), camera.motion_prior(at(12.0), at(12.04), size)]
     };
     let [before, right] = turned(0.3, 0.0);
@@ -299,4 +299,76 @@ fn the_picture_shifts_against_the_turn_once_a_command_shows_and_is_known_less_we
     let [_, up] = turned(0.0, 0.2);
     assert!(up.shift_v_px > 4.0 && up.shift_u_px.abs() < 1e-9, "{up:?}");
     assert_eq!(up.interval, Duration::from_millis(40));
+}
+
+/// A camera that zooms up to four times at 0.2 per second, 0.1 s after a command.
+fn zooming() -> CameraModel {
+    let zoom = ZoomDynamics {
+        ratio: 4.0,
+        max_rate: ZoomRate::from_per_second(0.2),
+        dead_time: Duration::from_millis(100),
+    };
+    CameraModel::of(&VehicleProfile { zoom: Some(zoom), ..VehicleProfile::fotokite_pro() })
+}
+
+/// The focal length over the widest one.
+fn factor_at(model: &CameraModel, at_s: f64) -> f64 {
+    model.focal_share_at(seconds(at_s)) / VehicleProfile::fotokite_pro().camera.focal_share
+}
+
+#[test]
+fn the_focal_length_follows_the_commands_to_zoom_up_to_the_ends() {
+    let mut model = zooming();
+    let closer = CameraCommand::REST.zooming(ZoomRate::from_per_second(9.0));
+    model.apply_command(closer, seconds(1.0));
+    assert!((factor_at(&model, 1.1) - 1.0).abs() < 1e-9);
+    for tenth in 11..=40 {
+        model.advance_to(seconds(0.1 * f64::from(tenth)));
+    }
+    assert!((factor_at(&model, 3.1) - libm::exp(0.4)).abs() < 1e-3);
+    assert!((factor_at(&model, 60.0) - 4.0).abs() < 1e-9);
+    model.apply_command(CameraCommand::REST, seconds(4.0));
+    let rested = factor_at(&model, 4.2);
+    assert!((rested - libm::exp(0.6)).abs() < 1e-3 && (factor_at(&model, 60.0) - rested).abs() < 1e-9);
+    model.apply_command(CameraCommand::REST.zooming(-ZoomRate::from_per_second(0.2)), seconds(5.0));
+    assert!((factor_at(&model, 60.0) - 1.0).abs() < 1e-9);
+}
+
+#[test]
+fn a_zoom_by_command_predicts_how_the_picture_grows() {
+    let mut model = zooming();
+    let size = PictureSize::new(1280, 720);
+    model.apply_command(CameraCommand::REST.zooming(ZoomRate::from_per_second(0.2)), seconds(1.0));
+    (11..=20).for_each(|tenth| model.advance_to(seconds(0.1 * f64::from(tenth))));
+    let prior = model.motion_prior(seconds(1.9), seconds(2.0), size);
+    assert!((prior.scale - libm::exp(0.02)).abs() < 1e-4, "{prior:?}");
+    assert!(prior.std_dev_px < 50.0 && prior.shift_u_px.abs() < 1e-9 && prior.shift_v_px.abs() < 1e-9);
+    // 400 px right of the centre and 100 px below it.
+    let moved = prior.at(PixelPoint { u: 1040.0, v: 460.0 }, size);
+    assert!((moved.shift_u_px - 8.08).abs() < 0.05 && (moved.shift_v_px - 2.02).abs() < 0.02, "{moved:?}");
+}
+
+#[test]
+fn reports_correct_a_zoom_by_command_a_little_and_one_by_somebody_else_at_once() {
+    let mut model = zooming();
+    let report = |model: &mut CameraModel, factor: f64, at_s: f64| {
+        let share = factor * VehicleProfile::fotokite_pro().camera.focal_share;
+        model.set_field_of_view(Angle::from_radians(2.0 * libm::atan(0.5 / share)), seconds(at_s));
+    };
+    model.apply_command(CameraCommand::REST.zooming(ZoomRate::from_per_second(0.2)), seconds(1.0));
+    (11..=20).for_each(|tenth| model.advance_to(seconds(0.1 * f64::from(tenth))));
+    let before = factor_at(&model, 2.0);
+    report(&mut model, 1.1 * before, 2.0);
+    let after = factor_at(&model, 2.0);
+    assert!((after / before - libm::pow(1.1, 0.2)).abs() < 1e-3, "{before} {after}");
+    let prior = model.motion_prior(seconds(1.9), seconds(2.0), PictureSize::new(1280, 720));
+    assert!(prior.std_dev_px < 50.0, "the picture did not jump: {prior:?}");
+    model.apply_command(CameraCommand::REST, seconds(2.0));
+    for tenth in 21..=40 {
+        model.advance_to(seconds(0.1 * f64::from(tenth)));
+    }
+    report(&mut model, 3.0, 4.0);
+    assert!((factor_at(&model, 4.0) - 3.0).abs() < 1e-9);
+    model.apply_command(CameraCommand::REST.zooming(ZoomRate::from_per_second(0.2)), seconds(4.1));
+    assert!((factor_at(&model, 60.0) - 4.0).abs() < 1e-9, "the ends are where they were");
 }

@@ -9,5 +9,6 @@ mod lab_guidance;
 mod line_of_sight;
 mod motor_schema;
 mod optimal;
+mod size_keeping;
 mod transfer;
 mod water;

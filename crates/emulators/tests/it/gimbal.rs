@@ -51,7 +51,7 @@ fn lowers_the_camera(port: EmulatedPort, loss_share: f64, signing: Option<Signin
     wait_for(&reports, |report| matches!(report, Report::Control { control: ControlState::Ours, .. }));
     let down = AngularRate::from_radians_per_second(-0.3);
     let for_ever = Timestamp::from_nanos(u64::MAX / 2);
-    link.send(VehicleRates { yaw: AngularRate::ZERO, pitch: down }, Some(for_ever));
+    link.send(VehicleRates::turning(AngularRate::ZERO, down), Some(for_ever));
     let lowered = Angle::from_degrees(-30.0).radians();
     wait_for(&reports, |report| matches!(report, Report::CameraTilt(tilt) if tilt.radians() < lowered));
     assert!(link.close(), "zeros and the release were sent");

@@ -88,6 +88,20 @@ pub struct CameraSection {
     pub first_view_rad: [f64; 2],
     /// Standard deviation of that error, radians.
     pub first_view_deviation_rad: [f64; 2],
+    /// The zoom; without it, the camera has none.
+    pub zoom: Option<ZoomSection>,
+}
+
+/// The zoom. The focal length of the camera is that of its widest view.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ZoomSection {
+    /// Focal length of the closest view over that of the widest.
+    pub ratio: f64,
+    /// Largest rate: the change of the focal length's logarithm in a second.
+    pub limit_per_s: f64,
+    /// Time from a command to its effect in the picture, seconds. It includes the latency of the camera.
+    pub dead_time_s: f64,
 }
 
 /// An axis.

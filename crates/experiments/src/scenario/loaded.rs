@@ -67,6 +67,7 @@ impl LoadedScenario {
                 pan: axis(&mount.pan),
                 tilt: axis(&mount.tilt),
             },
+            zoom: mount.zoom,
             ..base
         })
     }

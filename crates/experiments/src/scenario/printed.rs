@@ -215,6 +215,13 @@ const LOSS: &str = "
 # spoilt = 0.7     # share of a bad link's pictures that are lost or frozen
 # frozen = 0.3     # share of these that repeat the picture before
 ";
+const ZOOM: &str = "
+# A zoom. camera.focal_px is that of the widest view. Without this section the camera has none.
+# [camera.zoom]
+# ratio = 8.0         # focal length of the closest view over that of the widest
+# limit_per_s = 0.3   # largest change of the focal length's logarithm in a second
+# dead_time_s = 0.2   # from a command to its effect in the picture
+";
 const WATER: &str = "
 # Water with waves. Without this section the ground is the laboratory's floor.
 # [water]
@@ -255,9 +262,14 @@ pub fn complete(text: &str) -> String {
     }
     let mut completed = out.join("\n") + "\n";
     let has = |path: &str| find(&table, path).is_some();
-    for (path, words) in
-        [("camera.loss", LOSS), ("water", WATER), ("boat", BOAT), ("target", TARGET), ("object", OBJECT)]
-    {
+    for (path, words) in [
+        ("camera.loss", LOSS),
+        ("camera.zoom", ZOOM),
+        ("water", WATER),
+        ("boat", BOAT),
+        ("target", TARGET),
+        ("object", OBJECT),
+    ] {
         // A scenario without a boat has a target.
         if !has(path) {
             completed += words;

@@ -6,7 +6,7 @@
 use std::time::Duration;
 
 use barrelman_vocab::profile::MAX_COAST_MOTION;
-use barrelman_vocab::{AngularRate, LinkCommand, Timestamp, VehicleRates, VesselOrder};
+use barrelman_vocab::{LinkCommand, Timestamp, VehicleRates, VesselOrder};
 
 use crate::dead_mans_switch::RequestedCommand;
 
@@ -27,10 +27,11 @@ pub trait GuardedCommand: LinkCommand {
 
 impl GuardedCommand for VehicleRates {
     fn is_within(self, limits: Self) -> bool {
-        let is_within = |rate: AngularRate, limit: AngularRate| {
-            rate.radians_per_second().abs() <= limit.radians_per_second() + ROUNDING
+        let parts = |VehicleRates { yaw, pitch, zoom }: Self| {
+            [yaw.radians_per_second(), pitch.radians_per_second(), zoom]
         };
-        is_within(self.yaw, limits.yaw) && is_within(self.pitch, limits.pitch)
+        let is_within = |(rate, limit): (f64, f64)| rate.abs() <= limit + ROUNDING;
+        parts(self).into_iter().zip(parts(limits)).all(is_within)
     }
 }
 
@@ -78,19 +79,19 @@ impl<C: GuardedCommand> Gate<C> {
 
 #[cfg(test)]
 mod tests {
-    use barrelman_vocab::VesselCommand;
+    use barrelman_vocab::{AngularRate, VesselCommand};
 
     use super::*;
 
     fn rates(yaw: f64, pitch: f64) -> VehicleRates {
         let rate = AngularRate::from_radians_per_second;
-        VehicleRates { yaw: rate(yaw), pitch: rate(pitch) }
+        VehicleRates::turning(rate(yaw), rate(pitch))
     }
 
     #[track_caller]
     fn check(requested: VehicleRates, lives_ms: u64, expected: VehicleRates, expected_ms: u64) {
         let at = |ms: u64| Timestamp::from_nanos(ms * 1_000_000);
-        let gate = Gate::new(rates(0.4, 0.3), at(0));
+        let gate = Gate::new(rates(0.4, 0.3).zooming(1.0), at(0));
         let passed = gate
             .pass(RequestedCommand { command: requested, renew_by: Some(at(1_000 + lives_ms)) }, at(1_000));
         assert_eq!(passed.command, expected);
@@ -105,6 +106,10 @@ mod tests {
         check(rates(0.1, 0.0), 60_000, rates(0.1, 0.0), 500);
         check(rates(0.41, 0.0), 250, VehicleRates::REST, 0);
         check(rates(0.1, -0.31), 250, VehicleRates::REST, 0);
+        let zooming = |speed| rates(0.1, 0.0).zooming(speed);
+        check(zooming(-1.0), 250, zooming(-1.0), 250);
+        check(zooming(1.01), 250, VehicleRates::REST, 0);
+        check(zooming(f64::NAN), 250, VehicleRates::REST, 0);
         check(rates(f64::NAN, 0.0), 250, VehicleRates::REST, 0);
         check(rates(0.0, f64::INFINITY), 250, VehicleRates::REST, 0);
     }

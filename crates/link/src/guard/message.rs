@@ -13,7 +13,7 @@ mod fields;
 mod packets;
 
 /// Version of the messages. Program and guard come from one build; another version is refused.
-pub const VERSION: u16 = 8;
+pub const VERSION: u16 = 9;
 /// Largest message, bytes.
 pub const MAX_MESSAGE_BYTES: usize = 4096;
 

@@ -19,7 +19,7 @@ const RENEWAL: Duration = Duration::from_millis(200);
 const ANSWER_TIMEOUT: Duration = Duration::from_secs(1);
 const FORBIDDEN: u16 = 403;
 const TURNING: VehicleRates =
-    VehicleRates { yaw: AngularRate::from_radians_per_second(0.2), pitch: AngularRate::ZERO };
+    VehicleRates::turning(AngularRate::from_radians_per_second(0.2), AngularRate::ZERO);
 
 fn at(ms: u64) -> Timestamp {
     Timestamp::from_nanos(ms * 1_000_000)

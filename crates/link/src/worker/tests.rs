@@ -18,10 +18,10 @@ use barrelman_vocab::{Telemetry, Timestamp};
 
 /// The session is up well before this time, ms.
 const UP_MS: u64 = 4_000;
-const MOVING: VehicleRates = VehicleRates {
-    yaw: AngularRate::from_radians_per_second(0.2),
-    pitch: AngularRate::from_radians_per_second(-0.1),
-};
+const MOVING: VehicleRates = VehicleRates::turning(
+    AngularRate::from_radians_per_second(0.2),
+    AngularRate::from_radians_per_second(-0.1),
+);
 
 fn at(ms: u64) -> Timestamp {
     Timestamp::from_nanos(ms * 1_000_000)
@@ -126,7 +126,7 @@ impl PortIo for &Bench {
         if !self.is_silent.get() {
             self.incoming.borrow_mut().extend(answer);
         }
-        let rates = VehicleRates { yaw: station.rates().yaw, pitch: station.rates().pitch };
+        let rates = VehicleRates::turning(station.rates().yaw, station.rates().pitch);
         let mut changes = self.rates.borrow_mut();
         if changes.last().map_or(VehicleRates::REST, |(_, last)| *last) != rates {
             changes.push((now, rates));

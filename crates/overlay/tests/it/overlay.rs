@@ -312,7 +312,7 @@ fn each_way_that_the_camera_turns_has_its_arrow() {
         let scene = scene_of(size, &track, Some(Mode::Servoing), None);
         let still = drawn(&frame, &scene);
         for (pan, tilt) in [(0.1, 0.0), (-0.1, 0.0), (0.0, 0.1), (0.0, -0.1), (0.1, -0.1)] {
-            let command = CameraCommand { pan: rate(pan), tilt: rate(tilt) };
+            let command = CameraCommand::turning(rate(pan), rate(tilt));
             let moving = drawn(&frame, &Scene { command, ..scene_of(size, &track, scene.mode, None) });
             // Differing samples near the right, left, upper and lower edge, without the strip along the
             // lowest rows.

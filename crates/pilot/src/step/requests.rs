@@ -54,6 +54,8 @@ impl Pilot {
                 self.end_target(Track::Unseeded);
                 Some(Notice::Deselected)
             }
+            CameraRequest::Nudge(nudge) => self.on_nudge(*nudge),
+            CameraRequest::KeepSize { keep } => self.keep_size(*keep),
             CameraRequest::Law { law } => {
                 self.change_law(*law);
                 Some(Notice::LawChanged(*law))
@@ -85,7 +87,7 @@ impl Pilot {
                 self.take_proposal_to_follow(now)
             }
             // The safety rule has done what there is to do.
-            CameraRequest::Nudge(_) | CameraRequest::Disengage => None,
+            CameraRequest::Disengage => None,
         }
     }
 
@@ -95,6 +97,9 @@ impl Pilot {
             vessel.begin_target();
         }
         self.law.reset_target();
+        if let Some(zooming) = &mut self.zooming {
+            zooming.begin_target();
+        }
         self.proposals.take();
         self.candidates.clear();
         self.verification = Verification::default();

@@ -20,6 +20,10 @@ impl Pilot {
                 let is_plausible = Angle::from_degrees(*degrees).radians().abs() <= MAX_NET_YAW;
                 (!is_plausible).then_some(Refusal::NetYawOutOfRange)
             }
+            CameraRequest::KeepSize { keep: true } if self.zooming.is_none() => Some(Refusal::NoZoom),
+            CameraRequest::Nudge(nudge) if nudge.zoom != 0.0 && self.zooming.is_none() => {
+                Some(Refusal::NoZoom)
+            }
             CameraRequest::Select(_)
             | CameraRequest::SelectNext(_)
             | CameraRequest::Propose(_)
@@ -29,6 +33,7 @@ impl Pilot {
             | CameraRequest::Deselect
             | CameraRequest::Nudge(_)
             | CameraRequest::Calibrate { .. }
+            | CameraRequest::KeepSize { .. }
             | CameraRequest::Law { .. }
             | CameraRequest::Engage
             | CameraRequest::Disengage => None,
@@ -89,7 +94,7 @@ impl Pilot {
             self.safety.finish_search(now);
             return Some(Notice::SearchGaveUp);
         };
-        self.safety.propose(Purpose::Search, command, now);
+        self.safety.propose(Purpose::Search, self.widened(command, now), now);
         None
     }
 

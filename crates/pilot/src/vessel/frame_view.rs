@@ -188,7 +188,7 @@ mod tests {
         let focal_px = profile.camera.focal_share * f64::from(PICTURE.width);
         let lens = Lens { distortion: Distortion::BrownConrady(model), ..Lens::pinhole(PICTURE, focal_px) };
         let seen = |lens: Option<Lens>| {
-            let camera = CameraModel::new(CameraDynamics { lens, ..profile.camera }, profile.limits);
+            let camera = CameraModel::new(CameraDynamics { lens, ..profile.camera }, profile.limits, None);
             let half = PictureSize::new(640, 360);
             let view = FrameView::new(
                 &camera,

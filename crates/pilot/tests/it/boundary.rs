@@ -14,7 +14,7 @@ use crate::scenes::{RIGHT, Scripted, at, settings};
 
 fn command(pan: f64, tilt: f64) -> CameraCommand {
     let rate = AngularRate::from_radians_per_second;
-    CameraCommand { pan: rate(pan), tilt: rate(tilt) }
+    CameraCommand::turning(rate(pan), rate(tilt))
 }
 
 /// A law that always advises the same, and remembers what it was told of its last command.
@@ -94,13 +94,13 @@ fn a_nudge_is_held_off_the_end_stops_too() {
     pilot.step(Input::Request(OperatorRequest::Camera(CameraRequest::Disengage)), at(10));
     pilot.step(Seen(RIGHT).input(at(20)), at(20));
     let mut nudge = |tilt, ms| {
-        let request = OperatorRequest::Camera(CameraRequest::Nudge(Nudge { pan: 0.3, tilt }));
+        let request = OperatorRequest::Camera(CameraRequest::Nudge(Nudge { pan: 0.3, tilt, zoom: 0.0 }));
         pilot.step(Input::Request(request), at(ms)).command
     };
     assert_eq!(nudge(1.0, 30), command(0.04, 0.1), "0.03 rad/s is below the least rate");
     report_tilt(&mut pilot, 10.0, 40);
     let mut nudge = |tilt, ms| {
-        let request = OperatorRequest::Camera(CameraRequest::Nudge(Nudge { pan: 0.3, tilt }));
+        let request = OperatorRequest::Camera(CameraRequest::Nudge(Nudge { pan: 0.3, tilt, zoom: 0.0 }));
         pilot.step(Input::Request(request), at(ms)).command
     };
     assert_eq!(nudge(1.0, 50), command(0.04, 0.0));

@@ -14,7 +14,7 @@ use crate::scenes::{Answer, PICTURE, RIGHT, Scripted, at, frame, settings};
 
 const FRAME_MS: u64 = 33;
 const NUDGE_RIGHT: OperatorRequest =
-    OperatorRequest::Camera(CameraRequest::Nudge(Nudge { pan: 1.0, tilt: 0.0 }));
+    OperatorRequest::Camera(CameraRequest::Nudge(Nudge { pan: 1.0, tilt: 0.0, zoom: 0.0 }));
 
 /// A pilot that keeps frames and whose tracker takes `selections` boxes and then gives these answers.
 fn pilot(selections: usize, answers: impl IntoIterator<Item = Answer>) -> Pilot {
@@ -183,7 +183,7 @@ fn a_nudge_is_refused_while_engaged_stopped_or_blind() {
 fn a_nudge_without_numbers_or_beyond_its_range_is_bounded() {
     let mut pilot = pilot(0, []);
     frames(&mut pilot, 0..1);
-    let nudge = Nudge { pan: f64::NAN, tilt: -7.0 };
+    let nudge = Nudge { pan: f64::NAN, tilt: -7.0, zoom: 0.0 };
     let command = request(&mut pilot, OperatorRequest::Camera(CameraRequest::Nudge(nudge)), 1010).command;
     assert_eq!((command.pan.radians_per_second(), command.tilt.radians_per_second()), (0.0, -0.1));
 }

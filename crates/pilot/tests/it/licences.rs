@@ -26,10 +26,10 @@ const LATE_MS: u64 = 320;
 const fn command_of(purpose: Purpose) -> CameraCommand {
     let rate = AngularRate::from_radians_per_second;
     match purpose {
-        Purpose::Follow => CameraCommand { pan: rate(0.3), tilt: AngularRate::ZERO },
-        Purpose::Nudge => CameraCommand { pan: rate(0.1), tilt: AngularRate::ZERO },
-        Purpose::Search => CameraCommand { pan: AngularRate::ZERO, tilt: rate(0.05) },
-        Purpose::Calibrate => CameraCommand { pan: AngularRate::ZERO, tilt: rate(-0.05) },
+        Purpose::Follow => CameraCommand::turning(rate(0.3), AngularRate::ZERO),
+        Purpose::Nudge => CameraCommand::turning(rate(0.1), AngularRate::ZERO),
+        Purpose::Search => CameraCommand::turning(AngularRate::ZERO, rate(0.05)),
+        Purpose::Calibrate => CameraCommand::turning(AngularRate::ZERO, rate(-0.05)),
     }
 }
 
@@ -213,7 +213,7 @@ fn step(safety: &mut Safety, event: Event, now: Timestamp) -> (bool, Decision) {
         Event::Disengage => accepted = request(safety, CameraRequest::Disengage),
         Event::Stop => safety.stop(StopCause::Operator),
         Event::Nudge => {
-            accepted = request(safety, CameraRequest::Nudge(Nudge { pan: 1.0, tilt: 0.0 }));
+            accepted = request(safety, CameraRequest::Nudge(Nudge { pan: 1.0, tilt: 0.0, zoom: 0.0 }));
         }
         Event::Select => accepted = request(safety, CameraRequest::Deselect),
         Event::Consent(purpose) => accepted = safety.consent(purpose, now).is_ok(),
@@ -339,7 +339,7 @@ fn a_consent_to_search_or_to_calibrate_ends_by_itself_however_often_it_is_renewe
 
 #[test]
 fn a_search_and_a_calibration_are_held_to_the_low_rate() {
-    let fast = CameraCommand { pan: AngularRate::from_radians_per_second(-2.0), tilt: AngularRate::ZERO };
+    let fast = CameraCommand::turning(AngularRate::from_radians_per_second(-2.0), AngularRate::ZERO);
     for purpose in [Purpose::Search, Purpose::Calibrate] {
         let mut safety = Safety::new(COAST, CommandPath::Link);
         safety.on_report(&Report::Link(LinkState::Up));

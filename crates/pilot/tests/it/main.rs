@@ -21,3 +21,4 @@ mod unasked_motion;
 mod vehicle;
 mod verification;
 mod vessel;
+mod zooming;

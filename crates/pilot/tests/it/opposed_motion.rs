@@ -68,6 +68,7 @@ impl TrueCamera {
         CameraModel::new(
             CameraDynamics { pan: axis(pan), tilt: axis(tilt), ..profile.camera },
             profile.limits,
+            None,
         )
     }
 }
@@ -112,9 +113,8 @@ fn run(
             return Some((now_ms, cause));
         }
         let turned = |rate: AngularRate, gain: f64| rate * gain;
-        let CameraCommand { pan, tilt } = outcome.command;
-        let command =
-            CameraCommand { pan: turned(pan, camera.pan_gain), tilt: turned(tilt, camera.tilt_gain) };
+        let CameraCommand { pan, tilt, .. } = outcome.command;
+        let command = CameraCommand::turning(turned(pan, camera.pan_gain), turned(tilt, camera.tilt_gain));
         model.apply_command(command, at(now_ms));
     }
     None

@@ -25,10 +25,10 @@ pub(crate) const BOTTOM: ImagePoint = ImagePoint { x: 30.0, y: -200.0 };
 const RATE: AngularRate = AngularRate::from_radians_per_second(0.3);
 const BACK: AngularRate = AngularRate::from_radians_per_second(-0.3);
 pub(crate) const REST: CameraCommand = CameraCommand::REST;
-pub(crate) const PAN_RIGHT: CameraCommand = CameraCommand { pan: RATE, tilt: AngularRate::ZERO };
-pub(crate) const PAN_LEFT: CameraCommand = CameraCommand { pan: BACK, tilt: AngularRate::ZERO };
-pub(crate) const TILT_UP: CameraCommand = CameraCommand { pan: AngularRate::ZERO, tilt: RATE };
-pub(crate) const TILT_DOWN: CameraCommand = CameraCommand { pan: AngularRate::ZERO, tilt: BACK };
+pub(crate) const PAN_RIGHT: CameraCommand = CameraCommand::turning(RATE, AngularRate::ZERO);
+pub(crate) const PAN_LEFT: CameraCommand = CameraCommand::turning(BACK, AngularRate::ZERO);
+pub(crate) const TILT_UP: CameraCommand = CameraCommand::turning(AngularRate::ZERO, RATE);
+pub(crate) const TILT_DOWN: CameraCommand = CameraCommand::turning(AngularRate::ZERO, BACK);
 
 /// The nominal age of a localisation, and the largest fresh age: 200 ms + 300 ms for the Fotokite Pro.
 pub(crate) const LATENCY_MS: u64 = 200;

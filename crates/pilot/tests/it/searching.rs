@@ -221,7 +221,7 @@ fn a_search_is_refused_where_no_command_may_move_the_camera() {
 #[test]
 fn the_net_yaw_is_counted_warned_about_and_refused_with_the_way_back_open() {
     let mut scene = Scene::lost(RIGHT, false, 0);
-    let nudge = |pan| OperatorRequest::Camera(CameraRequest::Nudge(Nudge { pan, tilt: 0.0 }));
+    let nudge = |pan| OperatorRequest::Camera(CameraRequest::Nudge(Nudge { pan, tilt: 0.0, zoom: 0.0 }));
     let turn = |scene: &mut Scene, pan, ms: u64| {
         for _ in (0..ms).step_by(100) {
             scene.request(nudge(pan));

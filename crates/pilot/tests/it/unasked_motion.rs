@@ -190,7 +190,7 @@ fn a_nudge_ends_what_was_found_and_is_no_fault() {
     let mut bench = Bench::new(VehicleProfile::mavlink_gimbal());
     assert!(bench.turn(1_000, |_| (0.3, 0.0)).is_some());
     bench.pilot.step(Seen(INSIDE).input(at(bench.ms)), at(bench.ms));
-    let nudge = OperatorRequest::Camera(CameraRequest::Nudge(Nudge { pan: 1.0, tilt: 0.0 }));
+    let nudge = OperatorRequest::Camera(CameraRequest::Nudge(Nudge { pan: 1.0, tilt: 0.0, zoom: 0.0 }));
     let outcome = bench.pilot.step(Input::Request(nudge), at(bench.ms));
     assert!(!outcome.command.is_rest() && outcome.unasked_motion.is_none(), "{:?}", outcome.mode);
 }

@@ -48,9 +48,11 @@ impl Do {
         };
         let input = match self {
             Scene(input) => input.input(now),
-            Nudges => {
-                Input::Request(OperatorRequest::Camera(CameraRequest::Nudge(Nudge { pan: 1.0, tilt: 0.0 })))
-            }
+            Nudges => Input::Request(OperatorRequest::Camera(CameraRequest::Nudge(Nudge {
+                pan: 1.0,
+                tilt: 0.0,
+                zoom: 0.0,
+            }))),
             Link(state) => report(Report::Link(state)),
             Control(control, uptime_s) => {
                 report(Report::Ground { control, uptime_s, battery_v: 12.0, tether_m: 1.0 })

@@ -184,7 +184,7 @@ fn the_water_lies_on_earth_while_position_and_direction_are_reported() {
     // The camera turns right: what is ahead at pan 0 stays where it is.
     for _ in 0..20 {
         bench.see(INSIDE);
-        bench.ask(OperatorRequest::Camera(CameraRequest::Nudge(Nudge { pan: 1.0, tilt: 0.0 })));
+        bench.ask(OperatorRequest::Camera(CameraRequest::Nudge(Nudge { pan: 1.0, tilt: 0.0, zoom: 0.0 })));
     }
     let turned = bench.tell(Report::CameraHeading(degrees(110.0)));
     let pan = turned.net_yaw.angle.degrees();
@@ -273,7 +273,7 @@ fn a_mark_stays_on_the_water_while_the_camera_turns() {
     assert!((first.u - TARGET.u).abs() < 1e-6 && (first.v - TARGET.v).abs() < 1e-6);
     let water = before.vessel.marks.destination().unwrap().point(before.at).unwrap();
     for _ in 0..60 {
-        bench.ask(OperatorRequest::Camera(CameraRequest::Nudge(Nudge { pan: 1.0, tilt: 0.0 })));
+        bench.ask(OperatorRequest::Camera(CameraRequest::Nudge(Nudge { pan: 1.0, tilt: 0.0, zoom: 0.0 })));
         bench.see(INSIDE);
     }
     let after = bench.see(INSIDE);

@@ -105,6 +105,7 @@ fn snapshot(scene: Scene, sea: &Sea, frame: u64) -> Snapshot {
         tick,
         first_row: camera(0.0),
         last_row: camera(0.2 * frame as f64),
+        zoom: 1.0,
         light: Light { sun_bearing: degrees(30.0), sun_elevation: degrees(40.0), overcast },
         ground,
         target,
@@ -204,6 +205,7 @@ fn random_view(index: u64, sea: &Sea) -> Snapshot {
             pan: Angle::from_radians(camera.pan.radians() + sample(15, -0.01, 0.01)),
             ..camera
         },
+        zoom: 1.0,
         light: Light { sun_bearing: degrees(80.0), sun_elevation: degrees(50.0), overcast: 0.5 },
         ground: Ground::Water,
         target: boat(pose, 0.0),

@@ -50,7 +50,7 @@ fn a_target_that_moves_right_is_seen_to_move_right_and_pan_follows_it() {
     let mut still = World::new(&plain(), 1).expect("a path");
     let mut turning = World::new(&plain(), 1).expect("a path");
     let rate = AngularRate::from_radians_per_second(0.15);
-    turning.command(CameraCommand { pan: rate, tilt: AngularRate::ZERO });
+    turning.command(CameraCommand::turning(rate, AngularRate::ZERO));
     for _ in 0..360 {
         still.advance();
         turning.advance();

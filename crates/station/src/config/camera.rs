@@ -5,11 +5,12 @@ use std::path::PathBuf;
 
 use anyhow::{Result, bail};
 use barrelman_vocab::profile::{AxisDynamics, CameraDynamics};
-use barrelman_vocab::{Angle, AngularRate, Lens};
+use barrelman_vocab::{Angle, AngularRate, Lens, VehicleProfile};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::lens::{self, LensSection};
+use super::zoom::ZoomSection;
 
 /// Focal lengths that differ by less than this share of the picture's width are the same.
 const SAME_FOCAL_SHARE: f64 = 1e-9;
@@ -46,6 +47,8 @@ pub struct CameraSection {
     pub pan: AxisSection,
     /// The tilt axis.
     pub tilt: AxisSection,
+    /// The zoom. Zoom by hand and keeping the size need it; `focal_share` is that of the widest view.
+    pub zoom: ZoomSection,
 }
 
 /// Dynamics of an axis.
@@ -77,7 +80,8 @@ pub struct AxisSection {
 
 impl CameraSection {
     /// The complete section.
-    pub fn from_dynamics(camera: &CameraDynamics) -> Self {
+    pub fn of(profile: &VehicleProfile) -> Self {
+        let camera = &profile.camera;
         let axis = |axis: &AxisDynamics| AxisSection {
             start_dead_time_s: Some(axis.start_dead_time.as_secs_f64()),
             stop_dead_time_s: Some(axis.stop_dead_time.as_secs_f64()),
@@ -94,6 +98,7 @@ impl CameraSection {
             highest_tilt_rad: Some(camera.tilt_stops.1.radians()),
             pan: axis(&camera.pan),
             tilt: axis(&camera.tilt),
+            zoom: ZoomSection::of(profile),
         }
     }
 
@@ -123,11 +128,16 @@ impl CameraSection {
         Ok(calibrated.or(self.focal_share).unwrap_or(base.focal_share))
     }
 
-    /// The vehicle's camera `base` with the values of the section.
+    /// The profile `base` with the values of the section.
     ///
     /// # Errors
     /// If a value is out of range; the message names the key and the range.
-    pub fn apply_to(&self, base: &CameraDynamics) -> Result<CameraDynamics> {
+    pub fn apply_to(&self, base: VehicleProfile) -> Result<VehicleProfile> {
+        let camera = self.dynamics(&base.camera)?;
+        self.zoom.apply_to(VehicleProfile { camera, ..base })
+    }
+
+    fn dynamics(&self, base: &CameraDynamics) -> Result<CameraDynamics> {
         let tilt = |value: Option<f64>, base: Angle| value.map_or(base, Angle::from_radians);
         let stops =
             (tilt(self.lowest_tilt_rad, base.tilt_stops.0), tilt(self.highest_tilt_rad, base.tilt_stops.1));

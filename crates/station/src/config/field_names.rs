@@ -17,6 +17,7 @@ use super::tak::TakSection;
 use super::tracker::{FusedSection, TrackerSection};
 use super::tracking_camera::TrackingCameraSection;
 use super::vessel::VesselSection;
+use super::zoom::ZoomSection;
 
 macro_rules! names_of {
     ($($section:ident),+ $(,)?) => {
@@ -39,6 +40,7 @@ pub(super) fn field_names() -> FieldNames {
         CameraSection,
         LensSection,
         AxisSection,
+        ZoomSection,
         LawSection,
         TrackerSection,
         FusedSection,

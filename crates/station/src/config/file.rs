@@ -280,6 +280,12 @@ pub struct VehicleSection {
     #[schemars(example = 0)]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub gimbal_device: Option<u8>,
+    /// Component of the MAVLink camera that zooms, where `camera.zoom.ratio` is above 1: 100, the default, to 105;
+    /// 1 is the autopilot's own.
+    #[schemars(range(min = 1, max = 105))]
+    #[schemars(example = 100)]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub camera: Option<u8>,
     /// Which angle of the gimbal's reported attitude is the tilt; without it, the reports are not used.
     /// `barrelman calibrate axes` finds it.
     #[serde(skip_serializing_if = "Option::is_none")]

@@ -27,6 +27,7 @@ mod example;
 mod field_names;
 mod mavlink;
 mod turning;
+mod zoom;
 
 use std::path::Path;
 

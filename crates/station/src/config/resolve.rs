@@ -153,7 +153,9 @@ impl Configuration {
         let mut profile = overridden(base, vehicle, max_rates)?;
         profile.protocol = mavlink::between_peers(profile.protocol, &file.link)?;
         profile.protocol = mavlink::with_device(profile.protocol, file.vehicle.gimbal_device)?;
-        profile.camera = file.camera.apply_to(&profile.camera)?;
+        profile = file.camera.apply_to(profile)?;
+        let zooms = profile.zoom.is_some();
+        profile.protocol = mavlink::with_camera(profile.protocol, file.vehicle.camera, zooms)?;
         for (axis, dynamics, limit) in [
             ("pan", &profile.camera.pan, profile.limits.pan),
             ("tilt", &profile.camera.tilt, profile.limits.tilt),

@@ -10,7 +10,7 @@ use barrelman_link::guard::message::GuardedVehicle;
 use barrelman_link::{VehicleLock, VehicleRole};
 use barrelman_link_http::HttpSettings;
 use barrelman_vocab::telemetry::{LinkState, Report};
-use barrelman_vocab::{Telemetry, VehicleProfile, VehicleRates};
+use barrelman_vocab::{Telemetry, VehicleProfile};
 use barrelman_wire::{ByteProtocol, ByteProtocolName, Framing, RestEvidence, Signing};
 
 use super::event::Event;
@@ -61,7 +61,7 @@ pub(super) fn open_link(
             let protocol = ByteProtocol { protocol: protocol.signed(signing), framing, baud: url.baud() };
             Ok(Some(match guard {
                 Some(guard) => {
-                    let limits = VehicleRates { yaw: profile.limits.pan, pitch: profile.limits.tilt };
+                    let limits = profile.largest_rates();
                     let vehicle = GuardedVehicle::Camera {
                         limits,
                         protocol: protocol.protocol,
@@ -122,7 +122,9 @@ fn open_camera_link(
     let up = Telemetry { at: clock.now(), report: Report::Link(LinkState::Up) };
     events.send(Event::Link(LinkReport::Telemetry(up)))?;
     link.on_pose_report(move |pose| {
-        for report in [Report::CameraTilt(pose.tilt), Report::CameraHeight(pose.height_m)] {
+        let field_of_view = pose.field_of_view.map(Report::FieldOfView);
+        let pose = [Report::CameraTilt(pose.tilt), Report::CameraHeight(pose.height_m)];
+        for report in pose.into_iter().chain(field_of_view) {
             let report = Telemetry { at: clock.now(), report };
             // The world does not wait for a loop that is held up: without room in the queue, the report is
             // dropped.

@@ -153,7 +153,12 @@ impl Ticking<'_> {
                 world.override_helm(helm);
             }
             let pose = world.camera_pose();
-            link.set_pointing(Pointing { pan: pose.pan, tilt: pose.tilt, height_m: pose.position.z });
+            link.set_pointing(Pointing {
+                pan: pose.pan,
+                tilt: pose.tilt,
+                height_m: pose.position.z,
+                field_of_view: world.zoomed_field_of_view(),
+            });
             if world.is_frame_due() {
                 match video.send(world.tick()) {
                     Delivery::Lost => {}

@@ -51,7 +51,7 @@ fn excessive_rates_are_recorded_as_they_are_written() {
         accepted += 1;
         for rate in [-9.0, -0.7, -0.35, -0.2, 0.0, 0.301, 0.45, 3.0, f64::INFINITY, f64::NAN] {
             let rate = AngularRate::from_radians_per_second(rate);
-            let recorded = profile.to_vehicle(CameraCommand { pan: rate, tilt: rate });
+            let recorded = profile.to_vehicle(CameraCommand::turning(rate, rate));
             let expected = [
                 format!("Yaw {:.6}", recorded.yaw.radians_per_second()),
                 format!("GimbalPitch {:.6}", recorded.pitch.radians_per_second()),

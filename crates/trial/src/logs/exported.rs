@@ -43,7 +43,7 @@ impl RateColumns {
         };
         Ok(match self {
             Self::PanAndTilt(pan, tilt) => read((*pan, *tilt), PAN_AND_TILT)?
-                .map(|(pan, tilt)| CameraCommand { pan: rate(pan), tilt: rate(tilt) }),
+                .map(|(pan, tilt)| CameraCommand::turning(rate(pan), rate(tilt))),
             Self::PitchAndYaw(pitch, yaw) => {
                 read((*pitch, *yaw), PITCH_AND_YAW)?.map(|(pitch, yaw)| laboratory::command_of(pitch, yaw))
             }

@@ -23,7 +23,7 @@ pub const PICTURE: PictureSize = PictureSize::new(640, 360);
 /// The command that the Fotokite Pro was sent as these rates, rad/s.
 pub(super) fn command_of(pitch: f64, yaw: f64) -> CameraCommand {
     let rate = AngularRate::from_radians_per_second;
-    VehicleProfile::fotokite_pro().from_vehicle(VehicleRates { yaw: rate(yaw), pitch: rate(pitch) })
+    VehicleProfile::fotokite_pro().from_vehicle(VehicleRates::turning(rate(yaw), rate(pitch)))
 }
 
 /// Reads a log.

@@ -118,7 +118,7 @@ pub(crate) fn localisation(value: f64) -> Localisation {
 /// An outcome with `value` for every number.
 pub(crate) fn outcome(value: f64) -> RecordedOutcome {
     let rate = AngularRate::from_radians_per_second(value);
-    let command = CameraCommand { pan: rate, tilt: rate };
+    let command = CameraCommand::turning(rate, rate);
     RecordedOutcome {
         step: 9,
         at: ns(1_000),

@@ -17,7 +17,7 @@ use crate::entries::{outcome, read, start};
 use crate::trial_logs::rates;
 
 const TURNING: CameraCommand =
-    CameraCommand { pan: AngularRate::from_radians_per_second(0.3), tilt: AngularRate::ZERO };
+    CameraCommand::turning(AngularRate::from_radians_per_second(0.3), AngularRate::ZERO);
 
 /// An outcome at a time, ms, with the camera turning while it follows.
 fn at(ms: u64, mode: Mode) -> RecordedOutcome {

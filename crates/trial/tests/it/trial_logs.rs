@@ -10,12 +10,12 @@ pub(crate) const PICTURE: PictureSize = PictureSize::new(1000, 800);
 
 pub(crate) fn rates(yaw: f64, pitch: f64) -> VehicleRates {
     let rate = AngularRate::from_radians_per_second;
-    VehicleRates { yaw: rate(yaw), pitch: rate(pitch) }
+    VehicleRates::turning(rate(yaw), rate(pitch))
 }
 
 pub(crate) fn command(pan: f64, tilt: f64) -> CameraCommand {
     let rate = AngularRate::from_radians_per_second;
-    CameraCommand { pan: rate(pan), tilt: rate(tilt) }
+    CameraCommand::turning(rate(pan), rate(tilt))
 }
 
 pub(crate) fn log_from_rows(

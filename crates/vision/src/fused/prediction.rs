@@ -4,7 +4,7 @@
 //! The camera's motion comes from the [`MotionPrior`], otherwise from registration of the background. Input:
 //! the frame and its prior. Output: a [`Prediction`].
 
-use barrelman_vocab::{MotionPrior, Picture, Timestamp};
+use barrelman_vocab::{MotionPrior, Picture, PixelPoint, Timestamp};
 
 use super::geometry::TargetGeometry;
 use super::observation::Observation;
@@ -205,7 +205,9 @@ impl TargetMotion {
         self.last_interval_s = now.since(self.last_capture).as_secs_f64();
         let seconds = self.last_interval_s.clamp(settings.min_gap_s, settings.max_gap_s);
         self.last_capture = now;
-        self.prior = settings.classify(prior, size_px);
+        let place = PixelPoint { u: self.axes.0.position, v: self.axes.1.position };
+        let prior = prior.map(|prior| prior.at(place, geometry.picture));
+        self.prior = settings.classify(prior.as_ref(), size_px);
         let (u, v, std_dev) = match self.prior {
             Prior::Precise(prior) => (prior.shift_u_px, prior.shift_v_px, prior.std_dev_px),
             Prior::None | Prior::Coarse(_) => (0.0, 0.0, 0.0),

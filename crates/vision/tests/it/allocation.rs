@@ -62,6 +62,7 @@ fn following_losing_and_finding_again_allocate_nothing_after_the_first_frames() 
     let prior = MotionPrior {
         shift_u_px: 0.0,
         shift_v_px: 0.0,
+        scale: 1.0,
         std_dev_px: 1.0,
         interval: Duration::from_millis(33),
     };

@@ -81,7 +81,7 @@ proptest! {
         let prior = MotionPrior {
             shift_u_px: shift.0,
             shift_v_px: shift.1,
-            std_dev_px: 1.0,
+            scale: 1.0, std_dev_px: 1.0,
             interval: core::time::Duration::ZERO,
         };
         for (i, frame) in frames.iter().enumerate() {

@@ -319,7 +319,7 @@ fn a_prior_that_is_not_a_number_is_ignored() {
 }
 
 fn prior([shift_u_px, shift_v_px, std_dev_px]: [f64; 3]) -> MotionPrior {
-    MotionPrior { shift_u_px, shift_v_px, std_dev_px, interval: Duration::ZERO }
+    MotionPrior { shift_u_px, shift_v_px, scale: 1.0, std_dev_px, interval: Duration::ZERO }
 }
 
 #[test]

@@ -90,6 +90,7 @@ fn a_jump_with_the_camera_is_followed_by_the_prior_alone() {
     let prior = |shift_u_px| MotionPrior {
         shift_u_px,
         shift_v_px: 0.0,
+        scale: 1.0,
         std_dev_px: 2.0,
         interval: Duration::from_millis(33),
     };

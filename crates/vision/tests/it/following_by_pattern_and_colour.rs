@@ -130,6 +130,7 @@ fn a_jump_with_the_camera_is_followed_by_the_prior() {
     let prior = |shift_u_px| MotionPrior {
         shift_u_px,
         shift_v_px: 0.0,
+        scale: 1.0,
         std_dev_px: 2.0,
         interval: Duration::from_millis(FRAME_MS),
     };
@@ -296,6 +297,7 @@ fn a_moving_camera_gives_a_boat_that_lies_still_no_heading() {
     let prior = MotionPrior {
         shift_u_px: 1.5,
         shift_v_px: 0.5,
+        scale: 1.0,
         std_dev_px: 0.5,
         interval: Duration::from_millis(FRAME_MS),
     };
@@ -365,6 +367,7 @@ fn the_place_of_a_rejected_object_that_is_hidden_turns_with_the_camera() {
     let turn = MotionPrior {
         shift_u_px: -8.0,
         shift_v_px: 0.0,
+        scale: 1.0,
         std_dev_px: 3.0,
         interval: Duration::from_millis(FRAME_MS),
     };

@@ -4,10 +4,11 @@ use core::time::Duration;
 
 use super::{
     AxisDynamics, AxisRates, AxisSigns, CameraDynamics, DEGREE, NetYawLimits, Protocol, RegionShares, Sign,
-    VehicleProfile,
+    SizeKeeping, VehicleProfile,
 };
 use crate::angle::{Angle, AngularRate};
 use crate::mavlink::MavlinkPeers;
+use crate::zoom::{ZoomDynamics, ZoomRate};
 
 impl CameraDynamics {
     /// The Fotokite Pro's camera as identified from the recorded laboratory trials. The camera's video
@@ -55,6 +56,7 @@ impl VehicleProfile {
             name: "fotokite-pro".to_owned(),
             protocol: Protocol::FotokitePro,
             region: RegionShares { half_width: 0.6, half_height: 0.5 },
+            size: SizeKeeping::DEFAULT,
             motor_schema_rates: AxisRates { pan: rad_per_s(0.3), tilt: rad_per_s(0.3) },
             limits: Protocol::FotokitePro.rate_limits(),
             signs: AxisSigns { yaw: Sign::Opposite, pitch: Sign::Opposite },
@@ -66,6 +68,7 @@ impl VehicleProfile {
             gimbal_tilt: None,
             attitude_yaw: None,
             speeds: None,
+            zoom: None,
         }
     }
 
@@ -102,7 +105,7 @@ impl VehicleProfile {
     /// second), least rates (2) and end stops (80 degrees below the kite's horizon, 11 above) are the
     /// examples of the API document; the session also keeps what the vehicle itself states. No document
     /// states the dynamics of the camera: those of the Pro hold until `barrelman calibrate axes` has measured
-    /// them. The field of view is reported by the vehicle.
+    /// them. The field of view is reported by the vehicle, and the zoom is that of the API document's example.
     pub fn fotokite_sigma() -> Self {
         let limits = Protocol::FotokiteSigma.rate_limits();
         let laboratory = CameraDynamics::laboratory();
@@ -119,6 +122,11 @@ impl VehicleProfile {
                 tilt: least(laboratory.tilt),
                 ..laboratory
             },
+            zoom: Some(ZoomDynamics {
+                ratio: 32.0,
+                max_rate: ZoomRate::from_per_second(0.3),
+                dead_time: Duration::from_millis(200),
+            }),
             ..Self::fotokite_pro()
         }
     }

@@ -40,7 +40,7 @@ pub enum CameraRequest {
     Reject,
     /// Forget the target and follow nothing.
     Deselect,
-    /// Turn the camera slowly while this is renewed, at least every 250 ms; while disengaged only.
+    /// Turn the camera slowly, or zoom, while this is renewed, at least every 250 ms. While engaged it may zoom only.
     Nudge(Nudge),
     /// Turn the camera slowly to find the target that was lost: the last bearing first, then a bounded sweep.
     /// A search ends when the target is found, and after a minute.
@@ -54,6 +54,11 @@ pub enum CameraRequest {
     NetYaw {
         /// Degrees, positive to the right.
         degrees: f64,
+    },
+    /// Keep the target's size in the picture by the zoom while engaged, or no longer. A zoom by hand ends it.
+    KeepSize {
+        /// Whether the size is kept.
+        keep: bool,
     },
     /// Change the camera law; while not engaged only.
     Law {
@@ -106,7 +111,7 @@ pub struct Tap {
     pub take: bool,
 }
 
-/// A slow turn of the camera by hand, in shares of the nudge rate.
+/// A slow turn of the camera by hand, or a zoom, in shares of the nudge rates.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Nudge {
@@ -114,4 +119,7 @@ pub struct Nudge {
     pub pan: f64,
     /// -1 to 1, positive upwards.
     pub tilt: f64,
+    /// -1 to 1, positive to a closer view.
+    #[serde(default)]
+    pub zoom: f64,
 }

@@ -9,11 +9,11 @@ fn rate(rad_per_s: f64) -> AngularRate {
 }
 
 fn command(pan: f64, tilt: f64) -> CameraCommand {
-    CameraCommand { pan: rate(pan), tilt: rate(tilt) }
+    CameraCommand::turning(rate(pan), rate(tilt))
 }
 
 fn rates(yaw: f64, pitch: f64) -> VehicleRates {
-    VehicleRates { yaw: rate(yaw), pitch: rate(pitch) }
+    VehicleRates::turning(rate(yaw), rate(pitch))
 }
 
 fn signed(yaw: Sign, pitch: Sign) -> VehicleProfile {

@@ -41,8 +41,8 @@ fn the_opposite_of_zero_has_no_sign() {
 #[test]
 fn negative_zero_is_rest() {
     assert!(rate(-0.0).is_zero());
-    assert!(CameraCommand { pan: rate(-0.0), tilt: rate(0.0) }.is_rest());
-    assert!(!CameraCommand { pan: rate(0.0), tilt: rate(1e-300) }.is_rest());
+    assert!(CameraCommand::turning(rate(-0.0), rate(0.0)).is_rest());
+    assert!(!CameraCommand::turning(rate(0.0), rate(1e-300)).is_rest());
     assert!(CameraCommand::REST.is_rest());
 }
 
@@ -71,9 +71,9 @@ fn what_was_sent_has_the_size_of_the_rates_and_the_sense_of_the_command() {
         // Beyond the vehicle's limits, 0.4 and 0.3 rad/s.
         (0.9, -0.9, (0.4, -0.3)),
     ] {
-        let command = CameraCommand { pan: rate(pan), tilt: rate(tilt) };
+        let command = CameraCommand::turning(rate(pan), rate(tilt));
         let sent = profile.to_vehicle(command).in_the_senses_of(command);
-        let wanted = CameraCommand { pan: rate(expected.0), tilt: rate(expected.1) };
+        let wanted = CameraCommand::turning(rate(expected.0), rate(expected.1));
         assert_eq!(sent, wanted, "{pan}, {tilt}");
         assert_eq!(sent, profile.from_vehicle(profile.to_vehicle(command)), "{pan}, {tilt}");
     }

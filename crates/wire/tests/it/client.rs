@@ -222,7 +222,7 @@ fn what_was_asked_for_during_the_start_up_moves_only_after_zeros() {
         match ms {
             620 => session.received(b"nsh> ", at(ms), &mut |_| {}),
             700 => session.request(
-                VehicleRates { yaw: AngularRate::from_radians_per_second(0.3), pitch: AngularRate::ZERO },
+                VehicleRates::turning(AngularRate::from_radians_per_second(0.3), AngularRate::ZERO),
                 None,
             ),
             _ => {}
@@ -262,7 +262,7 @@ fn the_first_bytes_of_a_session_are_zeros_three_times() {
 #[test]
 fn control_that_another_client_took_comes_back_by_request_only() {
     let (mut session, start) = settled(SessionSettings::for_baud(Framing::LineFeed, 115_200));
-    let moving = VehicleRates { yaw: AngularRate::from_radians_per_second(0.3), pitch: AngularRate::ZERO };
+    let moving = VehicleRates::turning(AngularRate::from_radians_per_second(0.3), AngularRate::ZERO);
     session.received(b"!GSStatus 0,1.0,11.8,0\r\n", at(start), &mut |_| {});
     session.request(moving, None);
     assert_eq!(
@@ -393,7 +393,7 @@ fn worst_case(framing: Framing, baud: u32) -> (f64, f64) {
         if ms % 33 == 0 {
             let wobble = if moving { 0.1 + (ms % 7) as f64 * 0.01 } else { 0.0 };
             let rate = AngularRate::from_radians_per_second(-wobble);
-            session.request(VehicleRates { yaw: rate, pitch: rate }, None);
+            session.request(VehicleRates::turning(rate, rate), None);
         }
         let mut out = Vec::new();
         session.poll(at(start + ms), &mut out);

@@ -87,7 +87,7 @@ pub(crate) fn cases(name: &str) -> Vec<Case> {
             ("?", _) => {
                 let words: Vec<&str> = text.split(' ').collect();
                 let ["yaw", yaw, "pitch", pitch] = words[..] else { panic!("{line}") };
-                Event::Asked(VehicleRates { yaw: rate(yaw), pitch: rate(pitch) })
+                Event::Asked(VehicleRates::turning(rate(yaw), rate(pitch)))
             }
             ("!", "reopen") => Event::Reopens,
             ("=", _) => Event::Holds(text.split(' ').map(str::to_owned).collect()),

@@ -13,7 +13,7 @@ use barrelman_wire::fotokite_sigma::{Call, FotokiteSigmaSession, Sigma};
 use barrelman_wire::http::{HttpCall as _, Received};
 use barrelman_wire::mavlink::GimbalManager;
 use barrelman_wire::mavlink::gimbal_manager::{GimbalAngles, GimbalManagerSettings};
-use barrelman_wire::onvif::{CameraSettings, OnvifSession, OnvifSettings, PtzCamera};
+use barrelman_wire::onvif::{CameraSettings, OnvifSession, OnvifSettings, PtzCamera, SpeedShares};
 use barrelman_wire::{ByteProtocol, ByteProtocolName, ByteSession, Framing, OpenSession as _, Session as _};
 
 use crate::vehicle::onvif_speeds;
@@ -56,7 +56,7 @@ impl Line {
                 if has_no_least_rates {
                     (settings.camera.pan_speed_min, settings.camera.tilt_speed_min) = (0.0, 0.0);
                 }
-                let session = Box::new(FotokiteSigmaSession::open(None, now));
+                let session = Box::new(FotokiteSigmaSession::open(None, profile.max_zoom_rate(), now));
                 let sigma = Box::new(Sigma::new(settings));
                 return Ok(Self::Sigma { session, sigma, down: Vec::new(), ticks: 0 });
             }
@@ -142,8 +142,8 @@ impl Line {
                     let (status, body) = (answer.status, answer.body.into_bytes());
                     down.push(Received::Answer { id: request.id, status, body });
                 }
-                let (pan, tilt) = camera.velocity(now);
-                VehicleRates { yaw: speeds.pan.rate_at(pan), pitch: speeds.tilt.rate_at(tilt) }
+                let SpeedShares { pan, tilt, zoom } = camera.velocity(now);
+                VehicleRates::turning(speeds.pan.rate_at(pan), speeds.tilt.rate_at(tilt)).zooming(zoom)
             }
         }
     }
@@ -167,7 +167,7 @@ impl FarEnd {
                 station.write_telemetry(&SensorReadings::of_camera(pose.pan, pose.tilt), now, &mut answer);
                 down.push(answer);
                 let rates = station.rates();
-                VehicleRates { yaw: rates.yaw, pitch: rates.pitch }
+                VehicleRates::turning(rates.yaw, rates.pitch)
             }
             Self::MavlinkGimbal(manager) => {
                 for packet in up {

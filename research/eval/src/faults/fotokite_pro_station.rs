@@ -50,7 +50,7 @@ impl FotokiteProStation {
 impl Station for FotokiteProStation {
     fn rates(&self) -> VehicleRates {
         let rates = self.station.rates();
-        VehicleRates { yaw: rates.yaw, pitch: rates.pitch }
+        VehicleRates::turning(rates.yaw, rates.pitch)
     }
 
     /// The vehicle's yaw is positive to the left.

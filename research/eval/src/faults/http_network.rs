@@ -155,7 +155,11 @@ mod tests {
 
     #[test]
     fn a_part_of_a_request_is_none() {
-        let mut session = SessionOverNetwork(FotokiteSigmaSession::open(None, Timestamp::ZERO));
+        let mut session = SessionOverNetwork(FotokiteSigmaSession::open(
+            None,
+            barrelman_vocab::ZoomRate::ZERO,
+            Timestamp::ZERO,
+        ));
         let mut out = Vec::new();
         session.poll(Timestamp::ZERO, &mut out);
         let request = ReceivedRequest::read(&out[0]).unwrap();

@@ -257,7 +257,7 @@ impl World {
                     self.oracle.nudged(at_ms);
                     let pan = if at_ms % 4_000 < 2_000 { 1.0 } else { -1.0 };
                     self.program.request(
-                        OperatorRequest::Camera(CameraRequest::Nudge(Nudge { pan, tilt: 0.5 })),
+                        OperatorRequest::Camera(CameraRequest::Nudge(Nudge { pan, tilt: 0.5, zoom: 0.0 })),
                         now,
                     );
                 }

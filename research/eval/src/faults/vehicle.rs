@@ -46,7 +46,9 @@ impl Vehicle {
     /// # Errors
     /// If the profile names a protocol that has no session here.
     pub(super) fn link_plan(self, mutant: Mutant) -> Result<LinkPlan> {
-        let limits = self.profile().protocol.rate_limits();
+        let profile = self.profile();
+        let limits = profile.protocol.rate_limits();
+        let limits = VehicleRates::turning(limits.pan, limits.tilt).zooming(profile.largest_rates().zoom);
         let open_session = self.session_opener()?;
         let without_zeros = Arc::clone(&open_session);
         Ok(LinkPlan {
@@ -56,14 +58,17 @@ impl Vehicle {
                 }
                 _ => open_session,
             },
-            guard_limits: self.has_guard().then_some(VehicleRates { yaw: limits.pan, pitch: limits.tilt }),
+            guard_limits: self.has_guard().then_some(limits),
             mutant,
         })
     }
 
     fn session_opener(self) -> Result<Opener<VehicleRates>> {
         if self == Self::FotokiteSigma {
-            return Ok(Arc::new(|now| Box::new(SessionOverNetwork(FotokiteSigmaSession::open(None, now)))));
+            let full_zoom = self.profile().max_zoom_rate();
+            return Ok(Arc::new(move |now| {
+                Box::new(SessionOverNetwork(FotokiteSigmaSession::open(None, full_zoom, now)))
+            }));
         }
         if self == Self::OnvifPtz {
             let settings = OnvifSettings {

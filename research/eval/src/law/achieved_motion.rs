@@ -13,8 +13,7 @@ pub(super) fn as_commands(log: &TrialLog) -> TrialLog {
     let rate =
         |rate: f64| AngularRate::from_radians_per_second(if rate.abs() < MIN_RATE { 0.0 } else { rate });
     for (row, truth) in achieved.rows.iter_mut().zip(log.truth.iter().flatten()) {
-        row.command =
-            truth.achieved_rates.map(|(pan, tilt)| CameraCommand { pan: rate(pan), tilt: rate(tilt) });
+        row.command = truth.achieved_rates.map(|(pan, tilt)| CameraCommand::turning(rate(pan), rate(tilt)));
     }
     achieved
 }

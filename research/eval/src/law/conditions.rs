@@ -9,9 +9,9 @@ use barrelman_simd::SimdLevel;
 
 /// A scenario with one of its settings.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Condition {
-    pub(super) scenario: &'static str,
-    pub(super) setting: &'static str,
+pub(crate) struct Condition {
+    pub(crate) scenario: &'static str,
+    pub(crate) setting: &'static str,
 }
 
 const fn condition(scenario: &'static str, setting: &'static str) -> Condition {
@@ -19,7 +19,7 @@ const fn condition(scenario: &'static str, setting: &'static str) -> Condition {
 }
 
 /// All conditions, in the order of the tables.
-pub(super) const CONDITIONS: [Condition; 14] = [
+pub(crate) const CONDITIONS: [Condition; 14] = [
     condition("lab1", "still"),
     condition("lab1", "indoor"),
     condition("lab1", "windy"),
@@ -37,7 +37,7 @@ pub(super) const CONDITIONS: [Condition; 14] = [
 ];
 
 impl Condition {
-    pub(super) fn name(&self) -> String {
+    pub(crate) fn name(&self) -> String {
         format!("{}-{}", self.scenario, self.setting)
     }
 

@@ -58,7 +58,7 @@ impl Law for Lqg {
             rates[axis] = rate.clamp(-self.max_rates[axis], self.max_rates[axis]);
         }
         let [pan, tilt] = rates.map(AngularRate::from_radians_per_second);
-        CameraCommand { pan, tilt }
+        CameraCommand::turning(pan, tilt)
     }
 
     fn reset_target(&mut self) {

@@ -13,7 +13,7 @@ mod other_vehicles;
 mod profile_errors;
 mod variants;
 
-mod conditions;
+pub(crate) mod conditions;
 mod requirements;
 
 mod achieved_motion;

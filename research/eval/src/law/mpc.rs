@@ -157,7 +157,7 @@ impl Law for Mpc {
         let rates = self.first_rates(&state, (input.region.a_px, input.region.b_px));
         let [pan, tilt] = rates
             .map(|rate| AngularRate::from_radians_per_second(if rate.abs() < MIN_RATE { 0.0 } else { rate }));
-        CameraCommand { pan, tilt }
+        CameraCommand::turning(pan, tilt)
     }
 
     fn reset_target(&mut self) {

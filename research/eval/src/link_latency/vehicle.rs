@@ -73,7 +73,11 @@ impl Vehicle {
                 })
             } else {
                 let credential = Credential::Token(fotokite_sigma::TOKEN.to_owned());
-                HttpProtocol::FotokiteSigma(SigmaAccess { credential, stream: None })
+                HttpProtocol::FotokiteSigma(SigmaAccess {
+                    credential,
+                    stream: None,
+                    full_zoom: profile.max_zoom_rate(),
+                })
             };
             let settings = HttpSettings { address, trust: Trust::WellKnown, protocol };
             let link = barrelman_link_http::open_link(settings, FaultPlan::default(), clock, tell)?;
@@ -83,7 +87,7 @@ impl Vehicle {
             ByteProtocolName::of(profile.protocol).context("the vehicle's port carries no bytes")?;
         let limits = profile.protocol.rate_limits();
         let framing = Framing::CarriageReturns;
-        let limits = VehicleRates { yaw: limits.pan, pitch: limits.tilt };
+        let limits = VehicleRates::turning(limits.pan, limits.tilt).zooming(profile.largest_rates().zoom);
         let settings = GuardedLinkSettings {
             guard: guard_program(guard)?,
             protocol: ByteProtocol { protocol, framing, baud: url.baud() },

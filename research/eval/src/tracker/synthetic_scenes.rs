@@ -73,6 +73,7 @@ pub(crate) fn run_all_on_scene(
         let prior = MotionPrior {
             shift_u_px: truth.camera_shift.0 + PRIOR_STD_DEV_PX * rng.approximately_normal(),
             shift_v_px: truth.camera_shift.1 + PRIOR_STD_DEV_PX * rng.approximately_normal(),
+            scale: 1.0,
             std_dev_px: PRIOR_STD_DEV_PX,
             interval: frame_interval,
         };

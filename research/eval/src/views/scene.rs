@@ -41,6 +41,7 @@ pub(super) fn snapshot(view: &View, sea: &Sea, tick: u64) -> Snapshot {
         tick,
         first_row: camera(0.0),
         last_row: camera((view.pan_deg_per_s * READOUT_S).to_radians()),
+        zoom: 1.0,
         light: Light {
             sun_bearing: Angle::from_degrees(view.sun_deg.0),
             sun_elevation: Angle::from_degrees(view.sun_deg.1),

@@ -1,12 +1,14 @@
 //! The camera's axes, and the intervals of the sampled plants.
 
+use core::time::Duration;
+
 use barrelman_sim::MountPlant;
 use barrelman_sim::camera_axis::{AxisImperfections, AxisPlant};
 use barrelman_sim::scenario::{AxisRanges, PlantRanges};
-use barrelman_vocab::{Angle, AngularRate};
+use barrelman_vocab::{Angle, AngularRate, ZoomDynamics, ZoomRate};
 
 use crate::scenario::ScenarioError;
-use crate::scenario::file::{AxisSection, SampledAxisSection, SampledSection, ScenarioFile};
+use crate::scenario::file::{AxisSection, SampledAxisSection, SampledSection, ScenarioFile, ZoomSection};
 use crate::scenario::range::within;
 
 /// The nominal axes.
@@ -16,6 +18,18 @@ pub(super) fn mount(file: &ScenarioFile, latency_s: f64) -> Result<MountPlant, S
         tilt: axis("tilt", &file.tilt, latency_s)?,
         cross_talk: 0.0,
         droop_rad_per_s: 0.0,
+        zoom: file.camera.zoom.as_ref().map(|zoom| zoom_of(zoom, latency_s)).transpose()?,
+    })
+}
+
+fn zoom_of(section: &ZoomSection, latency_s: f64) -> Result<ZoomDynamics, ScenarioError> {
+    let max_rate = within("camera.zoom.limit_per_s", section.limit_per_s, 0.01, 10.0, "per second")?;
+    let dead_s = within("camera.zoom.dead_time_s", section.dead_time_s, 0.0, 5.0, "seconds")?;
+    let dead_s = without_latency("camera.zoom.dead_time_s", dead_s, latency_s)?;
+    Ok(ZoomDynamics {
+        ratio: within("camera.zoom.ratio", section.ratio, 1.01, 100.0, "a ratio")?,
+        max_rate: ZoomRate::from_per_second(max_rate),
+        dead_time: Duration::from_secs_f64(dead_s),
     })
 }
 

@@ -1,6 +1,6 @@
 //! The fields of messages in little-endian order: how each is read, and how it is written.
 
-use barrelman_vocab::mavlink::{Address, MavlinkPeers, SystemId};
+use barrelman_vocab::mavlink::{Address, ComponentId, MavlinkPeers, SystemId};
 use barrelman_vocab::{AngularRate, Timestamp, VehicleRates, VesselCommand};
 use barrelman_wire::mavlink::rover::{RoverDrive, RoverLink};
 use barrelman_wire::{ByteProtocolName, Framing, LinkHistory, Signing, SigningKey, VesselProtocol};
@@ -42,7 +42,9 @@ impl<'a> Fields<'a> {
     }
 
     pub(super) fn rates(&mut self) -> Result<VehicleRates, MessageError> {
-        Ok(VehicleRates { yaw: self.rate()?, pitch: self.rate()? })
+        let (yaw, pitch) = (self.rate()?, self.rate()?);
+        let zoom = f64::from_le_bytes(self.take()?);
+        Ok(VehicleRates { yaw, pitch, zoom })
     }
 
     pub(super) fn vessel_command(&mut self) -> Result<VesselCommand, MessageError> {
@@ -76,7 +78,8 @@ impl<'a> Fields<'a> {
         let own = Address::new(self.byte()?, self.byte()?);
         let vehicle = self.system()?;
         let device = Some(self.byte()?).filter(|device| *device != 0);
-        Ok(MavlinkPeers { own, vehicle, device })
+        let camera = if self.flag()? { Some(ComponentId(self.byte()?)) } else { None };
+        Ok(MavlinkPeers { own, vehicle, device, camera })
     }
 
     fn system(&mut self) -> Result<Option<SystemId>, MessageError> {
@@ -117,10 +120,10 @@ impl<'a> Fields<'a> {
     }
 }
 
-/// Appends two rates, radians per second.
-pub(super) fn put_rates(out: &mut Vec<u8>, rates: VehicleRates) {
-    for rate in [rates.yaw, rates.pitch] {
-        out.extend_from_slice(&rate.radians_per_second().to_le_bytes());
+/// Appends the rates: radians per second, and the speed of the zoom.
+pub(super) fn put_rates(out: &mut Vec<u8>, VehicleRates { yaw, pitch, zoom }: VehicleRates) {
+    for rate in [yaw.radians_per_second(), pitch.radians_per_second(), zoom] {
+        out.extend_from_slice(&rate.to_le_bytes());
     }
 }
 
@@ -157,10 +160,12 @@ pub(super) fn put_vehicle(out: &mut Vec<u8>, vehicle: GuardedVehicle) {
     }
 }
 
-fn put_peers(out: &mut Vec<u8>, MavlinkPeers { own, vehicle, device }: MavlinkPeers) {
+fn put_peers(out: &mut Vec<u8>, MavlinkPeers { own, vehicle, device, camera }: MavlinkPeers) {
     out.extend_from_slice(&[own.system.0, own.component.0]);
     put_system(out, vehicle);
     out.push(device.unwrap_or(0));
+    out.push(u8::from(camera.is_some()));
+    out.extend(camera.map(|camera| camera.0));
 }
 
 fn put_system(out: &mut Vec<u8>, system: Option<SystemId>) {

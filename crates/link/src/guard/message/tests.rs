@@ -1,6 +1,6 @@
 //! Messages that are read as they were written, and what is no message.
 
-use barrelman_vocab::mavlink::{MavlinkPeers, SystemId};
+use barrelman_vocab::mavlink::{ComponentId, MavlinkPeers, SystemId};
 use barrelman_vocab::{AngularRate, VesselOrder};
 use barrelman_wire::mavlink::rover::RoverLink;
 use barrelman_wire::{Signing, SigningKey};
@@ -17,7 +17,7 @@ fn rate(value: f64) -> AngularRate {
 #[test]
 fn every_message_is_read_as_it_was_written() {
     let at = Timestamp::from_nanos(12_345_678_901);
-    let rates = VehicleRates { yaw: rate(-0.3), pitch: rate(0.1) };
+    let rates = VehicleRates::turning(rate(-0.3), rate(0.1)).zooming(0.2);
     let settings = Settings {
         clock_start_ns: 77,
         vehicle: GuardedVehicle::Camera {
@@ -28,7 +28,12 @@ fn every_message_is_read_as_it_was_written() {
         history: LinkHistory { may_be_turning: true, ..LinkHistory::default() },
         url: "tcp://[::1]:5000?fault=stall@3".to_owned(),
     };
-    let named = MavlinkPeers { vehicle: Some(SystemId(3)), device: Some(2), ..MavlinkPeers::DEFAULT };
+    let named = MavlinkPeers {
+        vehicle: Some(SystemId(3)),
+        device: Some(2),
+        camera: Some(ComponentId(100)),
+        ..MavlinkPeers::DEFAULT
+    };
     let signing = Some(Signing { key: SigningKey::new([7; 32]), began: 1 << 40 });
     let gimbals = [(MavlinkPeers::DEFAULT, None), (named, None), (named, signing)].map(|(peers, signing)| {
         let protocol = ByteProtocolName::MavlinkGimbal { peers, signing };

@@ -31,7 +31,7 @@ impl Configuration {
             video: self.video_section(),
             link: self.link_section(),
             vehicle: self.vehicle_section(),
-            camera: CameraSection::from_dynamics(&self.profile.camera),
+            camera: CameraSection::of(&self.profile),
             law: LawSection {
                 name: Some(self.law.law.name()),
                 mode: self.law.law.mode(),
@@ -120,6 +120,7 @@ impl Configuration {
             net_yaw_limit_rad: Some(profile.net_yaw.refuse.radians()),
             attitude_yaw_sign: profile.attitude_yaw.and_then(sign),
             gimbal_device: mavlink::device_of(profile.protocol),
+            camera: mavlink::camera_of(profile.protocol),
             gimbal_tilt: profile.gimbal_tilt.map(|tilt| section_of(&tilt)),
             speeds: profile.speeds.as_ref().map(SpeedsSection::of),
         }

@@ -7,6 +7,7 @@ use barrelman_pilot::{Advice, Mode};
 use barrelman_vocab::earth::GeoPoint;
 use barrelman_vocab::{
     Angle, AngularRate, CameraCommand, ImagePoint, Timestamp, Track, VehicleRates, VesselCommand, WaterPoint,
+    ZoomRate,
 };
 
 use super::malformed::{Malformed, missing};
@@ -53,9 +54,12 @@ impl From<&RecordedOutcome> for stored::Outcome {
             }),
             advised_pan: outcome.advice.map(|advice| advice.command.pan.radians_per_second()),
             advised_tilt: outcome.advice.map(|advice| advice.command.tilt.radians_per_second()),
+            advised_zoom: outcome.advice.map(|advice| advice.command.zoom.per_second()),
             sector: sector.map_or(stored::Sector::None, Into::into) as i32,
             pan: outcome.command.pan.radians_per_second(),
             tilt: outcome.command.tilt.radians_per_second(),
+            zoom: outcome.command.zoom.per_second(),
+            zoom_speed: outcome.rates.zoom,
             yaw_rate: outcome.rates.yaw.radians_per_second(),
             pitch_rate: outcome.rates.pitch.radians_per_second(),
             wake_at_ns: outcome.wake_at.map(Timestamp::as_nanos),
@@ -196,12 +200,14 @@ impl TryFrom<stored::Outcome> for RecordedOutcome {
             stored::Sector::None => None,
             sector => Some(sector.try_into()?),
         };
-        let advice = match (outcome.advised_pan, outcome.advised_tilt) {
-            (Some(pan), Some(tilt)) => {
-                Some(Advice { command: CameraCommand { pan: rate(pan), tilt: rate(tilt) }, sector })
+        let advice = match (outcome.advised_pan, outcome.advised_tilt, outcome.advised_zoom) {
+            (Some(pan), Some(tilt), Some(zoom)) => {
+                let zoom = ZoomRate::from_per_second(zoom);
+                Some(Advice { command: CameraCommand::turning(rate(pan), rate(tilt)).zooming(zoom), sector })
             }
             _ => None,
         };
+        let zoom = ZoomRate::from_per_second(outcome.zoom);
         Ok(Self {
             step: outcome.step,
             at: Timestamp::from_nanos(outcome.now_ns),
@@ -214,8 +220,9 @@ impl TryFrom<stored::Outcome> for RecordedOutcome {
                 direction: Angle::from_radians(percept.direction_rad),
             }),
             advice,
-            command: CameraCommand { pan: rate(outcome.pan), tilt: rate(outcome.tilt) },
-            rates: VehicleRates { yaw: rate(outcome.yaw_rate), pitch: rate(outcome.pitch_rate) },
+            command: CameraCommand::turning(rate(outcome.pan), rate(outcome.tilt)).zooming(zoom),
+            rates: VehicleRates::turning(rate(outcome.yaw_rate), rate(outcome.pitch_rate))
+                .zooming(outcome.zoom_speed),
             wake_at: outcome.wake_at_ns.map(Timestamp::from_nanos),
             track: outcome.track.ok_or_else(|| missing("track"))?.try_into()?,
             vessel: outcome.vessel.map(RecordedVessel::try_from).transpose()?.map(Box::new),

@@ -1,0 +1,110 @@
+//! The focal length of a camera with zoom: what was reported, and how the commands have changed it since.
+//!
+//! `f(t) = base(t) exp(z(t))`: z integrates the commands to zoom from their effect on, and base is what reports have made
+//! of it. While the camera zooms by command, a report corrects z a little, as reports come late; at rest a report is taken
+//! over, since somebody else has zoomed.
+
+use core::time::Duration;
+
+use barrelman_vocab::profile::AxisDynamics;
+use barrelman_vocab::{AngularRate, Timestamp, ZoomDynamics, ZoomRate};
+
+use super::axis::AxisModel;
+use super::focal_history::FocalHistory;
+
+/// Smallest relative change of the focal length that counts as a zoom: reports are rounded.
+const MIN_FOCAL_CHANGE: f64 = 0.002;
+/// Share of the error that one report corrects while the camera zooms by command.
+const REPORT_SHARE: f64 = 0.2;
+/// The camera rests where it has not zoomed for this time: reports are about half a second late.
+const SETTLED: Duration = Duration::from_secs(1);
+
+/// The focal length over time.
+#[derive(Debug, Clone)]
+pub(super) struct FocalLength {
+    base: FocalHistory,
+    /// `None`: the camera does not zoom by command.
+    zoom: Option<ZoomModel>,
+}
+
+#[derive(Debug, Clone)]
+struct ZoomModel {
+    /// z, and its rate.
+    exponent: AxisModel,
+    /// Smallest and largest focal length, as shares of the picture's width.
+    range: (f64, f64),
+}
+
+impl FocalLength {
+    /// The widest view, at rest.
+    pub(super) fn new(widest: f64, zoom: Option<ZoomDynamics>) -> Self {
+        let model = |zoom: ZoomDynamics| {
+            let dynamics = AxisDynamics {
+                start_dead_time: zoom.dead_time,
+                stop_dead_time: zoom.dead_time,
+                lag: Duration::ZERO,
+                min_rate: AngularRate::ZERO,
+                gain: 1.0,
+            };
+            let range = (widest, widest * zoom.ratio);
+            let stops = stops_of(range, widest);
+            let limit = zoom.max_rate.per_second();
+            ZoomModel { exponent: AxisModel::new(dynamics, limit, 0.0, Some(stops)), range }
+        };
+        Self { base: FocalHistory::new(widest), zoom: zoom.map(model) }
+    }
+
+    /// Advances to `now` without a new command.
+    pub(super) fn advance(&mut self, now: Timestamp) {
+        if let Some(zoom) = &mut self.zoom {
+            let until_s = now.as_secs_f64() + zoom.exponent.start_s();
+            zoom.exponent.advance(until_s);
+        }
+    }
+
+    /// Puts a rate in force from `now` on.
+    pub(super) fn command(&mut self, rate: ZoomRate, now: Timestamp) {
+        if let Some(zoom) = &mut self.zoom {
+            zoom.exponent.command(rate.per_second(), now.as_secs_f64());
+        }
+    }
+
+    /// Takes a report of the focal length, a share of the picture's width, at a time.
+    pub(super) fn report(&mut self, share: f64, at: Timestamp) {
+        let known = self.at(at);
+        if (share - known).abs() <= MIN_FOCAL_CHANGE * known {
+            return;
+        }
+        let Some(zoom) = &mut self.zoom else {
+            self.base.push(share, at);
+            return;
+        };
+        let at_s = at.as_secs_f64();
+        let exponent = zoom.exponent.at(at_s).angle;
+        let before = zoom.exponent.at(at_s - SETTLED.as_secs_f64()).angle;
+        if exponent.to_bits() == before.to_bits() {
+            let base = share / libm::exp(exponent);
+            self.base.push(base, at);
+            zoom.exponent.set_stops(stops_of(zoom.range, base));
+        } else {
+            zoom.exponent.shift(REPORT_SHARE * libm::log(share / known));
+        }
+    }
+
+    /// The focal length at a time, a share of the picture's width.
+    pub(super) fn at(&self, at: Timestamp) -> f64 {
+        let base = self.base.at(at);
+        self.zoom.as_ref().map_or(base, |zoom| base * libm::exp(zoom.exponent.at(at.as_secs_f64()).angle))
+    }
+
+    /// Whether something else than a command has changed it between two times.
+    pub(super) fn is_changed_by_another(&self, from: Timestamp, to: Timestamp) -> bool {
+        self.base.at(from).to_bits() != self.base.at(to).to_bits()
+    }
+}
+
+/// The least and the largest exponent within a range of focal lengths. A focal length that was reported outside of the range
+/// belongs to it.
+fn stops_of((least, largest): (f64, f64), base: f64) -> (f64, f64) {
+    (libm::log(least / base).min(0.0), libm::log(largest / base).max(0.0))
+}

@@ -1,0 +1,136 @@
+//! The zoom that keeps the target's size in the picture within a range.
+//!
+//! The size is the longer side of the target's box as a share of the picture's height. The zoom rests while the size is within
+//! the range. It leaves the range's ends for the middle of the range, so that each excursion is one movement:
+//!
+//! ```text
+//!              below the range, and all is well                 above the range
+//!   Closer <------------------------------------- Resting -----------------------> Wider
+//!      +---- at the middle, or not all is well ------> ^ <------ at the middle --------+
+//! ```
+//!
+//! All is well while the target is measured for a while with confidence, well within the region, by a camera that does not
+//! turn. In doubt about a target near the region's border the view widens at once.
+//!
+//! Input: what was measured of the target in a frame. Must not be here: whether the camera may move.
+
+use core::time::Duration;
+
+use barrelman_vocab::profile::SizeKeeping;
+use barrelman_vocab::{Timestamp, ZoomDynamics, ZoomRate};
+
+/// Rate at which the view becomes closer: slow, so that the target and its surroundings stay recognisable.
+const CLOSER: ZoomRate = ZoomRate::from_per_second(0.1);
+/// Rate at which the view becomes wider where the target is too large.
+const WIDER: ZoomRate = ZoomRate::from_per_second(-0.2);
+/// The view becomes closer only after the target was sure for this time.
+const SURE_FOR: Duration = Duration::from_secs(1);
+/// Least confidence of a target that is sure.
+const SURE: f64 = 0.7;
+/// Below this confidence there is doubt.
+const DOUBT: f64 = 0.5;
+/// The view begins to become closer up to this P, and goes on up to the other one: a closer view moves the target outwards.
+const CLOSER_P: (f64, f64) = (0.4, 0.7);
+/// From this P on the target is near the border of the region.
+const BORDER_P: f64 = 0.5;
+/// Time constant of the smoothed size, seconds: longer than the boat rolls, shorter than it approaches.
+const SMOOTHING_S: f64 = 0.5;
+
+/// What was measured of the target in a frame.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SizeInput {
+    /// The longer side of the target's box over the picture's height.
+    pub size: f64,
+    /// P of the target's position.
+    pub p: f64,
+    /// Whether the target was measured in this frame; otherwise its position is predicted.
+    pub is_measured: bool,
+    /// The tracker's confidence, 0 to 1.
+    pub confidence: f64,
+    /// Whether the law turns the camera.
+    pub is_turning: bool,
+    /// Focal length at the time of capture, and now, as shares of the picture's width.
+    pub focal_shares: (f64, f64),
+    /// Time of capture.
+    pub captured: Timestamp,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Movement {
+    Resting,
+    Closer,
+    Wider,
+}
+
+/// Keeps the size of one target.
+#[derive(Debug, Clone)]
+pub struct SizeKeeper {
+    range: SizeKeeping,
+    zoom: ZoomDynamics,
+    /// Focal length of the widest view, as a share of the picture's width.
+    widest_share: f64,
+    movement: Movement,
+    sure_since: Option<Timestamp>,
+    /// Logarithm of the smoothed size of the target at a focal length of 1, and when it was measured.
+    size: Option<(f64, Timestamp)>,
+}
+
+impl SizeKeeper {
+    /// A keeper of sizes within `range`, for a zoom with its widest view.
+    pub const fn new(range: SizeKeeping, zoom: ZoomDynamics, widest_share: f64) -> Self {
+        Self { range, zoom, widest_share, movement: Movement::Resting, sure_since: None, size: None }
+    }
+
+    /// Forgets the target.
+    pub fn reset_target(&mut self) {
+        (self.movement, self.sure_since, self.size) = (Movement::Resting, None, None);
+    }
+
+    /// The rate of the zoom for a frame. A target that is not localised needs none.
+    pub fn rate(&mut self, input: &SizeInput) -> ZoomRate {
+        let is_sure = input.is_measured && input.confidence >= SURE;
+        let since = self.sure_since.filter(|since| is_sure && *since <= input.captured);
+        self.sure_since = since.or_else(|| is_sure.then_some(input.captured));
+        let is_in_doubt = !input.is_measured || input.confidence < DOUBT;
+        if is_in_doubt && input.p > BORDER_P {
+            self.movement = Movement::Resting;
+            return self.wider_than(-self.zoom.max_rate, input);
+        }
+        let Some(size) = self.smoothed(input) else { return ZoomRate::ZERO };
+        let middle = libm::sqrt(self.range.smallest * self.range.largest);
+        let is_well = |largest_p: f64| is_sure && !input.is_turning && input.p <= largest_p;
+        let has_been_sure = self.sure_since.is_some_and(|since| input.captured.since(since) >= SURE_FOR);
+        self.movement = match self.movement {
+            _ if size > self.range.largest => Movement::Wider,
+            Movement::Wider if size > middle => Movement::Wider,
+            Movement::Closer if size < middle && is_well(CLOSER_P.1) => Movement::Closer,
+            _ if size < self.range.smallest && has_been_sure && is_well(CLOSER_P.0) => Movement::Closer,
+            Movement::Resting | Movement::Wider | Movement::Closer => Movement::Resting,
+        };
+        match self.movement {
+            Movement::Resting => ZoomRate::ZERO,
+            Movement::Closer if input.focal_shares.1 >= self.zoom.ratio * self.widest_share => ZoomRate::ZERO,
+            Movement::Closer => CLOSER.clamped(self.zoom.max_rate),
+            Movement::Wider => self.wider_than(WIDER.clamped(self.zoom.max_rate), input),
+        }
+    }
+
+    /// This rate, unless the view is the widest.
+    fn wider_than(&self, rate: ZoomRate, input: &SizeInput) -> ZoomRate {
+        if input.focal_shares.1 > self.widest_share { rate } else { ZoomRate::ZERO }
+    }
+
+    /// The smoothed size of the target at the present focal length; `None`: it was never measured.
+    fn smoothed(&mut self, input: &SizeInput) -> Option<f64> {
+        let (then, now) = input.focal_shares;
+        if input.is_measured && input.size > 0.0 {
+            let measured = libm::log(input.size / then);
+            let smoothed = self.size.map_or(measured, |(before, at)| {
+                let interval_s = input.captured.since(at).as_secs_f64();
+                before + (1.0 - libm::exp(-interval_s / SMOOTHING_S)) * (measured - before)
+            });
+            self.size = Some((smoothed, input.captured));
+        }
+        self.size.map(|(size, _)| now * libm::exp(size))
+    }
+}

@@ -1,0 +1,187 @@
+//! The zoom: by hand, to keep the target's size, and in a search.
+
+use core::time::Duration;
+
+use barrelman_pilot::{CommandPath, Input, Mode, Notice, Outcome, Pilot, PilotSettings, Refusal};
+use barrelman_vocab::telemetry::{LinkState, Report};
+use barrelman_vocab::{
+    CameraRequest, HoldCause, ImagePoint, Localisation, Nudge, OperatorRequest, PixelBox, StopCause,
+    Telemetry, Timestamp, Track, VehicleProfile, ZoomDynamics, ZoomRate,
+};
+
+use crate::scenes::{PICTURE, Scripted, at, seen, settings};
+
+const CENTRE: ImagePoint = ImagePoint { x: 0.0, y: 0.0 };
+
+fn zooming_pilot() -> Pilot {
+    let zoom = ZoomDynamics {
+        ratio: 8.0,
+        max_rate: ZoomRate::from_per_second(0.25),
+        dead_time: Duration::from_millis(100),
+    };
+    let profile = VehicleProfile { zoom: Some(zoom), ..VehicleProfile::fotokite_pro() };
+    Pilot::new(PilotSettings { profile, ..settings() }, Box::new(Scripted::default()))
+}
+
+fn ask(pilot: &mut Pilot, request: impl Into<OperatorRequest>, ms: u64) -> Outcome {
+    pilot.step(Input::Request(request.into()), at(ms))
+}
+
+const fn zoom_by_hand(zoom: f64) -> CameraRequest {
+    CameraRequest::Nudge(Nudge { pan: 0.0, tilt: 0.0, zoom })
+}
+
+/// A target whose box has sides of 2:1, this share of the picture's height long.
+fn sized(size: f64, point: ImagePoint, captured: Timestamp) -> Localisation {
+    let length = size * f64::from(PICTURE.height);
+    let centre = point.in_pixels(PICTURE);
+    let bounds =
+        PixelBox { u: centre.u - 0.5 * length, v: centre.v - 0.25 * length, w: length, h: 0.5 * length };
+    Localisation { bounds, ..seen(point, captured) }
+}
+
+/// Shows the pilot a target every 33 ms from one time to another.
+fn show(pilot: &mut Pilot, (from, to): (u64, u64), size: f64, point: ImagePoint) -> Outcome {
+    let step = |ms| {
+        let captured = at(ms).minus(Duration::from_millis(200));
+        pilot.step(Input::Localisation(Track::Tracking(sized(size, point, captured))), at(ms))
+    };
+    (from..to).step_by(33).map(step).last().unwrap()
+}
+
+fn rate(outcome: &Outcome) -> f64 {
+    outcome.command.zoom.per_second()
+}
+
+#[test]
+fn an_operator_zooms_by_hand_disengaged_and_engaged_as_long_as_it_is_renewed() {
+    let mut pilot = zooming_pilot();
+    show(&mut pilot, (0, 100), 0.05, CENTRE);
+    let outcome = ask(&mut pilot, zoom_by_hand(1.0), 110);
+    assert_eq!((outcome.mode, rate(&outcome)), (Mode::Nudging, 0.25), "within the limit of the vehicle");
+    assert!(ask(&mut pilot, zoom_by_hand(0.0), 150).command.is_rest());
+
+    ask(&mut pilot, CameraRequest::Engage, 200);
+    show(&mut pilot, (201, 300), 0.05, CENTRE);
+    let outcome = ask(&mut pilot, zoom_by_hand(-0.5), 310);
+    assert_eq!((outcome.mode, rate(&outcome)), (Mode::Servoing, -0.15));
+    let ends = outcome.wake_at.unwrap();
+    assert!(ends > at(310) && ends <= at(560), "{ends:?}");
+    assert_eq!(rate(&show(&mut pilot, (330, 540), 0.05, CENTRE)), -0.15);
+    assert_eq!(rate(&show(&mut pilot, (561, 600), 0.05, CENTRE)), 0.0, "not renewed");
+}
+
+#[test]
+fn a_zoom_by_hand_does_not_turn_the_camera_and_turning_by_hand_is_refused_while_it_follows() {
+    let mut pilot = zooming_pilot();
+    ask(&mut pilot, CameraRequest::Engage, 0);
+    show(&mut pilot, (1, 100), 0.05, ImagePoint { x: 250.0, y: 0.0 });
+    let before = ask(&mut pilot, zoom_by_hand(1.0), 110);
+    assert!(before.command.pan.radians_per_second() > 0.0 && rate(&before) > 0.0, "both at once");
+    let turn = CameraRequest::Nudge(Nudge { pan: -1.0, tilt: 0.0, zoom: 1.0 });
+    let outcome = ask(&mut pilot, turn, 120);
+    assert_eq!(outcome.notice, Some(Notice::RequestRefused(Refusal::Engaged)));
+    assert_eq!(outcome.command.pan, before.command.pan);
+}
+
+#[test]
+fn a_zoom_by_hand_goes_on_without_a_target_and_ends_by_a_stop_or_without_video() {
+    let mut pilot = zooming_pilot();
+    ask(&mut pilot, CameraRequest::Engage, 0);
+    show(&mut pilot, (1, 100), 0.05, CENTRE);
+    let lost = |pilot: &mut Pilot, ms: u64| {
+        let since = at(ms).minus(Duration::from_millis(200));
+        pilot.step(Input::Localisation(Track::Lost { since, confidence: 0.0 }), at(ms))
+    };
+    lost(&mut pilot, 400);
+    let outcome = ask(&mut pilot, zoom_by_hand(-1.0), 410);
+    assert_eq!((outcome.mode, rate(&outcome)), (Mode::Holding(HoldCause::TrackLost), -0.25));
+    assert!(outcome.command.pan.is_zero() && outcome.command.tilt.is_zero());
+
+    let stopped = ask(&mut pilot, OperatorRequest::Stop(StopCause::Operator), 420);
+    assert!(stopped.command.is_rest());
+    let refused = ask(&mut pilot, zoom_by_hand(-1.0), 430);
+    assert_eq!(refused.notice, Some(Notice::RequestRefused(Refusal::Stopped)));
+    assert!(refused.command.is_rest());
+    assert!(ask(&mut pilot, CameraRequest::Engage, 440).command.is_rest(), "it does not come back");
+
+    lost(&mut pilot, 500);
+    assert!(rate(&ask(&mut pilot, zoom_by_hand(1.0), 510)) > 0.0);
+    assert_eq!(rate(&ask(&mut pilot, zoom_by_hand(1.0), 790)), 0.25);
+    let silent = ask(&mut pilot, zoom_by_hand(1.0), 810);
+    assert_eq!(silent.notice, Some(Notice::RequestRefused(Refusal::NoFreshVideo)));
+    assert!(silent.command.is_rest());
+}
+
+#[test]
+fn nothing_zooms_a_camera_without_zoom_or_a_vehicle_that_takes_no_commands() {
+    let mut fixed = Pilot::new(settings(), Box::new(Scripted::default()));
+    show(&mut fixed, (0, 100), 0.05, CENTRE);
+    for request in [zoom_by_hand(1.0), CameraRequest::KeepSize { keep: true }] {
+        let outcome = ask(&mut fixed, request, 110);
+        assert_eq!(outcome.notice, Some(Notice::RequestRefused(Refusal::NoZoom)), "{request:?}");
+        assert!(outcome.command.is_rest() && outcome.zoom.is_none());
+    }
+    let mut pilot = zooming_pilot().commanding(CommandPath::Link);
+    let link = |state, ms| Input::Telemetry(Telemetry { at: at(ms), report: Report::Link(state) });
+    pilot.step(link(LinkState::Up, 0), at(0));
+    ask(&mut pilot, CameraRequest::Engage, 1);
+    show(&mut pilot, (2, 100), 0.05, CENTRE);
+    assert!(rate(&ask(&mut pilot, zoom_by_hand(1.0), 110)) > 0.0);
+    assert!(pilot.step(link(LinkState::Starting, 120), at(120)).command.is_rest());
+    let refused = ask(&mut pilot, zoom_by_hand(1.0), 130);
+    assert_eq!(refused.notice, Some(Notice::RequestRefused(Refusal::NoMotion(HoldCause::LinkDown))));
+}
+
+#[test]
+fn the_size_is_kept_while_engaged_until_the_operator_zooms() {
+    let mut pilot = zooming_pilot();
+    let on = ask(&mut pilot, CameraRequest::KeepSize { keep: true }, 0);
+    assert_eq!(on.notice, Some(Notice::KeepingSize(true)));
+    let disengaged = show(&mut pilot, (1, 2000), 0.01, CENTRE);
+    assert!(disengaged.command.is_rest(), "without a licence there is advice alone");
+    assert!(disengaged.advice.unwrap().command.zoom.per_second() > 0.0);
+    ask(&mut pilot, CameraRequest::Engage, 2000);
+    let closer = show(&mut pilot, (2001, 6000), 0.01, CENTRE);
+    assert!(rate(&closer) > 0.0 && closer.zoom.unwrap().ratio > 1.2, "{:?}", closer.zoom);
+    assert!(rate(&show(&mut pilot, (6001, 6100), 0.01, ImagePoint { x: 250.0, y: 0.0 })) <= 0.0, "it turns");
+
+    let by_hand = ask(&mut pilot, zoom_by_hand(-1.0), 6110);
+    assert_eq!(by_hand.notice, Some(Notice::KeepingSize(false)));
+    assert!(!by_hand.zoom.unwrap().keeps_size);
+    assert!(show(&mut pilot, (6400, 9000), 0.01, CENTRE).command.is_rest(), "it is not kept any more");
+}
+
+#[test]
+fn a_target_that_coasts_near_the_border_widens_the_view_within_the_licence() {
+    let mut pilot = zooming_pilot();
+    ask(&mut pilot, CameraRequest::KeepSize { keep: true }, 0);
+    ask(&mut pilot, CameraRequest::Engage, 1);
+    assert!(show(&mut pilot, (2, 6000), 0.01, CENTRE).zoom.unwrap().ratio > 1.2);
+    let near = ImagePoint { x: 170.0, y: 0.0 };
+    let coasts = |pilot: &mut Pilot, ms: u64| {
+        let captured = at(ms).minus(Duration::from_millis(200));
+        pilot.step(Input::Localisation(Track::Coasting(sized(0.01, near, captured))), at(ms))
+    };
+    assert_eq!(rate(&coasts(&mut pilot, 6010)), -0.25);
+    assert_eq!(rate(&coasts(&mut pilot, 6200)), -0.25);
+    assert!(coasts(&mut pilot, 6400).command.is_rest(), "a coasting target renews nothing");
+}
+
+#[test]
+fn a_search_widens_the_view() {
+    let mut pilot = zooming_pilot();
+    ask(&mut pilot, CameraRequest::KeepSize { keep: true }, 0);
+    ask(&mut pilot, CameraRequest::Engage, 1);
+    show(&mut pilot, (2, 6000), 0.01, CENTRE);
+    let lost = |pilot: &mut Pilot, ms: u64| {
+        pilot.step(Input::Localisation(Track::Lost { since: at(5900), confidence: 0.0 }), at(ms))
+    };
+    (6000..9200).step_by(33).for_each(|ms| drop(lost(&mut pilot, ms)));
+    ask(&mut pilot, CameraRequest::Search, 9210);
+    let searching = lost(&mut pilot, 9240);
+    assert_eq!((searching.mode, rate(&searching)), (Mode::Searching, -0.25));
+    let wide = (9270..20_000).step_by(33).map(|ms| lost(&mut pilot, ms)).last().unwrap();
+    assert_eq!((wide.mode, rate(&wide)), (Mode::Searching, 0.0));
+    assert!((wide.zoom.unwrap().ratio - 1.0).abs() < 1e-9, "{:?}", wide.zoom);
+}
