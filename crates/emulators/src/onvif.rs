@@ -21,8 +21,8 @@ use barrelman_host::fault::{FaultKind, FaultPlan};
 use barrelman_host::output::OutputFile;
 use barrelman_vocab::speed_curve::{AxisSpeeds, SpeedCurve, SpeedPoint};
 use barrelman_vocab::{AngularRate, Timestamp, VehicleProfile, VehicleRates};
-use barrelman_wire::onvif::PtzCamera;
 pub use barrelman_wire::onvif::{CameraFaults, CameraSettings};
+use barrelman_wire::onvif::{PtzCamera, SpeedShares};
 
 use crate::camera_link::CameraLink;
 use crate::digest;
@@ -100,8 +100,9 @@ impl Emulation {
 
     /// Turns as the camera's velocity is now.
     fn apply_velocity(&mut self, now: Timestamp) -> Result<()> {
-        let (pan, tilt) = self.ptz.velocity(now);
-        let rates = VehicleRates { yaw: self.speeds.pan.rate_at(pan), pitch: self.speeds.tilt.rate_at(tilt) };
+        let SpeedShares { pan, tilt, zoom } = self.ptz.velocity(now);
+        let rates =
+            VehicleRates::turning(self.speeds.pan.rate_at(pan), self.speeds.tilt.rate_at(tilt)).zooming(zoom);
         if self.camera.turn(rates) { self.log.on_rates(now, rates) } else { Ok(()) }
     }
 }

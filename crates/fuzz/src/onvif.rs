@@ -2,14 +2,13 @@
 
 use core::time::Duration;
 
-use barrelman_vocab::AngularRate;
-use barrelman_vocab::Timestamp;
 use barrelman_vocab::speed_curve::{AxisSpeeds, SpeedCurve};
+use barrelman_vocab::{AngularRate, Timestamp};
 use barrelman_wire::Session as _;
 use barrelman_wire::http::{HttpCall as _, Received, Request};
 use barrelman_wire::onvif::discovery::found;
 use barrelman_wire::onvif::{
-    Ask, Call, CameraFaults, CameraSettings, Login, OnvifSession, OnvifSettings, PtzCamera,
+    Ask, Call, CameraFaults, CameraSettings, Login, OnvifSession, OnvifSettings, PtzCamera, SpeedShares,
 };
 
 use crate::vehicle::{check_report, goes_on, rates_of};
@@ -119,8 +118,8 @@ impl Talk {
             let (status, body) = (answer.status, answer.body.into_bytes());
             self.hear(&Received::Answer { id: request.id, status, body }, now);
         }
-        let (pan, tilt) = self.camera.velocity(now);
-        assert!(pan.abs() <= 1.0 && tilt.abs() <= 1.0, "{pan} {tilt}");
+        let SpeedShares { pan, tilt, zoom } = self.camera.velocity(now);
+        assert!([pan, tilt, zoom].iter().all(|share| share.abs() <= 1.0), "{pan} {tilt} {zoom}");
     }
 
     /// Returns whether the conversation goes on.
@@ -138,7 +137,8 @@ impl Talk {
         let path = request.call.path();
         assert!(path.starts_with('/') && path.bytes().all(|byte| byte.is_ascii_graphic()), "{path}");
         if let Ask::Move { velocity, timeout, .. } = &request.call.ask {
-            assert!(velocity.pan().abs() <= 1.0 && velocity.tilt().abs() <= 1.0, "{velocity:?}");
+            let SpeedShares { pan, tilt, zoom } = velocity.shares();
+            assert!([pan, tilt, zoom].iter().all(|share| share.abs() <= 1.0), "{velocity:?}");
             assert!(*timeout <= Duration::from_secs(2), "{timeout:?}");
         }
         assert!(!self.is_closing || !request.call.ask.is_motion(), "motion after the end");

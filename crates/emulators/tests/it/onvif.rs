@@ -79,7 +79,7 @@ fn the_link_turns_the_emulated_camera_and_rests_it() {
         wait_for(&reports, |report| is_telemetry(report, &Report::Link(LinkState::Up)));
         let right = AngularRate::from_radians_per_second(0.3);
         let for_ever = Timestamp::from_nanos(u64::MAX / 2);
-        link.send(VehicleRates { yaw: right, pitch: AngularRate::ZERO }, Some(for_ever));
+        link.send(VehicleRates::turning(right, AngularRate::ZERO), Some(for_ever));
         std::thread::sleep(Duration::from_millis(500));
         assert!(link.close(), "zeros were sent");
         wait_for(&reports, |report| matches!(report, LinkReport::Stopped(RestEvidence::AtRest)));
@@ -98,7 +98,7 @@ fn a_camera_says_what_check_asks_to_the_right_login_alone() {
             Camera::reach(&settings, &onvif).map(|camera| camera.joined().clone())
         };
         let joined = reach(Some(login("right"))).unwrap();
-        assert_eq!((joined.profile.as_str(), joined.full), ("Profile_1", (1.0, 1.0)));
+        assert_eq!((joined.profile.as_str(), joined.full.zoom), ("Profile_1", Some(1.0)));
         let video = vehicle_video(&settings(&camera, Some(login("right")))).unwrap();
         let address = Some("rtsp://127.0.0.1/stream1".to_owned());
         let choices = ["Profile_1", "Profile_2"].map(str::to_owned).to_vec();

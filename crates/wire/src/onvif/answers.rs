@@ -214,6 +214,9 @@ pub struct Spaces {
     /// Those of the velocities; none: the camera cannot be turned at a speed.
     #[serde(rename = "ContinuousPanTiltVelocitySpace", default)]
     pub velocities: Vec<VelocitySpace>,
+    /// Those of the zoom's velocities; none: the camera cannot zoom at a speed.
+    #[serde(rename = "ContinuousZoomVelocitySpace", default)]
+    pub zoom_velocities: Vec<ZoomVelocitySpace>,
 }
 
 /// A range of velocities.
@@ -225,6 +228,14 @@ pub struct VelocitySpace {
     /// Tilt.
     #[serde(rename = "YRange")]
     pub tilt: Range,
+}
+
+/// A range of the zoom's velocities.
+#[derive(Debug, Deserialize)]
+pub struct ZoomVelocitySpace {
+    /// The range.
+    #[serde(rename = "XRange")]
+    pub zoom: Range,
 }
 
 /// A range.

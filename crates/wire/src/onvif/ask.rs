@@ -5,7 +5,7 @@ use core::time::Duration;
 
 use quick_xml::escape::escape;
 
-use super::velocity::Velocity;
+use super::velocity::{FullSpeeds, Velocity};
 use crate::http::Lane;
 use crate::http::motion::Speeds as _;
 
@@ -93,8 +93,8 @@ pub enum Ask {
         profile: String,
         /// The velocity, -1 to 1 of the camera's range.
         velocity: Velocity,
-        /// The largest pan and tilt of the camera's range, mostly 1.
-        full: (f64, f64),
+        /// The ends of the camera's ranges.
+        full: FullSpeeds,
         /// When the camera ends the motion by itself.
         timeout: Duration,
     },
@@ -159,16 +159,20 @@ impl Ask {
                 "Stop",
                 element("ProfileToken", profile) + &element("PanTilt", "true") + &element("Zoom", "true"),
             ),
-            Self::Move { profile, velocity, full: (pan, tilt), timeout } => (
-                "ContinuousMove",
-                format!(
-                    "{}<q:Velocity><t:PanTilt x=\"{}\" y=\"{}\"/></q:Velocity>{}",
+            Self::Move { profile, velocity, full, timeout } => {
+                let shares = velocity.shares();
+                let zoom = full
+                    .zoom
+                    .map_or_else(String::new, |full| format!("<t:Zoom x=\"{}\"/>", shares.zoom * full));
+                let content = format!(
+                    "{}<q:Velocity><t:PanTilt x=\"{}\" y=\"{}\"/>{zoom}</q:Velocity>{}",
                     element("ProfileToken", profile),
-                    velocity.pan() * pan,
-                    velocity.tilt() * tilt,
+                    shares.pan * full.pan,
+                    shares.tilt * full.tilt,
                     element("Timeout", &format!("PT{}S", timeout.as_millis() as f64 / 1e3)),
-                ),
-            ),
+                );
+                ("ContinuousMove", content)
+            }
         };
         let namespace = self.service().namespace();
         format!("<q:{name} xmlns:q=\"{namespace}\" xmlns:t=\"{SCHEMA}\">{content}</q:{name}>")

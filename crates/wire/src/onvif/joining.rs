@@ -13,6 +13,7 @@ use super::ask::{Ask, MOVE_TIMEOUT, Media, Service};
 use super::camera_time::CameraTime;
 use super::refusal::Refusal;
 use super::soap;
+use super::velocity::FullSpeeds;
 
 /// The path of the device's service, which the standard states.
 const DEVICE_PATH: &str = "/onvif/device_service";
@@ -120,8 +121,8 @@ pub struct Joined {
     pub profile: String,
     /// All that move, in the camera's order.
     pub moving: Vec<String>,
-    /// The largest pan and tilt of its range.
-    pub full: (f64, f64),
+    /// The ends of its ranges.
+    pub full: FullSpeeds,
     /// When it ends a motion by itself.
     pub timeout: Duration,
 }
@@ -289,10 +290,9 @@ fn path_of(address: &str) -> String {
 }
 
 /// The limits of the motion, of an answer or of one that the camera does not know.
-fn limits_of(refused: Option<Refusal>, body: &[u8]) -> Result<((f64, f64), Duration), JoiningError> {
+fn limits_of(refused: Option<Refusal>, body: &[u8]) -> Result<(FullSpeeds, Duration), JoiningError> {
     match refused {
-        // The range of -1 to 1 is the one that every camera must know.
-        Some(refusal) if refusal.is_unknown => Ok(((1.0, 1.0), MOVE_TIMEOUT)),
+        Some(refusal) if refusal.is_unknown => Ok((FullSpeeds::GENERIC, MOVE_TIMEOUT)),
         refused => {
             let found: MoveOptionsBody = answer("GetConfigurationOptions", refused, body)?;
             limits(&found.answer.options)
@@ -300,8 +300,8 @@ fn limits_of(refused: Option<Refusal>, body: &[u8]) -> Result<((f64, f64), Durat
     }
 }
 
-/// The largest pan and tilt, and the time-out nearest to [`MOVE_TIMEOUT`] that the camera takes.
-fn limits(options: &MoveOptions) -> Result<((f64, f64), Duration), JoiningError> {
+/// The ends of the ranges, and the time-out nearest to [`MOVE_TIMEOUT`] that the camera takes.
+fn limits(options: &MoveOptions) -> Result<(FullSpeeds, Duration), JoiningError> {
     let space = options.spaces.velocities.first().ok_or(JoiningError::NoVelocity)?;
     let is_usable = |max: f64| (1e-3..=1e3).contains(&max);
     if !is_usable(space.pan.max) || !is_usable(space.tilt.max) {
@@ -316,5 +316,8 @@ fn limits(options: &MoveOptions) -> Result<((f64, f64), Duration), JoiningError>
     if least > LATEST_TIMEOUT {
         return Err(JoiningError::LateTimeout(least));
     }
-    Ok(((space.pan.max, space.tilt.max), MOVE_TIMEOUT.min(largest).max(least)))
+    let zoom =
+        options.spaces.zoom_velocities.first().map(|space| space.zoom.max).filter(|max| is_usable(*max));
+    let full = FullSpeeds { pan: space.pan.max, tilt: space.tilt.max, zoom };
+    Ok((full, MOVE_TIMEOUT.min(largest).max(least)))
 }

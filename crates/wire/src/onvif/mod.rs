@@ -27,4 +27,4 @@ pub use login::Login;
 pub use ptz_camera::{CameraFaults, CameraSettings, PtzCamera};
 
 pub use session::{OnvifSession, OnvifSettings};
-pub use velocity::Velocity;
+pub use velocity::{FullSpeeds, SpeedShares, Velocity};

@@ -7,6 +7,7 @@ use barrelman_vocab::Timestamp;
 use jiff::Timestamp as UtcTime;
 
 use super::login::Login;
+use super::velocity::{FullSpeeds, SpeedShares};
 pub use answer::Answer;
 use requests::{Asked, Message, Security};
 
@@ -31,8 +32,8 @@ pub struct CameraSettings {
     pub video: String,
     /// The range of the time-outs that it takes.
     pub timeouts: (Duration, Duration),
-    /// The largest pan and tilt of its range.
-    pub full: (f64, f64),
+    /// The ends of its ranges.
+    pub full: FullSpeeds,
     /// Whether it tells its position. Many cameras do not.
     pub tells_position: bool,
     /// Whether it knows GetServices. Old cameras know GetCapabilities alone.
@@ -49,7 +50,7 @@ impl CameraSettings {
             base: "http://127.0.0.1".to_owned(),
             video: "rtsp://127.0.0.1/stream1".to_owned(),
             timeouts: (Duration::from_millis(100), Duration::from_secs(60)),
-            full: (1.0, 1.0),
+            full: FullSpeeds { zoom: Some(1.0), ..FullSpeeds::GENERIC },
             tells_position: true,
             knows_services: true,
             clock: UtcTime::UNIX_EPOCH,
@@ -72,10 +73,10 @@ pub struct CameraFaults {
     pub clock_ahead_s: i64,
 }
 
-/// A motion, in shares of the largest speeds.
+/// A motion.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Moving {
-    velocity: (f64, f64),
+    velocity: SpeedShares,
     until: Timestamp,
 }
 
@@ -117,10 +118,10 @@ impl PtzCamera {
         self.moving = None;
     }
 
-    /// Pan and tilt in shares of the largest speeds, as it moves now.
-    pub fn velocity(&self, now: Timestamp) -> (f64, f64) {
+    /// The speeds at which it moves now.
+    pub fn velocity(&self, now: Timestamp) -> SpeedShares {
         let is_over = |moving: &Moving| !self.faults.ignores_timeouts && now >= moving.until;
-        self.moving.filter(|moving| !is_over(moving)).map_or((0.0, 0.0), |moving| moving.velocity)
+        self.moving.filter(|moving| !is_over(moving)).map_or(SpeedShares::default(), |moving| moving.velocity)
     }
 
     /// How many messages were refused as unusable or unknown.
@@ -201,7 +202,7 @@ impl PtzCamera {
             }
             Asked::Status { profile } => {
                 known_profile(profile)?;
-                let is_moving = self.velocity(now) != (0.0, 0.0);
+                let is_moving = self.velocity(now) != SpeedShares::default();
                 replies::status(tells_position.then_some(position), is_moving, self.clock(now))
             }
             Asked::Move { profile, velocity, timeout } => {
@@ -229,13 +230,14 @@ impl PtzCamera {
 
     fn start_moving(
         &mut self,
-        (pan, tilt): (f64, f64),
+        SpeedShares { pan, tilt, zoom }: SpeedShares,
         timeout: Option<Duration>,
         now: Timestamp,
     ) -> Result<(), Answer> {
         let CameraSettings { full, timeouts: (least, most), .. } = self.settings;
         let is_within = |value: f64, full: f64| value.abs() <= full * (1.0 + 1e-9);
-        if !is_within(pan, full.0) || !is_within(tilt, full.1) {
+        let zoom_full = full.zoom.unwrap_or(0.0);
+        if !(is_within(pan, full.pan) && is_within(tilt, full.tilt) && is_within(zoom, zoom_full)) {
             let codes = ["s:Sender", "ter:InvalidArgVal", "ter:InvalidVelocity"];
             return Err(replies::fault(400, &codes, "the velocity is outside of its range"));
         }
@@ -245,8 +247,9 @@ impl PtzCamera {
             let codes = ["s:Sender", "ter:InvalidArgVal", "ter:TimeoutNotSupported"];
             return Err(replies::fault(400, &codes, "the time-out is outside of its range"));
         }
-        let velocity = (pan / full.0, tilt / full.1);
-        if velocity == (0.0, 0.0) {
+        let zoom = full.zoom.map_or(0.0, |full| zoom / full);
+        let velocity = SpeedShares { pan: pan / full.pan, tilt: tilt / full.tilt, zoom };
+        if velocity == SpeedShares::default() {
             if !self.faults.ignores_zeros {
                 self.moving = None;
             }

@@ -7,7 +7,7 @@ use barrelman_vocab::speed_curve::{AxisSpeeds, SpeedCurve};
 use barrelman_vocab::telemetry::Report;
 use barrelman_vocab::{AngularRate, Timestamp, VehicleRates};
 use barrelman_wire::http::{HttpCall as _, Lane, Received, Request};
-use barrelman_wire::onvif::{Ask, Call, CameraSettings, OnvifSession, OnvifSettings, PtzCamera};
+use barrelman_wire::onvif::{Ask, Call, CameraSettings, OnvifSession, OnvifSettings, PtzCamera, SpeedShares};
 use barrelman_wire::{NextAction, Session as _};
 
 use crate::sigma_conversation::{MS, at};
@@ -21,7 +21,7 @@ pub(crate) fn speeds() -> AxisSpeeds {
 
 pub(crate) fn rates(yaw: f64, pitch: f64) -> VehicleRates {
     let rate = AngularRate::from_radians_per_second;
-    VehicleRates { yaw: rate(yaw), pitch: rate(pitch) }
+    VehicleRates::turning(rate(yaw), rate(pitch))
 }
 
 /// A session and a camera.
@@ -47,7 +47,7 @@ pub(crate) struct OnvifConversation {
 impl Talk for OnvifConversation {
     fn step(&mut self) {
         self.now = self.now.plus(MS);
-        let (pan, tilt) = self.camera.velocity(self.now);
+        let SpeedShares { pan, tilt, .. } = self.camera.velocity(self.now);
         // At 1 rad/s, half a turn takes pi seconds.
         self.position.0 += pan * 1e-3 / std::f64::consts::PI;
         self.position.1 += tilt * 1e-3 / std::f64::consts::FRAC_PI_2;
@@ -112,7 +112,7 @@ impl OnvifConversation {
     }
 
     pub(crate) fn is_turning(&self) -> bool {
-        self.camera.velocity(self.now) != (0.0, 0.0)
+        self.camera.velocity(self.now) != SpeedShares::default()
     }
 
     pub(crate) fn receive(&mut self, received: &Received) {

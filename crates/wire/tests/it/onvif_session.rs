@@ -7,7 +7,8 @@ use barrelman_vocab::acceptance::Acceptance;
 use barrelman_vocab::telemetry::LinkState;
 use barrelman_wire::http::Received;
 use barrelman_wire::onvif::{
-    Ask, CameraFaults, CameraSettings, Login, OnvifSession, OnvifSettings, PtzCamera, soap,
+    Ask, CameraFaults, CameraSettings, FullSpeeds, Login, OnvifSession, OnvifSettings, PtzCamera,
+    SpeedShares, soap,
 };
 use barrelman_wire::{NextAction, RestEvidence, Session as _};
 use proptest::prelude::*;
@@ -39,7 +40,7 @@ fn the_first_command_is_a_stop_and_the_time_is_asked_for_first() {
     talk.run_for(600);
     assert_eq!(talk.sent[0].1, Ask::DateAndTime);
     assert!(matches!(talk.commands_since(at(0))[0], Ask::Stop { .. }));
-    assert_eq!(talk.camera.velocity(talk.now), (0.3, 0.0));
+    assert_eq!(talk.camera.velocity(talk.now), SpeedShares::turning(0.3, 0.0));
     assert_eq!(talk.camera.refusals(), 0);
 }
 
@@ -52,7 +53,7 @@ fn a_motion_is_renewed_without_a_gap_and_ends_with_zeros_of_both_kinds() {
         talk.run_for(1);
         assert!(talk.is_turning(), "{:?}", talk.now);
     }
-    assert_eq!(talk.camera.velocity(talk.now), (0.3, -0.2));
+    assert_eq!(talk.camera.velocity(talk.now), SpeedShares::turning(0.3, -0.2));
     let since = talk.now;
     talk.session.request(VehicleRates::REST, None);
     assert_eq!(talk.run_until(50, |talk| !talk.is_turning()), Some(5));
@@ -65,11 +66,46 @@ fn a_motion_is_renewed_without_a_gap_and_ends_with_zeros_of_both_kinds() {
 }
 
 #[test]
+fn the_zoom_moves_in_shares_of_its_full_speed_and_ends_with_the_other_axes() {
+    let mut talk = OnvifConversation::up(camera());
+    let zooming = |speed| rates(0.3, 0.0).zooming(speed);
+    talk.session.request(zooming(-0.5), Some(at(60_000)));
+    talk.run_for(50);
+    assert_eq!(talk.camera.velocity(talk.now), SpeedShares { pan: 0.3, tilt: 0.0, zoom: -0.5 });
+    talk.session.request(zooming(9.0), Some(at(60_000)));
+    talk.run_for(50);
+    assert_eq!(talk.camera.velocity(talk.now).zoom, 1.0);
+    talk.session.request(rates(0.3, 0.0), Some(at(60_000)));
+    talk.run_for(50);
+    assert_eq!(talk.camera.velocity(talk.now), SpeedShares::turning(0.3, 0.0));
+    talk.session.request(zooming(0.1), Some(at(60_000)));
+    talk.run_for(50);
+    talk.session.request(VehicleRates::REST, None);
+    talk.run_for(50);
+    assert_eq!((talk.camera.velocity(talk.now), talk.camera.refusals()), (SpeedShares::default(), 0));
+}
+
+#[test]
+fn a_camera_that_states_no_zoom_is_not_sent_any() {
+    let full = FullSpeeds { pan: 1.0, tilt: 1.0, zoom: None };
+    let mut talk = OnvifConversation::up(CameraSettings { full, ..camera() });
+    talk.session.request(rates(0.3, 0.0).zooming(1.0), Some(at(60_000)));
+    talk.run_for(50);
+    assert_eq!((talk.camera.velocity(talk.now), talk.camera.refusals()), (SpeedShares::turning(0.3, 0.0), 0));
+}
+
+#[test]
 fn a_range_of_another_size_is_kept_to() {
-    let mut talk = OnvifConversation::up(CameraSettings { full: (8.0, 0.5), ..camera() });
+    let mut talk = OnvifConversation::up(CameraSettings {
+        full: FullSpeeds { pan: 8.0, tilt: 0.5, zoom: None },
+        ..camera()
+    });
     talk.session.request(rates(1.0, -0.5), Some(at(60_000)));
     talk.run_for(100);
-    assert_eq!((talk.camera.velocity(talk.now), talk.camera.refusals()), ((1.0, -0.5), 0));
+    assert_eq!(
+        (talk.camera.velocity(talk.now), talk.camera.refusals()),
+        (SpeedShares::turning(1.0, -0.5), 0)
+    );
 }
 
 #[test]

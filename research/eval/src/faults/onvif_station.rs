@@ -2,7 +2,7 @@
 
 use barrelman_vocab::{Timestamp, VehicleRates};
 use barrelman_wire::http::Received;
-use barrelman_wire::onvif::{CameraFaults, CameraSettings, Login, PtzCamera};
+use barrelman_wire::onvif::{CameraFaults, CameraSettings, Login, PtzCamera, SpeedShares};
 
 use super::fault::{self, Fault, FaultKind};
 use super::http_network::{ReceivedRequest, write_received};
@@ -87,9 +87,9 @@ impl Station for OnvifStation {
             let answer = Received::Answer { id: request.id, status, body: body.into_bytes() };
             line.send_down(write_received(&answer), at_ms);
         }
-        let (pan, tilt) = self.camera.velocity(now);
+        let SpeedShares { pan, tilt, zoom } = self.camera.velocity(now);
         let speeds = onvif_speeds();
-        self.rates = VehicleRates { yaw: speeds.pan.rate_at(pan), pitch: speeds.tilt.rate_at(tilt) };
+        self.rates = VehicleRates::turning(speeds.pan.rate_at(pan), speeds.tilt.rate_at(tilt)).zooming(zoom);
         self.view.0 += self.rates.yaw.radians_per_second() * TICK_S;
         self.view.1 += self.rates.pitch.radians_per_second() * TICK_S;
     }

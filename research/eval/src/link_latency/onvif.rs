@@ -30,7 +30,7 @@ struct Emulated {
 impl Answers for Emulated {
     fn answer(&mut self, request: &Request) -> Answered {
         let answer = self.camera.answer(&request.body, (0.0, 0.0), false, self.clock.now());
-        let (pan, _) = self.camera.velocity(self.clock.now());
+        let pan = self.camera.velocity(self.clock.now()).pan;
         let yaw = onvif_speeds().pan.rate_at(pan).radians_per_second();
         let is_command = String::from_utf8_lossy(&request.body).contains("ContinuousMove");
         Answered { status: answer.status, body: answer.body, yaw: is_command.then_some(yaw) }

@@ -8,8 +8,10 @@ use quick_xml::escape::escape;
 
 use super::answer::Answer;
 use crate::onvif::ask::{Media, Service};
+use crate::onvif::velocity::FullSpeeds;
 
 const GENERIC: &str = "http://www.onvif.org/ver10/tptz/PanTiltSpaces";
+const ZOOM: &str = "http://www.onvif.org/ver10/tptz/ZoomSpaces";
 
 fn answer(status: u16, body: &str) -> Answer {
     let body = format!(
@@ -138,20 +140,27 @@ pub(super) fn stream_uri(video: &str) -> Answer {
 }
 
 /// The limits of the motion.
-pub(super) fn move_options(full: (f64, f64), (least, most): (Duration, Duration)) -> Answer {
+pub(super) fn move_options(full: FullSpeeds, (least, most): (Duration, Duration)) -> Answer {
     let range = |name: &str, max: f64| {
         format!("<tt:{name}><tt:Min>{}</tt:Min><tt:Max>{max}</tt:Max></tt:{name}>", -max)
     };
+    let zoom = full.zoom.map_or_else(String::new, |full| {
+        format!(
+            "<tt:ContinuousZoomVelocitySpace><tt:URI>{ZOOM}/VelocityGenericSpace</tt:URI>{}\
+             </tt:ContinuousZoomVelocitySpace>",
+            range("XRange", full)
+        )
+    });
     answer(
         200,
         &format!(
             "<tptz:GetConfigurationOptionsResponse><tptz:PTZConfigurationOptions><tt:Spaces>\
              <tt:ContinuousPanTiltVelocitySpace><tt:URI>{GENERIC}/VelocityGenericSpace</tt:URI>{}{}\
-             </tt:ContinuousPanTiltVelocitySpace></tt:Spaces>\
+             </tt:ContinuousPanTiltVelocitySpace>{zoom}</tt:Spaces>\
              <tt:PTZTimeout><tt:Min>PT{}S</tt:Min><tt:Max>PT{}S</tt:Max></tt:PTZTimeout>\
              </tptz:PTZConfigurationOptions></tptz:GetConfigurationOptionsResponse>",
-            range("XRange", full.0),
-            range("YRange", full.1),
+            range("XRange", full.pan),
+            range("YRange", full.tilt),
             least.as_secs_f64(),
             most.as_secs_f64(),
         ),

@@ -7,6 +7,7 @@ use base64::engine::general_purpose::STANDARD;
 use serde::Deserialize;
 
 use crate::onvif::login::PASSWORD_DIGEST;
+use crate::onvif::velocity::SpeedShares;
 
 /// A message.
 pub(super) struct Message {
@@ -31,7 +32,7 @@ pub(super) enum Asked {
     StreamUri { profile: String },
     MoveOptions { configuration: String },
     Status { profile: String },
-    Move { profile: String, velocity: (f64, f64), timeout: Option<Duration> },
+    Move { profile: String, velocity: SpeedShares, timeout: Option<Duration> },
     Stop { profile: String },
     Other,
 }
@@ -62,7 +63,9 @@ fn asked(request: Request) -> Option<Asked> {
         Request::GetStatus { profile } => Asked::Status { profile },
         Request::Stop { profile } => Asked::Stop { profile },
         Request::ContinuousMove { profile, velocity, timeout } => {
-            let velocity = velocity.pan_tilt.map_or((0.0, 0.0), |vector| (vector.x, vector.y));
+            let turn = velocity.pan_tilt.map_or((0.0, 0.0), |vector| (vector.x, vector.y));
+            let velocity =
+                SpeedShares { pan: turn.0, tilt: turn.1, zoom: velocity.zoom.map_or(0.0, |scalar| scalar.x) };
             let duration = |text: String| -> Option<Duration> {
                 text.trim().parse::<jiff::SignedDuration>().ok()?.try_into().ok()
             };
@@ -166,6 +169,14 @@ enum Request {
 struct Velocity {
     #[serde(rename = "PanTilt")]
     pan_tilt: Option<Vector>,
+    #[serde(rename = "Zoom")]
+    zoom: Option<Scalar>,
+}
+
+#[derive(Deserialize)]
+struct Scalar {
+    #[serde(rename = "@x")]
+    x: f64,
 }
 
 #[derive(Deserialize)]
