@@ -2,7 +2,7 @@
 
 use core::time::Duration;
 
-use barrelman_vocab::Timestamp;
+use barrelman_vocab::{Timestamp, ZoomRate};
 use barrelman_wire::Session as _;
 use barrelman_wire::fotokite_sigma::call::{STOP_DURATION, TURN_DURATION};
 use barrelman_wire::fotokite_sigma::sigma::{SigmaSettings, View};
@@ -25,7 +25,7 @@ pub fn sigma(bytes: &[u8]) {
     let mut rest = bytes.iter().copied();
     let mut now = Timestamp::from_secs_f64(1.0);
     let mut talk = Talk {
-        session: FotokiteSigmaSession::open(None, now),
+        session: FotokiteSigmaSession::open(None, ZoomRate::from_per_second(0.3), now),
         vehicle: Sigma::new(SigmaSettings::example()),
         waiting: Vec::new(),
         is_closing: false,

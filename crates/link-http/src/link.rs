@@ -32,9 +32,9 @@ pub fn open_link(
     report: impl Fn(LinkReport) -> bool + Send + 'static,
 ) -> Result<LinkHandle, LinkError> {
     match settings.protocol.clone() {
-        HttpProtocol::FotokiteSigma(SigmaAccess { credential, stream }) => {
+        HttpProtocol::FotokiteSigma(SigmaAccess { credential, stream, full_zoom }) => {
             let reach = move |settings: &HttpSettings| fotokite_sigma::reach(settings, &credential);
-            let opener = move |now| Box::new(FotokiteSigmaSession::open(stream.clone(), now));
+            let opener = move |now| Box::new(FotokiteSigmaSession::open(stream.clone(), full_zoom, now));
             open(settings, reach, Arc::new(opener), faults, clock, report)
         }
         HttpProtocol::Onvif(onvif) => {

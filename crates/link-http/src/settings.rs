@@ -3,6 +3,7 @@
 use std::fmt;
 
 use barrelman_link::url::HttpAddress;
+use barrelman_vocab::ZoomRate;
 use barrelman_wire::onvif::OnvifSettings;
 use ring::digest::{SHA256, digest};
 
@@ -33,6 +34,8 @@ pub struct SigmaAccess {
     pub credential: Credential,
     /// The name of the video that is used; `None`: the main one.
     pub stream: Option<String>,
+    /// The rate of its zoom at the largest speed.
+    pub full_zoom: ZoomRate,
 }
 
 /// Whose certificates are accepted. There is no way to accept any.

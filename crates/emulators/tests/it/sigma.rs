@@ -16,7 +16,7 @@ use barrelman_link_http::{
 };
 use barrelman_vocab::acceptance::Acceptance;
 use barrelman_vocab::telemetry::{FlightState, LinkState, Report};
-use barrelman_vocab::{Angle, AngularRate, Timestamp, VehicleRates};
+use barrelman_vocab::{Angle, AngularRate, Timestamp, VehicleRates, ZoomRate};
 
 /// Nothing that is waited for takes so long.
 const PATIENCE: Duration = Duration::from_secs(20);
@@ -40,7 +40,11 @@ fn settings(sigma: &EmulatedSigma, credential: Credential) -> HttpSettings {
     HttpSettings {
         address,
         trust: Trust::WellKnown,
-        protocol: HttpProtocol::FotokiteSigma(SigmaAccess { credential, stream: None }),
+        protocol: HttpProtocol::FotokiteSigma(SigmaAccess {
+            credential,
+            stream: None,
+            full_zoom: ZoomRate::from_per_second(0.3),
+        }),
     }
 }
 
@@ -77,7 +81,7 @@ fn the_link_takes_the_control_and_turns_the_emulated_camera() {
         });
         let down = AngularRate::from_radians_per_second(0.3);
         let for_ever = Timestamp::from_nanos(u64::MAX / 2);
-        link.send(VehicleRates { yaw: AngularRate::ZERO, pitch: down }, Some(for_ever));
+        link.send(VehicleRates::turning(AngularRate::ZERO, down), Some(for_ever));
         let lowered = Angle::from_degrees(-30.0);
         wait_for(
             &reports,

@@ -5,6 +5,7 @@ use std::net::{TcpListener, TcpStream};
 use std::sync::{Mutex, mpsc};
 
 use barrelman_link::url::{Endpoint, LinkUrl};
+use barrelman_vocab::ZoomRate;
 use barrelman_wire::fotokite_sigma::Call;
 
 use tokio::time::Instant;
@@ -49,7 +50,11 @@ fn serve(does: &'static [Does]) -> (HttpSettings, mpsc::Receiver<Got>) {
         HttpSettings {
             address,
             trust: Trust::WellKnown,
-            protocol: HttpProtocol::FotokiteSigma(SigmaAccess { credential, stream: None }),
+            protocol: HttpProtocol::FotokiteSigma(SigmaAccess {
+                credential,
+                stream: None,
+                full_zoom: ZoomRate::from_per_second(0.3),
+            }),
         },
         queue,
     )

@@ -51,6 +51,13 @@ pub enum Call {
         /// From [`STOP_DURATION`] to [`TURN_DURATION`]; milliseconds are sent.
         duration: Duration,
     },
+    /// Moves the zoom to a level, and ends there.
+    Zoom {
+        /// The stream.
+        stream: StreamId,
+        /// The level, above 0; thousandths are sent.
+        level: f64,
+    },
     /// Shows this program's state on the vehicle's tablet.
     ShowStatus {
         /// The state.
@@ -113,9 +120,11 @@ impl HttpCall for Call {
             | Self::FlightState
             | Self::SystemState
             | Self::Notifications => Method::Get,
-            Self::RequestControl | Self::ReleaseControl | Self::Turn { .. } | Self::ShowStatus { .. } => {
-                Method::Post
-            }
+            Self::RequestControl
+            | Self::ReleaseControl
+            | Self::Turn { .. }
+            | Self::Zoom { .. }
+            | Self::ShowStatus { .. } => Method::Post,
         }
     }
 
@@ -126,6 +135,7 @@ impl HttpCall for Call {
             Self::Subscribe => "/v1/camera/state/subscribe",
             Self::VideoStreams => "/v1/videostreams",
             Self::VideoStreamState { stream } => return format!("/v1/videostreams/{}/state", stream.0),
+            Self::Zoom { stream, .. } => return format!("/v1/videostreams/{}/control/zoom", stream.0),
             Self::FlightState => "/v1/flight/state",
             Self::SystemState => "/v1/system/state",
             Self::Notifications => "/v1/notifications/state",
@@ -146,6 +156,7 @@ impl HttpCall for Call {
                 "tilt_speed": speeds.tilt_deg_per_s(),
                 "duration": duration.as_millis() as f64 / 1e3,
             }),
+            Self::Zoom { level, .. } => json!({ "zoom_level": (level * 1e3).round() / 1e3 }),
             Self::ShowStatus { status, text } => {
                 let status = match status {
                     SelfStatus::None => "None",

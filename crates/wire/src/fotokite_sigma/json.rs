@@ -34,6 +34,10 @@ pub struct VideoStream {
     /// `Color` or `Thermal`.
     #[serde(rename = "type")]
     pub kind: Option<String>,
+    /// Smallest level of the zoom.
+    pub zoom_min: Option<f64>,
+    /// Largest level of the zoom.
+    pub zoom_max: Option<f64>,
     /// The address of the stream without encryption.
     pub rtsp_url: Option<String>,
     /// The address of the stream with encryption.
@@ -45,6 +49,8 @@ pub struct VideoStream {
 pub struct VideoStreamState {
     /// Horizontal field of view, degrees.
     pub fov_horizontal: Option<f64>,
+    /// Level of the zoom.
+    pub zoom_level: Option<f64>,
 }
 
 /// The state of the flight.

@@ -6,6 +6,7 @@
 pub mod call;
 pub mod json;
 pub mod speeds;
+pub mod zoom;
 
 pub mod control;
 pub mod reports;

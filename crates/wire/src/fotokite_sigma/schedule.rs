@@ -67,6 +67,11 @@ impl Schedule {
         self.stream = stream;
     }
 
+    /// The stream whose field of view is read.
+    pub const fn stream(&self) -> Option<&StreamId> {
+        self.stream.as_ref()
+    }
+
     /// A message of the WebSocket was understood.
     pub fn on_message(&mut self, now: Timestamp) {
         self.last_message = Some(now);

@@ -19,7 +19,7 @@ use core::time::Duration;
 
 use barrelman_vocab::acceptance::Acceptance;
 use barrelman_vocab::telemetry::LinkState;
-use barrelman_vocab::{Named as _, Telemetry, Timestamp, VehicleRates};
+use barrelman_vocab::{Named as _, Telemetry, Timestamp, VehicleRates, ZoomRate};
 
 use super::call::{Call, STOP_DURATION, SelfStatus, TURN_DURATION};
 use super::control::Control;
@@ -27,6 +27,7 @@ use super::json;
 use super::reports::{CameraWatch, Flight};
 use super::schedule::Schedule;
 use super::speeds::Speeds;
+use super::zoom::ZoomSteps;
 use crate::http::motion::{Motion, Speeds as _, Surroundings};
 use crate::http::{CommandAnswers, Lane, Lanes, Received, Request};
 use crate::session::{NextAction, RestEvidence, Session, WillStep};
@@ -72,6 +73,7 @@ pub struct FotokiteSigmaSession {
     renew_by: Option<Timestamp>,
     control: Control,
     motion: Motion<Speeds>,
+    zoom: ZoomSteps,
     camera: CameraWatch,
     flight: Flight,
     schedule: Schedule,
@@ -82,8 +84,9 @@ pub struct FotokiteSigmaSession {
 }
 
 impl FotokiteSigmaSession {
-    /// A session that begins now. `stream`: the video whose angle of view is reported; `None`: the main one.
-    pub fn open(stream: Option<String>, now: Timestamp) -> Self {
+    /// A session that begins now. `stream`: the video whose angle of view is reported, and that zooms; `None`: the main one.
+    /// `full_zoom`: the rate of its zoom at the largest speed.
+    pub fn open(stream: Option<String>, full_zoom: ZoomRate, now: Timestamp) -> Self {
         Self {
             stream,
             state: State::Looking,
@@ -94,6 +97,7 @@ impl FotokiteSigmaSession {
             renew_by: None,
             control: Control::asked_for(now),
             motion: Motion::default(),
+            zoom: ZoomSteps::new(full_zoom),
             camera: CameraWatch::default(),
             flight: Flight::default(),
             schedule: Schedule::starting(now),
@@ -171,11 +175,20 @@ impl FotokiteSigmaSession {
             self.send(Lane::Socket, call, now, out);
         }
         if self.lanes.is_free(Lane::State) {
-            let call = self.due_status(now).or_else(|| self.schedule.due_state(now));
+            let zoom = self.due_zoom(now);
+            let call = zoom.or_else(|| self.due_status(now)).or_else(|| self.schedule.due_state(now));
             if let Some(call) = call {
                 self.send(Lane::State, call, now, out);
             }
         }
+    }
+
+    /// The next step of the zoom, if one is due.
+    fn due_zoom(&mut self, now: Timestamp) -> Option<Call> {
+        let may_zoom = self.state == State::Up && self.acceptance(now) == Acceptance::Accepted;
+        let stream = self.schedule.stream().filter(|_| may_zoom)?.clone();
+        let level = self.zoom.due(self.rates.zoom, now)?;
+        Some(Call::Zoom { stream, level })
     }
 
     /// The text for the vehicle's tablet, if it has changed.
@@ -238,7 +251,8 @@ impl FotokiteSigmaSession {
     fn wake_at(&self, now: Timestamp) -> Timestamp {
         let control = self.control.wake_at().filter(|_| self.lanes.is_free(Lane::Control));
         let motion = self.motion.wake_at().filter(|_| self.control.is_ours());
-        let times = [control, motion, self.commands.held_until(now), self.lanes.next_overdue()];
+        let zoom = self.zoom.wake_at(self.rates.zoom).filter(|_| self.lanes.is_free(Lane::State));
+        let times = [control, motion, zoom, self.commands.held_until(now), self.lanes.next_overdue()];
         let soon = times.into_iter().flatten().min().unwrap_or(Timestamp::from_nanos(u64::MAX));
         // What waits for a free lane is looked at when the lane's answer arrives.
         let states = self.schedule.wake_at(now).max(now.plus(Duration::from_millis(20)));

@@ -89,6 +89,11 @@ enum Client {
     Other,
 }
 
+/// Smallest and largest level of the zoom, and its speed: the change of the level's logarithm in a second.
+const MIN_ZOOM: f64 = 1.0;
+const MAX_ZOOM: f64 = 32.0;
+const ZOOM_PER_S: f64 = 0.3;
+
 /// A Sigma.
 #[derive(Debug, Clone)]
 pub struct Sigma {
@@ -96,6 +101,7 @@ pub struct Sigma {
     control: Option<Client>,
     wish_until: Option<Timestamp>,
     turning: Option<(VehicleRates, Timestamp)>,
+    zoom: EmulatedZoom,
     flight_state: &'static str,
     is_ready: bool,
     has_expired: bool,
@@ -111,6 +117,7 @@ impl Sigma {
             control: None,
             wish_until: None,
             turning: None,
+            zoom: EmulatedZoom { level: MIN_ZOOM, target: MIN_ZOOM, at: Timestamp::ZERO },
             flight_state: "Flying",
             is_ready: true,
             has_expired: false,
@@ -169,7 +176,8 @@ impl Sigma {
 
     /// The rates that turn the camera, in the vehicle's own signs.
     pub fn rates(&self, now: Timestamp) -> VehicleRates {
-        self.turning.filter(|(_, until)| now < *until).map_or(VehicleRates::REST, |(rates, _)| rates)
+        let turning = self.turning.filter(|(_, until)| now < *until);
+        turning.map_or(VehicleRates::REST, |(rates, _)| rates).zooming(self.zoom.speed(now))
     }
 
     /// Answers a call as it arrives from a client with this token.
@@ -212,9 +220,15 @@ impl Sigma {
             }
             ("GET", "/v1/notifications/state") => Ok(ok(json!([]))),
             ("GET", "/v1/videostreams") => Ok(ok(self.video_streams())),
-            ("GET", "/v1/videostreams/zoom/state") => Ok(ok(json!({
-                "stream_id": "zoom", "is_streaming": true, "fov_horizontal": self.settings.field_of_view_deg,
-            }))),
+            ("GET", "/v1/videostreams/zoom/state") => {
+                let level = self.zoom.level(now);
+                let half = (0.5 * self.settings.field_of_view_deg).to_radians();
+                let field_of_view = 2.0 * libm::atan(libm::tan(half) / level).to_degrees();
+                Ok(ok(json!({
+                    "stream_id": "zoom", "is_streaming": true, "fov_horizontal": field_of_view, "zoom_level": level,
+                })))
+            }
+            ("POST", "/v1/videostreams/zoom/control/zoom") => self.start_zooming(request.body, now),
             ("GET", "/v1/handoff/state") => Ok(ok(self.handoff_state())),
             ("POST", "/v1/auth/plugin/update") => {
                 let body = object(request.body)?;
@@ -288,8 +302,8 @@ impl Sigma {
 
     fn video_streams(&self) -> Value {
         json!([{
-            "stream_id": "zoom", "type": "Color", "frame_width": 1920, "frame_height": 1080, "zoom_min": 1.0,
-            "zoom_max": 32.0, "codec": "H.264", "rtsp_url": self.settings.rtsp_url,
+            "stream_id": "zoom", "type": "Color", "frame_width": 1920, "frame_height": 1080, "zoom_min": MIN_ZOOM,
+            "zoom_max": MAX_ZOOM, "codec": "H.264", "rtsp_url": self.settings.rtsp_url,
         }, {
             "stream_id": "thermal", "type": "Thermal", "frame_width": 320, "frame_height": 240, "codec": "H.264",
             "rtsp_url": self.settings.rtsp_url,
@@ -314,6 +328,17 @@ impl Sigma {
         Answer { status: 201, body: "{}".to_owned() }
     }
 
+    fn start_zooming(&mut self, body: &[u8], now: Timestamp) -> Result<Answer, Answer> {
+        if !self.is_controlled(now) {
+            return Err(error(403, "another client controls, or nobody"));
+        }
+        let level =
+            object(body)?["zoom_level"].as_f64().filter(|level| (MIN_ZOOM..=MAX_ZOOM).contains(level));
+        let target = level.ok_or_else(|| error(400, "zoom_level"))?;
+        self.zoom = EmulatedZoom { level: self.zoom.level(now), target, at: now };
+        Ok(Answer { status: 202, body: "{}".to_owned() })
+    }
+
     fn turn(&mut self, body: &[u8], now: Timestamp) -> Result<Answer, Answer> {
         if !self.is_controlled(now) {
             return Err(error(403, "another client controls, or nobody"));
@@ -328,9 +353,38 @@ impl Sigma {
         let tilt = speed(&body, "tilt_speed", tilt_speed_min, tilt_speed_max)?;
         let duration = body["duration"].as_f64().filter(|s| (0.1..=10.0).contains(s));
         let duration = duration.ok_or_else(|| error(400, "duration: 0.1 to 10 s"))?;
-        let rates = VehicleRates { yaw: pan, pitch: tilt };
+        let rates = VehicleRates::turning(pan, tilt);
         self.turning = (!rates.is_rest()).then(|| (rates, now.plus(Duration::from_secs_f64(duration))));
         Ok(Answer { status: 202, body: "{}".to_owned() })
+    }
+}
+
+/// A zoom on its way to a level.
+#[derive(Debug, Clone, Copy)]
+struct EmulatedZoom {
+    level: f64,
+    target: f64,
+    /// When it was at `level`.
+    at: Timestamp,
+}
+
+impl EmulatedZoom {
+    /// How far it still has to go, and how far it goes until then: logarithms of the level.
+    fn way(&self, now: Timestamp) -> (f64, f64) {
+        let way = libm::log(self.target / self.level);
+        let gone = ZOOM_PER_S * now.since(self.at).as_secs_f64();
+        (way, way.clamp(-gone, gone))
+    }
+
+    fn level(&self, now: Timestamp) -> f64 {
+        let (_, gone) = self.way(now);
+        self.level * libm::exp(gone)
+    }
+
+    /// -1 to 1 of its largest speed.
+    fn speed(&self, now: Timestamp) -> f64 {
+        let (way, gone) = self.way(now);
+        if (way - gone).abs() < 1e-9 { 0.0 } else { way.signum() }
     }
 }
 

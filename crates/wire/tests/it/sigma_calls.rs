@@ -25,6 +25,7 @@ fn every_call() -> Vec<Call> {
         Call::RequestControl,
         Call::ReleaseControl,
         Call::STOP,
+        Call::Zoom { stream: StreamId::new("zoom").unwrap(), level: 2.0 },
         Call::ShowStatus { status: SelfStatus::Connected, text: "" },
     ];
     for call in &calls {
@@ -32,6 +33,7 @@ fn every_call() -> Vec<Call> {
             Call::CameraInfo | Call::CameraState | Call::Subscribe | Call::VideoStreams => {}
             Call::VideoStreamState { .. } | Call::FlightState | Call::SystemState | Call::Notifications => {}
             Call::RequestControl | Call::ReleaseControl | Call::Turn { .. } | Call::ShowStatus { .. } => {}
+            Call::Zoom { .. } => {}
         }
     }
     calls
@@ -55,6 +57,7 @@ fn these_paths_are_all_that_can_be_called() {
             "Post /v1/handoff/control/request",
             "Post /v1/handoff/control/release",
             "Post /v1/camera/control/rotate_with_speed",
+            "Post /v1/videostreams/zoom/control/zoom",
             "Post /v1/auth/plugin/update",
         ]
     );
@@ -83,7 +86,7 @@ fn pan_right_and_tilt_up_become_clockwise_and_negative() {
     let profile = VehicleProfile::fotokite_sigma();
     let rate = AngularRate::from_radians_per_second(0.2);
     let sent = Speeds::within(
-        profile.to_vehicle(CameraCommand { pan: rate, tilt: rate }),
+        profile.to_vehicle(CameraCommand::turning(rate, rate)),
         &SigmaSettings::example().camera,
     );
     assert!(sent.pan_deg_per_s() > 11.0 && sent.tilt_deg_per_s() < -11.0, "{sent:?}");
@@ -92,7 +95,7 @@ fn pan_right_and_tilt_up_become_clockwise_and_negative() {
 #[test]
 fn the_least_rate_of_the_profile_is_not_below_the_vehicle_s() {
     let least = VehicleProfile::fotokite_sigma().camera.pan.min_rate;
-    let speeds = Speeds::within(VehicleRates { yaw: least, pitch: -least }, &SigmaSettings::example().camera);
+    let speeds = Speeds::within(VehicleRates::turning(least, -least), &SigmaSettings::example().camera);
     assert_eq!((speeds.pan_deg_per_s(), speeds.tilt_deg_per_s()), (2.0, -2.0));
 }
 

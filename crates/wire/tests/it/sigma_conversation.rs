@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use barrelman_vocab::acceptance::Acceptance;
 use barrelman_vocab::telemetry::Report;
-use barrelman_vocab::{AngularRate, Timestamp, VehicleRates};
+use barrelman_vocab::{AngularRate, Timestamp, VehicleRates, ZoomRate};
 use barrelman_wire::fotokite_sigma::sigma::{SigmaSettings, View};
 use barrelman_wire::fotokite_sigma::{Call, FotokiteSigmaSession, Sigma};
 use barrelman_wire::http::{Lane, Received, Request};
@@ -21,7 +21,7 @@ pub(crate) fn at(ms: u64) -> Timestamp {
 /// Rates of a vehicle, degrees per second.
 pub(crate) fn rates(yaw: f64, pitch: f64) -> VehicleRates {
     let rate = |deg: f64| AngularRate::from_radians_per_second(deg.to_radians());
-    VehicleRates { yaw: rate(yaw), pitch: rate(pitch) }
+    VehicleRates::turning(rate(yaw), rate(pitch))
 }
 
 /// A session and a Sigma.
@@ -86,7 +86,7 @@ impl Talk for Conversation {
 impl Conversation {
     pub(crate) fn new() -> Self {
         Self {
-            session: FotokiteSigmaSession::open(None, at(0)),
+            session: FotokiteSigmaSession::open(None, ZoomRate::from_per_second(0.3), at(0)),
             sigma: Sigma::new(SigmaSettings::example()),
             now: at(0),
             token: "token",

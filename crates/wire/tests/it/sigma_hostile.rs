@@ -2,6 +2,7 @@
 
 use std::time::Duration;
 
+use barrelman_vocab::ZoomRate;
 use barrelman_vocab::telemetry::Report;
 use barrelman_wire::Session as _;
 use barrelman_wire::fotokite_sigma::sigma::{Incoming, SigmaSettings, View};
@@ -56,7 +57,7 @@ proptest! {
         answers in proptest::collection::vec((prop_oneof![Just(200_u16), Just(201), Just(202), 100..600_u16], bodies()), 1..80),
         wanted in (-90.0..90.0, -90.0..90.0),
     ) {
-        let mut session = FotokiteSigmaSession::open(None, at(0));
+        let mut session = FotokiteSigmaSession::open(None, ZoomRate::from_per_second(0.3), at(0));
         session.request(rates(wanted.0, wanted.1), Some(at(600_000)));
         let (mut now, mut out) = (at(0), Vec::new());
         let mut answers = answers.into_iter();

@@ -270,3 +270,39 @@ proptest! {
         prop_assert_eq!(talk.sigma.refusals(), 0);
     }
 }
+
+#[test]
+fn a_zoom_goes_on_in_small_steps_while_it_is_wanted_and_ends_with_the_last_one() {
+    let mut talk = Conversation::up();
+    let speed = |talk: &Conversation| talk.turning().zoom;
+    talk.session.request(VehicleRates::REST.zooming(1.0), Some(at(60_000)));
+    assert!(talk.run_until(700, |talk| speed(talk) > 0.0).is_some(), "once the level was told");
+    talk.run_for(2_000);
+    let level = |talk: &Conversation| {
+        let asked = talk.sent.iter().rev().find_map(|(_, request)| match request.call {
+            Call::Zoom { level, .. } => Some(level),
+            _ => None,
+        });
+        asked.unwrap()
+    };
+    assert!((1.7..2.1).contains(&level(&talk)), "0.3 for 2 to 2.4 s: {}", level(&talk));
+    talk.session.request(VehicleRates::REST, None);
+    talk.run_for(250);
+    assert_eq!(speed(&talk), 0.0);
+    let steps = |talk: &Conversation| {
+        talk.sent.iter().filter(|(_, request)| matches!(request.call, Call::Zoom { .. })).count()
+    };
+    let sent = steps(&talk);
+    talk.run_for(3_000);
+    assert_eq!(steps(&talk), sent);
+
+    talk.session.request(rates(5.0, 0.0).zooming(-0.5), Some(at(60_000)));
+    talk.run_for(600);
+    assert!(talk.turning().yaw.radians_per_second() > 0.0 && steps(&talk) > sent, "both at once");
+    talk.sigma.other_client_takes();
+    talk.run_for(500);
+    let sent = steps(&talk);
+    talk.run_for(2_000);
+    assert_eq!((speed(&talk), steps(&talk)), (0.0, sent), "another client has the control");
+    assert_eq!(talk.sigma.refusals(), 0);
+}

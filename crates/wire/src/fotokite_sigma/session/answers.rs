@@ -56,6 +56,9 @@ impl FotokiteSigmaSession {
             Call::VideoStreams => self.on_video_streams(body),
             Call::VideoStreamState { .. } => {
                 let state: Option<json::VideoStreamState> = body.and_then(json::read);
+                if let Some(level) = state.and_then(|state| state.zoom_level) {
+                    self.zoom.on_level(level, now);
+                }
                 tell(state.as_ref().and_then(field_of_view_of), now, report);
             }
             Call::FlightState => {
@@ -76,6 +79,7 @@ impl FotokiteSigmaSession {
                     tell(self.flight.report(), now, report);
                 }
             }
+            Call::Zoom { .. } => self.zoom.on_answer(body.is_some()),
             Call::ReleaseControl | Call::ShowStatus { .. } => {}
         }
     }
@@ -95,6 +99,7 @@ impl FotokiteSigmaSession {
     fn on_video_streams(&mut self, body: Option<&[u8]>) {
         let streams: Vec<json::VideoStream> = body.and_then(json::read).unwrap_or_default();
         let main = json::main_stream(&streams, self.stream.as_deref());
+        self.zoom.set_stream(main);
         self.schedule.set_stream(main.and_then(|stream| StreamId::new(&stream.stream_id)));
     }
 
