@@ -57,6 +57,7 @@ impl EmulatedVehicle for MavlinkGimbal {
     fn advance(&mut self, pointing: Pointing, now: Timestamp, out: &mut Vec<Vec<u8>>) {
         let angles = GimbalAngles { yaw: pointing.pan, pitch: pointing.tilt };
         self.manager.set_height(pointing.height_m);
+        self.manager.set_field_of_view(pointing.field_of_view);
         self.manager.write_telemetry(angles, now, out);
     }
 

@@ -51,9 +51,11 @@ pub struct MavlinkPeers {
     pub vehicle: Option<SystemId>,
     /// The number of the gimbal device that is moved; `None`: the first that can pan and tilt. Without an effect on boats.
     pub device: Option<u8>,
+    /// The component of the vehicle whose camera zooms; `None`: nothing is told to zoom. Without an effect on boats.
+    pub camera: Option<ComponentId>,
 }
 
 impl MavlinkPeers {
     /// An onboard computer of a system of its own, and the first gimbal.
-    pub const DEFAULT: Self = Self { own: Address::new(245, 191), vehicle: None, device: None };
+    pub const DEFAULT: Self = Self { own: Address::new(245, 191), vehicle: None, device: None, camera: None };
 }

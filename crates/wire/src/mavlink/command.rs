@@ -43,6 +43,8 @@ pub enum Wanted {
     Position,
     /// ATTITUDE (30) of the vehicle.
     VehicleAttitude,
+    /// CAMERA_FOV_STATUS (271).
+    FieldOfView,
 }
 
 impl Wanted {
@@ -54,6 +56,7 @@ impl Wanted {
             Self::Attitude => 285,
             Self::Position => 33,
             Self::VehicleAttitude => 30,
+            Self::FieldOfView => 271,
         }
     }
 }
@@ -83,6 +86,13 @@ pub enum Command {
     Claim(Gimbal),
     /// MAV_CMD_DO_GIMBAL_MANAGER_CONFIGURE (1001) with -3: gives the control back.
     Release(Gimbal),
+    /// MAV_CMD_SET_CAMERA_ZOOM (531), continuous.
+    Zoom {
+        /// The camera.
+        camera: Address,
+        /// -1 to 1 of its largest speed, positive to a closer view; a speed that is no number is zero.
+        speed: f64,
+    },
     /// GIMBAL_MANAGER_SET_PITCHYAW (287): rates, clamped to the protocol's limits; roll and pitch stay against the horizon.
     Rates(Gimbal, VehicleRates),
 }
@@ -105,6 +115,11 @@ impl Command {
                 writer.write(&configure(gimbal, [system, component]))
             }
             Self::Release(gimbal) => writer.write(&configure(gimbal, [-3.0, -3.0])),
+            Self::Zoom { camera, speed } => {
+                let speed = if speed.is_nan() { 0.0 } else { speed.clamp(-1.0, 1.0) };
+                let parameters = [CONTINUOUS_ZOOM, speed as f32 + 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
+                writer.write(&command_long(camera, MavCmd::MAV_CMD_SET_CAMERA_ZOOM, parameters))
+            }
             Self::Rates(gimbal, rates) => {
                 let limits = OWN_RATE_LIMITS;
                 writer.write(&GIMBAL_MANAGER_SET_PITCHYAW_DATA {
@@ -123,6 +138,9 @@ impl Command {
         }
     }
 }
+
+/// ZOOM_TYPE_CONTINUOUS: a speed, until the next one.
+pub(super) const CONTINUOUS_ZOOM: f32 = 1.0;
 
 /// A rate within the limit; a rate that is not a number is zero.
 fn encodable(rate: AngularRate, limit: AngularRate) -> f32 {

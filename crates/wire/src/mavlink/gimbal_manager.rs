@@ -20,7 +20,7 @@ use mavlink::dialects::common::{
     MavResult,
 };
 
-use super::command::Wanted;
+use super::command::{CONTINUOUS_ZOOM, Wanted};
 use super::frame::{Frame, FrameReader, FrameWriter};
 use super::signing::Signing;
 
@@ -28,6 +28,8 @@ mod reports;
 
 /// The address of the gimbal manager.
 pub const MANAGER: Address = Address::new(1, 1);
+/// The address of the camera that zooms.
+pub const CAMERA: Address = Address::new(1, 100);
 /// Another commander: a ground station.
 pub const OTHER_COMMANDER: Address = Address::new(255, 190);
 /// The gimbal device.
@@ -81,6 +83,7 @@ pub struct GimbalManager {
     settings: GimbalManagerSettings,
     frames: FrameReader,
     writer: FrameWriter,
+    camera_writer: FrameWriter,
     booted: Timestamp,
     rates: VehicleRates,
     primary: Option<Address>,
@@ -91,6 +94,9 @@ pub struct GimbalManager {
     vehicle_attitude: Stream,
     /// Height above the place of the start, metres.
     height_m: f64,
+    /// Field of view of the camera, of a vehicle whose camera zooms.
+    field_of_view: Option<Angle>,
+    field_of_view_stream: Stream,
     claims_lost: u32,
 }
 
@@ -117,6 +123,7 @@ impl GimbalManager {
             settings,
             frames: FrameReader::new(settings.signing),
             writer: FrameWriter::new(MANAGER, settings.signing),
+            camera_writer: FrameWriter::new(CAMERA, settings.signing),
             booted: now,
             rates: VehicleRates::REST,
             primary: None,
@@ -125,6 +132,8 @@ impl GimbalManager {
             position: stream(None),
             vehicle_attitude: stream(None),
             height_m: 0.0,
+            field_of_view: None,
+            field_of_view_stream: stream(None),
             status: stream((settings.habits == Habits::Px4).then_some(PX4_STATUS_INTERVAL)),
             claims_lost: 0,
         }
@@ -133,6 +142,11 @@ impl GimbalManager {
     /// The vehicle is this high above the place of its start, metres.
     pub const fn set_height(&mut self, height_m: f64) {
         self.height_m = height_m;
+    }
+
+    /// The camera has this horizontal field of view.
+    pub const fn set_field_of_view(&mut self, field_of_view: Option<Angle>) {
+        self.field_of_view = field_of_view;
     }
 
     /// Changes how the manager answers from now on.
@@ -216,8 +230,9 @@ impl GimbalManager {
         self.rates = if message.flags.intersects(holds) {
             VehicleRates::REST
         } else {
-            VehicleRates { yaw: rate(message.yaw_rate), pitch: rate(message.pitch_rate) }
-        };
+            VehicleRates::turning(rate(message.yaw_rate), rate(message.pitch_rate))
+        }
+        .zooming(self.rates.zoom);
     }
 
     /// Carries a command out; `None`: it is not answered.
@@ -262,8 +277,19 @@ impl GimbalManager {
                 self.vehicle_attitude = stream_of(command.param2, now);
                 MavResult::MAV_RESULT_ACCEPTED
             }
+            MavCmd::MAV_CMD_SET_MESSAGE_INTERVAL if wanted(Wanted::FieldOfView) => {
+                self.field_of_view_stream = stream_of(command.param2, now);
+                MavResult::MAV_RESULT_ACCEPTED
+            }
             MavCmd::MAV_CMD_REQUEST_MESSAGE | MavCmd::MAV_CMD_SET_MESSAGE_INTERVAL => {
                 MavResult::MAV_RESULT_FAILED
+            }
+            MavCmd::MAV_CMD_SET_CAMERA_ZOOM
+                if command.param1 == CONTINUOUS_ZOOM && command.param2.is_finite() =>
+            {
+                // The speed is kept until the next one.
+                self.rates.zoom = f64::from(command.param2.clamp(-1.0, 1.0));
+                MavResult::MAV_RESULT_ACCEPTED
             }
             MavCmd::MAV_CMD_DO_GIMBAL_MANAGER_CONFIGURE => return self.on_configure(from, command, now, out),
             _ => MavResult::MAV_RESULT_UNSUPPORTED,

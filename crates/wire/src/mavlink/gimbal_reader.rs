@@ -3,11 +3,13 @@
 //! The gimbal is the one that [`GimbalChoice`] takes of those that managers describe (GIMBAL_MANAGER_INFORMATION) or report
 //! (GIMBAL_MANAGER_STATUS), of the configured system where there is one. Only what its system sends counts. Numbers with a private meaning (NaN, 0/0) become options and variants here.
 
+use barrelman_vocab::Angle;
 use barrelman_vocab::mavlink::{Address, MavlinkPeers, SystemId};
 use barrelman_vocab::telemetry::{ControlState, Quaternion, Report};
 use mavlink::dialects::common::{
-    COMMAND_ACK_DATA, GIMBAL_DEVICE_ATTITUDE_STATUS_DATA, GIMBAL_MANAGER_INFORMATION_DATA,
-    GIMBAL_MANAGER_STATUS_DATA, GimbalManagerCapFlags, HEARTBEAT_DATA, MavType,
+    CAMERA_FOV_STATUS_DATA, COMMAND_ACK_DATA, GIMBAL_DEVICE_ATTITUDE_STATUS_DATA,
+    GIMBAL_MANAGER_INFORMATION_DATA, GIMBAL_MANAGER_STATUS_DATA, GimbalManagerCapFlags, HEARTBEAT_DATA,
+    MavType,
 };
 
 use super::autopilot_reports::AutopilotReports;
@@ -46,6 +48,8 @@ pub enum Received {
     Restarted,
     /// Anything else of the gimbal manager.
     Other,
+    /// The horizontal field of view of the camera that zooms.
+    FieldOfView(Angle),
     /// A report for the pilot.
     Report(Report),
     /// The autopilot's position, or its attitude, was heard.
@@ -198,9 +202,20 @@ impl Facts {
                 each(Received::Report(report));
             }
         }
+        if let Some(angle) = self.field_of_view(frame) {
+            each(Received::FieldOfView(angle));
+        }
         if self.is_manager(frame.from) {
             each(Received::Other);
         }
+    }
+
+    /// The horizontal field of view of the camera that zooms. An angle that is not known is NaN.
+    fn field_of_view(&self, frame: &Frame<'_>) -> Option<Angle> {
+        let system = self.gimbal?.manager.system;
+        let camera = Address { system, component: self.peers.camera? };
+        let told = (frame.from == camera).then(|| frame.read::<CAMERA_FOV_STATUS_DATA>()).flatten()?;
+        (0.0 < told.hfov && told.hfov < 180.0).then(|| Angle::from_degrees(f64::from(told.hfov)))
     }
 
     fn is_manager(&self, from: Address) -> bool {

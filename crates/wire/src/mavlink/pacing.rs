@@ -7,7 +7,7 @@
 
 use core::time::Duration;
 
-use barrelman_vocab::{AngularRate, Timestamp, VehicleRates};
+use barrelman_vocab::{Timestamp, VehicleRates};
 
 /// Interval between a zero and its repetition, and least interval between two messages with rates.
 pub const SPACING: Duration = Duration::from_millis(50);
@@ -64,7 +64,8 @@ impl Pacing {
     pub fn wake_at(&self) -> Timestamp {
         let Some((last, at)) = self.last else { return Timestamp::ZERO };
         if last != self.target {
-            let is_urgent = stops(last.yaw, self.target.yaw) || stops(last.pitch, self.target.pitch);
+            let is_urgent =
+                parts(last).into_iter().zip(parts(self.target)).any(|(last, target)| stops(last, target));
             return if is_urgent { Timestamp::ZERO } else { at.plus(SPACING) };
         }
         at.plus(match (self.repeats_left, last.is_rest()) {
@@ -80,7 +81,11 @@ impl Pacing {
     }
 }
 
-/// Whether an axis that turns at the rate `last` is to stop, or to turn the other way.
-fn stops(last: AngularRate, target: AngularRate) -> bool {
-    last.radians_per_second() * target.radians_per_second() < 0.0 || target.is_zero() && !last.is_zero()
+fn parts(VehicleRates { yaw, pitch, zoom }: VehicleRates) -> [f64; 3] {
+    [yaw.radians_per_second(), pitch.radians_per_second(), zoom]
+}
+
+/// Whether an axis that moves at the rate `last` is to stop, or to move the other way.
+fn stops(last: f64, target: f64) -> bool {
+    last * target < 0.0 || target == 0.0 && last != 0.0
 }

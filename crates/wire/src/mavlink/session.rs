@@ -46,13 +46,16 @@ use crate::session::{LinkHistory, NextAction, RestEvidence, Session, WillStep};
 
 pub use super::session_times::{
     ASK_AGAIN, ASK_SPACING, ASKS_FOR_INFORMATION, ATTITUDE_INTERVAL, CLAIM_GRACE, CLAIM_TIMEOUT,
-    DESCRIPTION_TIMEOUT, HAS_ZEROS_AFTER, HEARTBEAT_INTERVAL, LEAST_ATTITUDE_SPACING, MAX_CANDIDATES,
-    POSITION_INTERVAL, RELEASE_SPACING, RELEASES, SEARCH_TIMEOUT, SILENCE, STATUS_INTERVAL, STATUS_TIMEOUT,
-    VEHICLE_ATTITUDE_INTERVAL,
+    DESCRIPTION_TIMEOUT, FIELD_OF_VIEW_INTERVAL, HAS_ZEROS_AFTER, HEARTBEAT_INTERVAL, LEAST_ATTITUDE_SPACING,
+    MAX_CANDIDATES, POSITION_INTERVAL, RELEASE_SPACING, RELEASES, SEARCH_TIMEOUT, SILENCE, STATUS_INTERVAL,
+    STATUS_TIMEOUT, VEHICLE_ATTITUDE_INTERVAL,
 };
 
 mod due;
 mod events;
+mod zooming;
+
+use zooming::Zooming;
 
 const SILENT: NextAction = NextAction::Reopen { reason: "the gimbal manager does not answer any more" };
 const NO_USABLE_GIMBAL: NextAction = NextAction::Reopen { reason: "no gimbal can both pan and tilt" };
@@ -101,6 +104,9 @@ pub struct GimbalSession {
     writer: FrameWriter,
     reader: GimbalReader,
     pacing: Pacing,
+    zooming: Zooming,
+    /// The field of view of the camera that zooms.
+    field_of_view: Subscription,
     gimbal: Option<Gimbal>,
     /// Whether the gimbal manager has described its gimbal.
     has_information: bool,
@@ -146,6 +152,8 @@ impl GimbalSession {
             writer: FrameWriter::new(peers.own, signing),
             reader: GimbalReader::new(peers, signing),
             pacing: Pacing::default(),
+            zooming: Zooming::new(peers.camera),
+            field_of_view: Subscription::new(Wanted::FieldOfView.id(), FIELD_OF_VIEW_INTERVAL),
             gimbal: None,
             has_information: false,
             holder: None,
@@ -185,6 +193,7 @@ impl GimbalSession {
 
     fn begin_up(&mut self) {
         self.pacing.begin_with_zeros();
+        self.zooming.begin_with_zeros();
         (self.is_operator_asked, self.needs_answer) = (false, false);
         self.state = State::Up;
     }
@@ -321,6 +330,9 @@ impl Session for GimbalSession {
                 let packet = Command::Rates(*target, VehicleRates::REST).encode(&mut writer);
                 will.push(WillStep { packet, pause });
             }
+            let system = self.target().manager.system;
+            let zero = self.zooming.zero(system).map(|zero| zero.encode(&mut writer));
+            will.extend(zero.map(|packet| WillStep { packet, pause: Duration::ZERO }));
         }
         will
     }

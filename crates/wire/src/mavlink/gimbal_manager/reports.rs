@@ -3,9 +3,10 @@
 use barrelman_vocab::Timestamp;
 use barrelman_vocab::mavlink::Address;
 use mavlink::dialects::common::{
-    ATTITUDE_DATA, GIMBAL_DEVICE_ATTITUDE_STATUS_DATA, GIMBAL_MANAGER_INFORMATION_DATA,
-    GIMBAL_MANAGER_STATUS_DATA, GLOBAL_POSITION_INT_DATA, GimbalDeviceErrorFlags, GimbalDeviceFlags,
-    GimbalManagerCapFlags, GimbalManagerFlags, HEARTBEAT_DATA, MavAutopilot, MavModeFlag, MavState, MavType,
+    ATTITUDE_DATA, CAMERA_FOV_STATUS_DATA, GIMBAL_DEVICE_ATTITUDE_STATUS_DATA,
+    GIMBAL_MANAGER_INFORMATION_DATA, GIMBAL_MANAGER_STATUS_DATA, GLOBAL_POSITION_INT_DATA,
+    GimbalDeviceErrorFlags, GimbalDeviceFlags, GimbalManagerCapFlags, GimbalManagerFlags, HEARTBEAT_DATA,
+    MavAutopilot, MavModeFlag, MavState, MavType,
 };
 
 use super::{DEVICE, GimbalAngles, GimbalManager, HEARTBEAT_INTERVAL, Habits};
@@ -82,6 +83,17 @@ impl GimbalManager {
         if self.vehicle_attitude.is_due(now) {
             let time_boot_ms = self.time_boot_ms(now);
             out.push(self.writer.write(&ATTITUDE_DATA { time_boot_ms, ..ATTITUDE_DATA::DEFAULT }));
+        }
+        if self.field_of_view_stream.is_due(now)
+            && let Some(angle) = self.field_of_view
+        {
+            self.camera_writer.set_time(now);
+            out.push(self.camera_writer.write(&CAMERA_FOV_STATUS_DATA {
+                time_boot_ms: self.time_boot_ms(now),
+                hfov: angle.degrees() as f32,
+                vfov: f32::NAN,
+                ..CAMERA_FOV_STATUS_DATA::DEFAULT
+            }));
         }
         if self.attitude.is_due(now) {
             let time_boot_ms = self.time_boot_ms(now);

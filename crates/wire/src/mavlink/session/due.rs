@@ -30,6 +30,17 @@ impl GimbalSession {
 
     fn send_zeros(&mut self, out: &mut Vec<Vec<u8>>) {
         self.send(Command::Rates(self.target(), VehicleRates::REST), out);
+        if let Some(zero) = self.zooming.zero(self.target().manager.system) {
+            self.send(zero, out);
+        }
+    }
+
+    fn send_rates(&mut self, rates: VehicleRates, out: &mut Vec<Vec<u8>>) {
+        self.send(Command::Rates(self.target(), rates), out);
+        let system = self.target().manager.system;
+        if let Some(zoom) = self.zooming.due(system, rates.zoom) {
+            self.send(zoom, out);
+        }
     }
 
     /// Appends the packets that are due now to `out`, and returns the worker's next action.
@@ -173,7 +184,7 @@ impl GimbalSession {
             if !rates.is_rest() {
                 self.moved_at = Some(now);
             }
-            self.send(Command::Rates(self.target(), rates), out);
+            self.send_rates(rates, out);
         }
         let is_missing = |last: Option<Timestamp>| last.is_none_or(|at| now.since(at) >= ASK_AGAIN);
         if self.ask_again_at <= now && (is_missing(self.last_attitude) || is_missing(self.last_status)) {
@@ -184,11 +195,14 @@ impl GimbalSession {
         NextAction::WaitUntil(self.pacing.wake_at().min(now.plus(HEARTBEAT_INTERVAL)))
     }
 
-    /// Asks for the position and the attitude of the vehicle where they do not come.
+    /// Asks for the position and the attitude of the vehicle, and the field of view, where they do not come.
     fn ask_autopilot(&mut self, now: Timestamp, out: &mut Vec<Vec<u8>>) {
         let to = Address { component: AUTOPILOT, ..self.target().manager };
         let requests = self.autopilot.each_mut().map(|subscription| subscription.due(to, now));
         out.extend(requests.iter().flatten().map(|request| self.writer.write(request)));
+        let camera = self.zooming.camera_of(self.target().manager.system);
+        let request = camera.and_then(|camera| self.field_of_view.due(camera, now));
+        out.extend(request.map(|request| self.writer.write(&request)));
     }
 
     fn end_with_zeros(

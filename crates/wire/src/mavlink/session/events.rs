@@ -1,6 +1,6 @@
 //! What received messages change in a session.
 
-use barrelman_vocab::telemetry::Quaternion;
+use barrelman_vocab::telemetry::{Quaternion, Report};
 use barrelman_vocab::{Telemetry, Timestamp};
 
 use super::{GimbalSession, HAS_ZEROS_AFTER, MAX_CANDIDATES, RELEASES, State, searching};
@@ -48,6 +48,10 @@ impl GimbalSession {
             Received::ClaimAnswered(claim) => self.on_claim_answered(claim, now),
             Received::Attitude(attitude) => self.on_attitude(attitude, now),
             Received::Restarted => self.on_restarted(now),
+            Received::FieldOfView(angle) => {
+                self.field_of_view.on_heard(now);
+                report(Telemetry { at: now, report: Report::FieldOfView(angle) });
+            }
             Received::Other => self.on_heard(now),
             Received::Report(content) => report(Telemetry { at: now, report: content }),
         }

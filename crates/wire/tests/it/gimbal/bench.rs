@@ -18,7 +18,7 @@ pub(super) fn at(ms: u64) -> Timestamp {
 
 pub(super) fn rates(yaw: f64, pitch: f64) -> VehicleRates {
     let rate = AngularRate::from_radians_per_second;
-    VehicleRates { yaw: rate(yaw), pitch: rate(pitch) }
+    VehicleRates::turning(rate(yaw), rate(pitch))
 }
 
 /// A message that the session sent, at this time in ms.

@@ -7,3 +7,4 @@ mod hostile;
 mod reader;
 mod session;
 mod signing;
+mod zooming;

@@ -1,0 +1,105 @@
+//! The zoom of a vehicle's camera, beside the rates of its gimbal.
+
+use core::time::Duration;
+
+use barrelman_vocab::mavlink::{Address, ComponentId, MavlinkPeers};
+use barrelman_vocab::telemetry::{LinkState, Report};
+use barrelman_vocab::{Angle, VehicleRates};
+use barrelman_wire::mavlink::gimbal_manager::GimbalManagerSettings;
+use barrelman_wire::{LinkHistory, NextAction, Session as _};
+
+use super::bench::{Bench, Sent, at, rates, sent};
+
+const SET_CAMERA_ZOOM: u32 = 531;
+const CAMERA: Address = Address::new(1, 100);
+
+fn peers() -> MavlinkPeers {
+    MavlinkPeers { camera: Some(ComponentId(100)), ..MavlinkPeers::DEFAULT }
+}
+
+fn up() -> Bench {
+    let mut bench = Bench::with_peers(GimbalManagerSettings::default(), peers());
+    bench.run_until("the link is up", |bench| bench.session.link_state() == LinkState::Up);
+    bench
+}
+
+/// The speeds that were sent to the camera since a time.
+fn speeds(bench: &Bench, since_ms: u64) -> Vec<f32> {
+    let speed = |(ms, sent): &(u64, Sent)| match sent {
+        Sent::Command(SET_CAMERA_ZOOM, to, kind, speed) if *ms >= since_ms => {
+            assert_eq!((*to, *kind), (CAMERA, 1.0));
+            Some(*speed)
+        }
+        _ => None,
+    };
+    bench.sent.iter().filter_map(speed).collect()
+}
+
+#[test]
+fn a_zoom_is_repeated_while_it_is_wanted_and_followed_by_three_zeros() {
+    let mut bench = up();
+    bench.run(Duration::from_millis(1_000));
+    assert_eq!(speeds(&bench, 0), [0.0; 3], "what moves the zoom at first is not known");
+    let begun = bench.now_ms;
+    bench.session.request(rates(0.1, 0.0).zooming(-0.5), None);
+    bench.run(Duration::from_millis(2_000));
+    assert_eq!(bench.manager.rates(), rates(f64::from(0.1_f32), 0.0).zooming(-0.5));
+    let sent_speeds = speeds(&bench, begun);
+    assert!(sent_speeds.len() >= 18 && sent_speeds.iter().all(|speed| *speed == -0.5), "{sent_speeds:?}");
+    let rested = bench.now_ms;
+    bench.session.request(VehicleRates::REST, None);
+    bench.run(Duration::from_millis(5));
+    assert_eq!(bench.manager.rates().zoom, 0.0, "at once");
+    bench.run(Duration::from_millis(3_000));
+    assert_eq!(speeds(&bench, rested), [0.0; 3]);
+}
+
+#[test]
+fn every_end_stops_the_zoom() {
+    let mut bench = up();
+    bench.session.request(VehicleRates::REST.zooming(1.0), None);
+    bench.run(Duration::from_millis(500));
+    assert!(bench.manager.rates().zoom == 1.0 && bench.session.may_be_turning());
+    let will = bench.session.last_will(at(bench.now_ms));
+    let zeros =
+        will.iter().filter(|step| sent(&step.packet) == Sent::Command(SET_CAMERA_ZOOM, CAMERA, 1.0, 0.0));
+    assert_eq!(zeros.count(), 3);
+    let closed = bench.now_ms;
+    bench.session.close(at(closed));
+    bench.run_until("the session has ended", |bench| bench.last == NextAction::Closed);
+    assert_eq!(bench.manager.rates(), VehicleRates::REST);
+    assert!(speeds(&bench, closed).len() >= 3);
+}
+
+#[test]
+fn what_a_session_before_has_left_is_stopped_before_the_control_is_ours() {
+    let mut bench = Bench::with_peers(GimbalManagerSettings::default(), peers());
+    bench.session.resume(LinkHistory { may_be_turning: true, ..LinkHistory::default() });
+    bench.run(Duration::from_millis(10));
+    let first = bench.sent.iter().find_map(|(_, sent)| match sent {
+        Sent::Command(SET_CAMERA_ZOOM, to, ..) => Some(*to),
+        _ => None,
+    });
+    assert_eq!(first, Some(Address::new(0, 100)), "the camera of every vehicle");
+}
+
+#[test]
+fn without_a_camera_that_zooms_nothing_is_told_to() {
+    let mut bench = Bench::up(GimbalManagerSettings::default());
+    bench.session.request(rates(0.1, 0.0).zooming(1.0), None);
+    bench.run(Duration::from_millis(1_000));
+    assert!(!bench.sent.iter().any(|(_, sent)| sent.is_command(SET_CAMERA_ZOOM)));
+}
+
+#[test]
+fn the_field_of_view_is_asked_for_and_reported() {
+    let mut bench = up();
+    bench.manager.set_field_of_view(Some(Angle::from_degrees(40.0)));
+    bench.run(Duration::from_millis(2_000));
+    let told = bench.reports.iter().filter_map(|(_, report)| match report {
+        Report::FieldOfView(angle) => Some(angle.degrees()),
+        _ => None,
+    });
+    let told: Vec<f64> = told.collect();
+    assert!(told.len() >= 4 && told.iter().all(|degrees| (degrees - 40.0).abs() < 1e-4), "{told:?}");
+}
