@@ -236,15 +236,22 @@ impl Follower {
     }
 
     /// Looks for the target elsewhere in the search window if the box of the followed candidate is
-    /// improbable. The track continues from another place if that is clearly more probable.
+    /// improbable. The track continues from another place if that is clearly more probable, and no earlier
+    /// picture shows the object there apart from the target.
     fn reconsider(&mut self, picture: &Picture, prediction: &Prediction, followed: Candidate) -> Candidate {
         if !self.views.is_doubted(followed.refined.probability) || self.phase.is_confirming() {
             return followed;
         }
         let taken = self.views.reconsider(&mut self.detector, &self.target, prediction, picture, followed);
-        if taken.observation != followed.observation {
-            self.continue_at(&taken.observation);
+        if taken.observation == followed.observation {
+            return followed;
         }
+        let bounds = taken.refined.bounds().clipped(picture.size());
+        if self.scene.was_visible_before(picture, bounds, f64::from(taken.refined.probability)) {
+            // The following stages sample crop and window of the followed candidate.
+            return self.detector.refine(&self.target, prediction, picture, followed.observation);
+        }
+        self.continue_at(&taken.observation);
         taken
     }
 
