@@ -138,7 +138,7 @@ impl Follower {
                 Phase::Tracking | Phase::Coasting { .. } => {
                     self.mark_lost(visibility != Visibility::OutOfPicture);
                 }
-                Phase::Confirming { .. } => self.learning.restore_reliable_size(&mut self.target.geometry),
+                Phase::Confirming { .. } => self.drop_candidate(),
                 Phase::Lost { .. } => {}
             }
         }
@@ -175,6 +175,8 @@ impl Follower {
         let found = self.search.run(input, prediction.position);
         self.confidence = found.confidence;
         let Some(observation) = found.observation else { return Visibility::NotVisible };
+        let geometry = &self.target.geometry;
+        self.rotation_before_candidate = (geometry.patch_angle, geometry.axis);
         self.restart_at(&observation);
         Visibility::Visible
     }

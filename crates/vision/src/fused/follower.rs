@@ -54,6 +54,8 @@ pub(super) struct Follower {
     pub(super) learning: Learning,
     pub(super) search: Search,
     pub(super) scene: KnownScene,
+    /// Rotation of the patches and the target's axis before the candidate that is being confirmed, radians.
+    pub(super) rotation_before_candidate: (f32, f32),
 }
 
 /// The result of a selection.
@@ -91,6 +93,7 @@ impl Follower {
             learning,
             search: Search::new(),
             scene: KnownScene::default(),
+            rotation_before_candidate: (0.0, 0.0),
         }
     }
 
@@ -194,6 +197,14 @@ impl Follower {
         let lost_at = LossPoint::out_of_picture(self.motion.last_capture, self.motion.position());
         self.recognition.lost_at = LossPoint { is_in_picture, ..lost_at };
         self.learning.restore_reliable_size(&mut self.target.geometry);
+    }
+
+    /// Drops a candidate that was not confirmed. The search continues with the rotation before the candidate,
+    /// and with the last reliable size.
+    pub(super) fn drop_candidate(&mut self) {
+        let geometry = &mut self.target.geometry;
+        (geometry.patch_angle, geometry.axis) = self.rotation_before_candidate;
+        self.learning.restore_reliable_size(geometry);
     }
 
     /// What has been learned of the target.
