@@ -1,16 +1,16 @@
 //! The zoom that keeps the target's size in the picture within a range.
 //!
 //! The size is the longer side of the target's box as a share of the picture's height. The zoom rests while the size is within
-//! the range. It leaves the range's ends for the middle of the range, so that each excursion is one movement:
+//! the range. A movement goes on until the size is well within the range, so that each excursion is one movement:
 //!
 //! ```text
 //!              below the range, and all is well                 above the range
 //!   Closer <------------------------------------- Resting -----------------------> Wider
-//!      +---- at the middle, or not all is well ------> ^ <------ at the middle --------+
+//!      +---- well within, or not all is well --------> ^ <------ well within ----------+
 //! ```
 //!
-//! All is well while the target is measured for a while with confidence, well within the region, by a camera that does not
-//! turn. In doubt about a target near the region's border the view widens at once.
+//! All is well while the target is measured for a while with confidence, well within the region, which it has not left lately.
+//! In doubt about a target near the region's border, and where the target leaves the region, the view widens at once.
 //!
 //! Input: what was measured of the target in a frame. Must not be here: whether the camera may move.
 
@@ -20,7 +20,7 @@ use barrelman_vocab::profile::SizeKeeping;
 use barrelman_vocab::{Timestamp, ZoomDynamics, ZoomRate};
 
 /// Rate at which the view becomes closer: slow, so that the target and its surroundings stay recognisable.
-const CLOSER: ZoomRate = ZoomRate::from_per_second(0.1);
+const CLOSER: ZoomRate = ZoomRate::from_per_second(0.15);
 /// Rate at which the view becomes wider where the target is too large.
 const WIDER: ZoomRate = ZoomRate::from_per_second(-0.2);
 /// The view becomes closer only after the target was sure for this time.
@@ -30,9 +30,15 @@ const SURE: f64 = 0.7;
 /// Below this confidence there is doubt.
 const DOUBT: f64 = 0.5;
 /// The view begins to become closer up to this P, and goes on up to the other one: a closer view moves the target outwards.
-const CLOSER_P: (f64, f64) = (0.4, 0.7);
+const CLOSER_P: (f64, f64) = (0.7, 0.85);
 /// From this P on the target is near the border of the region.
 const BORDER_P: f64 = 0.5;
+/// From this P on the view becomes wider: the target is too fast for so close a view.
+const OUTSIDE_P: f64 = 1.05;
+/// The view becomes closer only this long after the target was outside of the region.
+const AFTER_OUTSIDE: Duration = Duration::from_secs(8);
+/// A movement goes on until the size is this factor within the range.
+const GOAL: f64 = 1.5;
 /// Time constant of the smoothed size, seconds: longer than the boat rolls, shorter than it approaches.
 const SMOOTHING_S: f64 = 0.5;
 
@@ -47,8 +53,6 @@ pub struct SizeInput {
     pub is_measured: bool,
     /// The tracker's confidence, 0 to 1.
     pub confidence: f64,
-    /// Whether the law turns the camera.
-    pub is_turning: bool,
     /// Focal length at the time of capture, and now, as shares of the picture's width.
     pub focal_shares: (f64, f64),
     /// Time of capture.
@@ -71,6 +75,8 @@ pub struct SizeKeeper {
     widest_share: f64,
     movement: Movement,
     sure_since: Option<Timestamp>,
+    /// When the target was outside of the region last.
+    outside_at: Option<Timestamp>,
     /// Logarithm of the smoothed size of the target at a focal length of 1, and when it was measured.
     size: Option<(f64, Timestamp)>,
 }
@@ -78,7 +84,15 @@ pub struct SizeKeeper {
 impl SizeKeeper {
     /// A keeper of sizes within `range`, for a zoom with its widest view.
     pub const fn new(range: SizeKeeping, zoom: ZoomDynamics, widest_share: f64) -> Self {
-        Self { range, zoom, widest_share, movement: Movement::Resting, sure_since: None, size: None }
+        Self {
+            range,
+            zoom,
+            widest_share,
+            movement: Movement::Resting,
+            sure_since: None,
+            outside_at: None,
+            size: None,
+        }
     }
 
     /// Forgets the target.
@@ -92,18 +106,20 @@ impl SizeKeeper {
         let since = self.sure_since.filter(|since| is_sure && *since <= input.captured);
         self.sure_since = since.or_else(|| is_sure.then_some(input.captured));
         let is_in_doubt = !input.is_measured || input.confidence < DOUBT;
-        if is_in_doubt && input.p > BORDER_P {
+        self.outside_at = if input.p > 1.0 { Some(input.captured) } else { self.outside_at };
+        if input.p > OUTSIDE_P || is_in_doubt && input.p > BORDER_P {
             self.movement = Movement::Resting;
             return self.wider_than(-self.zoom.max_rate, input);
         }
         let Some(size) = self.smoothed(input) else { return ZoomRate::ZERO };
-        let middle = libm::sqrt(self.range.smallest * self.range.largest);
-        let is_well = |largest_p: f64| is_sure && !input.is_turning && input.p <= largest_p;
+        let (least, most) = (GOAL * self.range.smallest, self.range.largest / GOAL);
+        let was_outside = self.outside_at.is_some_and(|at| input.captured.since(at) < AFTER_OUTSIDE);
+        let is_well = |largest_p: f64| is_sure && !was_outside && input.p <= largest_p;
         let has_been_sure = self.sure_since.is_some_and(|since| input.captured.since(since) >= SURE_FOR);
         self.movement = match self.movement {
             _ if size > self.range.largest => Movement::Wider,
-            Movement::Wider if size > middle => Movement::Wider,
-            Movement::Closer if size < middle && is_well(CLOSER_P.1) => Movement::Closer,
+            Movement::Wider if size > most => Movement::Wider,
+            Movement::Closer if size < least && is_well(CLOSER_P.1) => Movement::Closer,
             _ if size < self.range.smallest && has_been_sure && is_well(CLOSER_P.0) => Movement::Closer,
             Movement::Resting | Movement::Wider | Movement::Closer => Movement::Resting,
         };

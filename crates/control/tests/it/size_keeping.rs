@@ -37,7 +37,6 @@ impl Scene {
             p: 0.1,
             is_measured: true,
             confidence: 0.9,
-            is_turning: false,
             focal_shares: (self.focal_share, self.focal_share),
             captured: Timestamp::from_secs_f64(f64::from(self.frame) * FRAME_S),
         };
@@ -78,14 +77,13 @@ fn the_view_becomes_closer_only_while_all_is_well() {
     let far_m = 300.0;
     let closer = |change: &dyn Fn(&mut SizeInput)| Scene::new().after(3.0, far_m, change) > 0.0;
     assert!(closer(&|_| {}));
-    assert!(!closer(&|input| input.p = 0.5), "near the border");
-    assert!(!closer(&|input| input.is_turning = true));
+    assert!(!closer(&|input| input.p = 0.75), "near the border");
     assert!(!closer(&|input| input.confidence = 0.6));
     assert!(!closer(&|input| input.is_measured = false));
     assert_eq!(Scene::new().after(0.9, far_m, |_| {}), 0.0, "not sure for a second yet");
     let mut scene = Scene::new();
     assert!(scene.after(3.0, far_m, |_| {}) > 0.0);
-    assert_eq!(scene.step(far_m, |input| input.is_turning = true), 0.0, "it rests at once");
+    assert_eq!(scene.step(far_m, |input| input.p = 0.9), 0.0, "it rests at once");
 }
 
 #[test]
@@ -99,6 +97,17 @@ fn the_view_becomes_wider_at_once_where_a_target_near_the_border_is_in_doubt() {
     assert_eq!(scene.step(300.0, |input| input.is_measured = false), 0.0, "in the middle it waits");
     scene.after(60.0, 300.0, coasting);
     assert_eq!((scene.focal_share, scene.step(300.0, coasting)), (1.0, 0.0), "the widest view");
+}
+
+#[test]
+fn a_target_that_leaves_the_region_widens_the_view_which_waits_before_it_becomes_closer() {
+    let mut scene = Scene::new();
+    scene.after(20.0, 300.0, |_| {});
+    let closest = scene.focal_share;
+    assert_eq!(scene.after(1.0, 300.0, |input| input.p = 1.3), -0.3);
+    assert!(scene.focal_share < 0.8 * closest);
+    assert_eq!(scene.after(7.0, 400.0, |_| {}), 0.0, "it waits");
+    assert!(scene.after(2.0, 400.0, |_| {}) > 0.0);
 }
 
 #[test]

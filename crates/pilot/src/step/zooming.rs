@@ -40,7 +40,6 @@ impl Pilot {
             p: percept.p,
             is_measured: input.is_measured,
             confidence: if self.verification.is_doubted() { 0.0 } else { seen.confidence },
-            is_turning: !command.is_rest(),
             focal_shares,
             captured: input.captured,
         };

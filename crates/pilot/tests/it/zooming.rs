@@ -144,7 +144,7 @@ fn the_size_is_kept_while_engaged_until_the_operator_zooms() {
     ask(&mut pilot, CameraRequest::Engage, 2000);
     let closer = show(&mut pilot, (2001, 6000), 0.01, CENTRE);
     assert!(rate(&closer) > 0.0 && closer.zoom.unwrap().ratio > 1.2, "{:?}", closer.zoom);
-    assert!(rate(&show(&mut pilot, (6001, 6100), 0.01, ImagePoint { x: 250.0, y: 0.0 })) <= 0.0, "it turns");
+    assert!(rate(&show(&mut pilot, (6001, 6100), 0.01, ImagePoint { x: 250.0, y: 0.0 })) <= 0.0, "outside");
 
     let by_hand = ask(&mut pilot, zoom_by_hand(-1.0), 6110);
     assert_eq!(by_hand.notice, Some(Notice::KeepingSize(false)));
