@@ -59,6 +59,7 @@ struct World {
     program: Program,
     video: VideoPath,
     oracle: Oracle,
+    has_zoom: bool,
 }
 
 /// Runs the run with this number. `trace` takes what the ground station receives.
@@ -92,7 +93,8 @@ pub(super) fn run(
         phase: rng.between(0.0, core::f64::consts::TAU),
         engages_again: rng.uniform() < 0.5,
         station: vehicle.station(&faults, is_worst, mutant),
-        program: Program::new(vehicle.profile(), law)?,
+        program: Program::new(vehicle.subject(), law)?,
+        has_zoom: vehicle.subject().zoom.is_some(),
         elsewhere_since_ms: None,
         unasked_since_ms: None,
         resting_since_ms: None,
@@ -256,8 +258,9 @@ impl World {
                     self.oracle.consent(Licence::Nudge);
                     self.oracle.nudged(at_ms);
                     let pan = if at_ms % 4_000 < 2_000 { 1.0 } else { -1.0 };
+                    let zoom = if self.has_zoom { -pan } else { 0.0 };
                     self.program.request(
-                        OperatorRequest::Camera(CameraRequest::Nudge(Nudge { pan, tilt: 0.5, zoom: 0.0 })),
+                        OperatorRequest::Camera(CameraRequest::Nudge(Nudge { pan, tilt: 0.5, zoom })),
                         now,
                     );
                 }

@@ -1,9 +1,12 @@
 //! A vehicle in the campaign: what is spoken to it, what is at the other end, and which faults it has.
 
 use std::sync::Arc;
+use std::time::Duration;
 
 use anyhow::{Context as _, Result};
-use barrelman_vocab::{Timestamp, VehicleRates};
+use barrelman_vocab::mavlink::{ComponentId, MavlinkPeers};
+use barrelman_vocab::profile::{Protocol, SizeKeeping};
+use barrelman_vocab::{Timestamp, VehicleProfile, VehicleRates, ZoomDynamics, ZoomRate};
 use barrelman_wire::fotokite_sigma::FotokiteSigmaSession;
 use barrelman_wire::onvif::{OnvifSession, OnvifSettings};
 use barrelman_wire::{ByteProtocol, ByteProtocolName, Framing, OpenSession as _};
@@ -26,9 +29,32 @@ impl Vehicle {
         matches!(self, Self::FotokiteSigma | Self::OnvifPtz)
     }
 
+    /// The vehicle, whose camera zooms where one can, to keep the size of a boat that is always too small: each licence
+    /// moves the zoom, too.
+    pub(super) fn subject(self) -> VehicleProfile {
+        let profile = self.profile();
+        let zoom = ZoomDynamics {
+            ratio: 1e6,
+            max_rate: ZoomRate::from_per_second(0.3),
+            dead_time: Duration::from_millis(200),
+        };
+        let protocol = match profile.protocol {
+            Protocol::MavlinkGimbal(peers) => {
+                Protocol::MavlinkGimbal(MavlinkPeers { camera: Some(ComponentId(100)), ..peers })
+            }
+            other => other,
+        };
+        VehicleProfile {
+            protocol,
+            zoom: (self != Self::FotokitePro).then_some(zoom),
+            size: SizeKeeping { smallest: 0.4, largest: 0.9, is_on_at_start: true },
+            ..profile
+        }
+    }
+
     /// Whether a guard owns the link; a thread of the program does otherwise.
     pub(super) fn has_guard(self) -> bool {
-        self.profile().keeps_last_rate()
+        self.subject().keeps_last_rate()
     }
 
     /// The longest time to rest, ms. The last command of a Sigma or an ONVIF camera has to expire: one that left
@@ -46,7 +72,7 @@ impl Vehicle {
     /// # Errors
     /// If the profile names a protocol that has no session here.
     pub(super) fn link_plan(self, mutant: Mutant) -> Result<LinkPlan> {
-        let profile = self.profile();
+        let profile = self.subject();
         let limits = profile.protocol.rate_limits();
         let limits = VehicleRates::turning(limits.pan, limits.tilt).zooming(profile.largest_rates().zoom);
         let open_session = self.session_opener()?;
@@ -65,7 +91,7 @@ impl Vehicle {
 
     fn session_opener(self) -> Result<Opener<VehicleRates>> {
         if self == Self::FotokiteSigma {
-            let full_zoom = self.profile().max_zoom_rate();
+            let full_zoom = self.subject().max_zoom_rate();
             return Ok(Arc::new(move |now| {
                 Box::new(SessionOverNetwork(FotokiteSigmaSession::open(None, full_zoom, now)))
             }));
@@ -73,7 +99,7 @@ impl Vehicle {
         if self == Self::OnvifPtz {
             let settings = OnvifSettings {
                 login: Some(onvif_station::login()),
-                speeds: self.profile().speeds,
+                speeds: self.subject().speeds,
                 profile: None,
             };
             // A conversation begins at a time of its own: no nonce is used twice.
@@ -85,7 +111,7 @@ impl Vehicle {
                 Box::new(SessionOverNetwork(OnvifSession::open(&settings, seed(now), now)))
             }));
         }
-        let protocol = ByteProtocolName::of(self.profile().protocol);
+        let protocol = ByteProtocolName::of(self.subject().protocol);
         let protocol = protocol.context("the vehicle's port carries no bytes")?;
         let protocol = ByteProtocol { protocol, framing: Framing::CarriageReturns, baud: 115_200 };
         Ok(Arc::new(move |now| protocol.open(now)))
