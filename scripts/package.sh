@@ -17,11 +17,11 @@ parts=target/package
 scripts/setup.sh media
 [ "$(cargo deb --version 2>/dev/null)" = "$cargo_deb" ] || cargo install -q --locked cargo-deb --version "$cargo_deb"
 
-cargo build --release --locked -p barrelman --bins -p barrelman-media -p barrelman-ros2 -p barrelman-manuals
+cargo build --profile dist --locked -p barrelman --bins -p barrelman-media -p barrelman-ros2 -p barrelman-manuals
 rm -rf "$parts"
 mkdir -p "$parts/ros2" "$folder"
 # Not by `cargo run`, which would compile the libraries once more, with the features that this program needs.
-"${CARGO_TARGET_DIR:-target}/release/barrelman-manuals" "$parts/manuals"
+"${CARGO_TARGET_DIR:-target}/dist/barrelman-manuals" "$parts/manuals"
 cargo run -q --locked -p xtask -- licences barrelman barrelman-media > "$parts/licences-of-libraries.txt"
 cargo run -q --locked -p xtask -- licences barrelman-ros2 > "$parts/ros2/licences-of-libraries.txt"
 
@@ -35,7 +35,7 @@ printf 'barrelman (%s-1) unstable; urgency=medium\n\n  * What is new: /usr/share
 
 built=()
 for package in barrelman barrelman-media barrelman-ros2; do
-  built+=("$(cargo deb -q --locked --no-build -p "$package" -o "$folder/")")
+  built+=("$(cargo deb -q --locked --no-build --profile dist -p "$package" -o "$folder/")")
 done
 
 # What the packages promise each other and their users.
