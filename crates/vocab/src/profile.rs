@@ -138,6 +138,14 @@ impl Protocol {
         }
     }
 
+    /// Whether the protocol has commands to zoom.
+    pub const fn zooms(self) -> bool {
+        match self {
+            Self::FotokitePro => false,
+            Self::FotokiteSigma | Self::MavlinkGimbal(_) | Self::OnvifPtz => true,
+        }
+    }
+
     /// How the vehicle's link is addressed.
     pub const fn addressing(self) -> Addressing {
         match self {

@@ -131,6 +131,12 @@ impl Configuration {
         let rate_limits = |profile: &VehicleProfile| profile.protocol.rate_limits();
         let configuration = Self::resolve_within(file, rate_limits)?;
         ensure_axes_turn(&configuration.profile)?;
+        let is_simulated = configuration.link.as_deref().is_some_and(|link| link.starts_with("sim:"));
+        if configuration.profile.zoom.is_some() && !configuration.profile.protocol.zooms() && !is_simulated {
+            bail!(
+                "camera.zoom.ratio has no effect on this vehicle, whose camera has no command to zoom: omit it"
+            );
+        }
         Ok(configuration)
     }
 
