@@ -54,8 +54,8 @@ PAUSE, RESUME = Request("pause"), Request("resume")
 UNKNOWN = Request("fly")
 
 
-def nudge(pan: float, tilt: float = 0.0) -> Request:
-    return Request("nudge", pan=pan, tilt=tilt)
+def nudge(pan: float, tilt: float = 0.0, zoom: float = 0.0) -> Request:
+    return Request("nudge", pan=pan, tilt=tilt, zoom=zoom)
 
 
 def select(bounds: Iterable[float], captured_ns: int) -> Request:

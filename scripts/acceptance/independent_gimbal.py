@@ -31,8 +31,10 @@ LIMIT = 0.5 + 1e-6
 UNDER_WAY = 0.1
 MAY_BE_ASKED_FOR = {
     mavlink.MAV_CMD_REQUEST_MESSAGE: (280, 281),
-    mavlink.MAV_CMD_SET_MESSAGE_INTERVAL: (281, 285, 33, 30),
+    mavlink.MAV_CMD_SET_MESSAGE_INTERVAL: (281, 285, 33, 30, 271),
 }
+# The component of the camera that zooms.
+CAMERA = 100
 
 
 class GimbalManager:
@@ -69,6 +71,7 @@ class GimbalManager:
         self.booted = time.monotonic()
         self.angles = [0.0, -0.4]
         self.rates: tuple[float, float] = (0.0, 0.0)
+        self.zoom = 0.0
         self.primary: Who = OTHER if held else NOBODY
         self.taken_at: float | None = self.booted if held else None
         self.attitude_interval: float | None = None
@@ -164,7 +167,11 @@ class GimbalManager:
             if message.type != mavlink.MAV_TYPE_ONBOARD_CONTROLLER:
                 self._fault(f"a heartbeat of type {message.type}")
             return
-        if message.target_system not in (0, 1) or message.target_component not in (0, 1):
+        is_of_camera = kind == "COMMAND_LONG" and (
+            message.command == mavlink.MAV_CMD_SET_CAMERA_ZOOM or int(message.param1) == 271
+        )
+        components = (CAMERA,) if is_of_camera else (0, 1)
+        if message.target_system not in (0, 1) or message.target_component not in components:
             self._fault(f"{kind} to {message.target_system}/{message.target_component}")
         if kind == "GIMBAL_MANAGER_SET_PITCHYAW":
             self._judge_rates(message, now)
@@ -212,6 +219,8 @@ class GimbalManager:
             self._status()
         elif number == mavlink.MAV_CMD_SET_MESSAGE_INTERVAL and asked == 285:
             self.attitude_interval = message.param2 / 1e6
+        elif number == mavlink.MAV_CMD_SET_CAMERA_ZOOM:
+            self._judge_zoom(message)
         elif number == mavlink.MAV_CMD_SET_MESSAGE_INTERVAL:
             result = mavlink.MAV_RESULT_FAILED
         elif number == mavlink.MAV_CMD_DO_GIMBAL_MANAGER_CONFIGURE:
@@ -224,6 +233,15 @@ class GimbalManager:
         else:
             self._fault(f"command {number} must not leave")
         self._send(mavlink.MAVLink_command_ack_message(number, result, 0, 0, *OWN))
+
+    def _judge_zoom(self, message: Any) -> None:
+        """A camera keeps the speed until the next one."""
+        speed = message.param2
+        if message.param1 != mavlink.ZOOM_TYPE_CONTINUOUS or not abs(speed) <= 1:
+            self._fault(f"zoom {message.param1}, {speed}")
+        if speed and self.primary != OWN:
+            self._fault(f"zoom {speed} while {self.primary} has the control")
+        self.zoom = speed
 
     def _configure(self, claim: Who, secondary: tuple[float, float], device: float) -> Any:
         if secondary != (-1, -1) or device not in (0, 1):

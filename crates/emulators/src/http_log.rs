@@ -22,6 +22,8 @@ struct RatesRow {
     mono_ns: u64,
     pan_deg_per_s: f64,
     tilt_deg_per_s: f64,
+    /// -1 to 1 of the zoom's largest speed.
+    zoom: f64,
 }
 
 /// A request, without what proves who asks.
@@ -62,6 +64,7 @@ impl HttpLog {
             mono_ns,
             pan_deg_per_s: degrees(rates.yaw),
             tilt_deg_per_s: degrees(rates.pitch),
+            zoom: rates.zoom,
         })
     }
 
