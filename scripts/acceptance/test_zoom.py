@@ -1,4 +1,4 @@
-"""The zoom: by hand over each vehicle's protocol, and stopped by Stop, by silence and by the program's end."""
+"""The zoom: by hand over each vehicle's protocol; ended by Stop, by silence, and by the program's end."""
 
 import json
 import pathlib
