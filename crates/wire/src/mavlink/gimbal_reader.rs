@@ -9,7 +9,7 @@ use barrelman_vocab::telemetry::{ControlState, Quaternion, Report};
 use mavlink::dialects::common::{
     CAMERA_FOV_STATUS_DATA, COMMAND_ACK_DATA, GIMBAL_DEVICE_ATTITUDE_STATUS_DATA,
     GIMBAL_MANAGER_INFORMATION_DATA, GIMBAL_MANAGER_STATUS_DATA, GimbalManagerCapFlags, HEARTBEAT_DATA,
-    MavType,
+    MavCmd, MavType,
 };
 
 use super::autopilot_reports::AutopilotReports;
@@ -48,6 +48,8 @@ pub enum Received {
     Restarted,
     /// Anything else of the gimbal manager.
     Other,
+    /// A command to zoom was answered.
+    ZoomAnswered,
     /// The horizontal field of view of the camera that zooms.
     FieldOfView(Angle),
     /// A report for the pilot.
@@ -187,11 +189,12 @@ impl Facts {
                 self.on_attitude(&attitude, each);
                 self.report_control_again(each);
             }
-        } else if let Some(answer) = frame.read::<COMMAND_ACK_DATA>()
-            && self.is_manager(frame.from)
-            && self.is_of_claim(&answer)
-        {
-            self.on_claim_answered(answer.result, each);
+        } else if let Some(answer) = frame.read::<COMMAND_ACK_DATA>() {
+            if answer.command == MavCmd::MAV_CMD_SET_CAMERA_ZOOM {
+                each(Received::ZoomAnswered);
+            } else if self.is_manager(frame.from) && self.is_of_claim(&answer) {
+                self.on_claim_answered(answer.result, each);
+            }
         }
         if self.gimbal.is_some_and(|gimbal| gimbal.manager.system == frame.from.system) {
             let kinds = AutopilotReports::kinds(frame);

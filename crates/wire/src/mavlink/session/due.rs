@@ -35,10 +35,10 @@ impl GimbalSession {
         }
     }
 
-    fn send_rates(&mut self, rates: VehicleRates, out: &mut Vec<Vec<u8>>) {
+    fn send_rates(&mut self, rates: VehicleRates, now: Timestamp, out: &mut Vec<Vec<u8>>) {
         self.send(Command::Rates(self.target(), rates), out);
         let system = self.target().manager.system;
-        if let Some(zoom) = self.zooming.due(system, rates.zoom) {
+        if let Some(zoom) = self.zooming.due(system, rates.zoom, now) {
             self.send(zoom, out);
         }
     }
@@ -184,7 +184,7 @@ impl GimbalSession {
             if !rates.is_rest() {
                 self.moved_at = Some(now);
             }
-            self.send_rates(rates, out);
+            self.send_rates(rates, now, out);
         }
         let is_missing = |last: Option<Timestamp>| last.is_none_or(|at| now.since(at) >= ASK_AGAIN);
         if self.ask_again_at <= now && (is_missing(self.last_attitude) || is_missing(self.last_status)) {

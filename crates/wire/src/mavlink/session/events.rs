@@ -48,6 +48,7 @@ impl GimbalSession {
             Received::ClaimAnswered(claim) => self.on_claim_answered(claim, now),
             Received::Attitude(attitude) => self.on_attitude(attitude, now),
             Received::Restarted => self.on_restarted(now),
+            Received::ZoomAnswered => self.zooming.on_answer(now),
             Received::FieldOfView(angle) => {
                 self.field_of_view.on_heard(now);
                 report(Telemetry { at: now, report: Report::FieldOfView(angle) });
