@@ -58,12 +58,13 @@ impl Vehicle {
     }
 
     /// The longest time to rest, ms. The last command of a Sigma or an ONVIF camera has to expire: one that left
-    /// when the licence was about to end adds its time-out, 1 s for an ONVIF camera, to the licence's 0.25 s.
+    /// when the licence was about to end adds its time-out, 1 s for an ONVIF camera, to the licence's 0.25 s and the
+    /// link's 0.05 s.
     pub(super) const fn rest_limit_ms(self) -> u64 {
         match self {
             Self::FotokitePro | Self::MavlinkGimbal => 350,
             Self::FotokiteSigma => 500,
-            Self::OnvifPtz => 1_250,
+            Self::OnvifPtz => 1_300,
         }
     }
 
