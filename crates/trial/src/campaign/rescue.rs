@@ -143,13 +143,18 @@ impl Rescue {
     /// Where a hand marks a point; `None`: it is out of the picture.
     fn pixel_of(&mut self, truth: &Truth, position: WorldPoint) -> Option<PixelPoint> {
         let on_water = WorldPoint { z: 0.0, ..position };
-        let seen = self.optics.project(truth.camera.camera_from_world(on_water))?;
+        let seen = self.optics_of(truth).project(truth.camera.camera_from_world(on_water))?;
         let mut error = || {
             self.draws += 1;
             self.rng.between(self.draws, (-MARK_ERROR_PX, MARK_ERROR_PX))
         };
         let pixel = PixelPoint { u: seen.u + error(), v: seen.v + error() };
         self.is_in_picture(seen).then_some(pixel)
+    }
+
+    /// The optics with the zoom of that moment.
+    const fn optics_of(&self, truth: &Truth) -> Optics {
+        Optics { focal_px: truth.focal_px, ..self.optics }
     }
 
     fn is_in_picture(&self, pixel: PixelPoint) -> bool {
@@ -200,7 +205,7 @@ impl Rescue {
         }
         way.ticks += 1;
         let target_position = WorldPoint { z: 0.0, ..self.people[0].pose.position };
-        let seen = self.optics.project(truth.camera.camera_from_world(target_position));
+        let seen = self.optics_of(&truth).project(truth.camera.camera_from_world(target_position));
         let is_seen = seen.is_some_and(|pixel| self.is_in_picture(pixel)) && truth.in_picture;
         if let Some(way) = &mut self.engaged {
             way.in_view += u64::from(is_seen);
