@@ -218,7 +218,7 @@ class TestDemo:
         page.wait(
             lambda data: data["mode"] == "stopped" and int(data["stops"]) > before, "the acknowledged stop"
         )
-        check("space: no rate", demo.status()["command"] == {"pan": 0.0, "tilt": 0.0})
+        check("space: no rate", demo.status()["command"] == {"pan": 0.0, "tilt": 0.0, "zoom": 0.0})
         page.disengage()
         page.press("d")
         data = page.wait_for_mode("nudging")

@@ -74,7 +74,11 @@ def test_detected_boat_is_selected_by_its_number(
             page.screenshot(pytestconfig.getoption("--screenshots"), "detected")
             status = program.status()
             check("nothing was selected", status["track"]["state"] == "unseeded", status["track"])
-            check("nothing was moved", status["command"] == {"pan": 0.0, "tilt": 0.0}, status["command"])
+            check(
+                "nothing was moved",
+                status["command"] == {"pan": 0.0, "tilt": 0.0, "zoom": 0.0},
+                status["command"],
+            )
             page.wait(lambda data: data["controlling"] == "yes", "the control")
             found = named(program.wait(named, "a candidate with a class"))
             page.type(str(max(found, key=lambda candidate: candidate["score"])["number"]))

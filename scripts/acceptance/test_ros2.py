@@ -210,7 +210,7 @@ def test_a_service_engages_and_a_service_stops(
     check.in_time("a stop is confirmed in time", Delay.since(began, HOPS), STOP_LIMIT)
     status = program.status()
     check("a stop while the camera moves", answer == (True, "stopped"), answer)
-    check("no rate is in force", status["command"] == {"pan": 0, "tilt": 0}, status["command"])
+    check("no rate is in force", status["command"] == {"pan": 0, "tilt": 0, "zoom": 0}, status["command"])
     check("the mode is that of Stop", status["mode"]["cause"] == "operator", status["mode"])
     rests = poll(lambda: [m for _, m in peer.take("camera_rate") if not moves(m)], 5)
     check("the topic says so", rests)

@@ -336,7 +336,7 @@ def test_ground_station_selects_and_lets_go_and_cannot_end_a_stop(
     status = camera.status()
     check(
         "2010 rests the camera and does not stop",
-        status["command"] == {"pan": 0.0, "tilt": 0.0} and status["mode"]["name"] != "stopped",
+        status["command"] == {"pan": 0.0, "tilt": 0.0, "zoom": 0.0} and status["mode"]["name"] != "stopped",
         status["mode"],
     )
     camera.request(STOP)
