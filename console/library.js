@@ -115,6 +115,8 @@ function showChosen() {
   showFiles(recording);
   showSummary(recording);
   showMoments(recording);
+  // The slider reaches to the end before the first picture is there.
+  showTime();
 }
 
 /** What is watched, and the film that can be made of it. */

@@ -177,7 +177,9 @@ fn a_search_widens_the_view() {
     let lost = |pilot: &mut Pilot, ms: u64| {
         pilot.step(Input::Localisation(Track::Lost { since: at(5900), confidence: 0.0 }), at(ms))
     };
-    (6000..9200).step_by(33).for_each(|ms| drop(lost(&mut pilot, ms)));
+    (6000..9200).step_by(33).for_each(|ms| {
+        lost(&mut pilot, ms);
+    });
     ask(&mut pilot, CameraRequest::Search, 9210);
     let searching = lost(&mut pilot, 9240);
     assert_eq!((searching.mode, rate(&searching)), (Mode::Searching, -0.25));
