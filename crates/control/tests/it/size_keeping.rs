@@ -45,7 +45,7 @@ impl Scene {
         if self.movements.last() != Some(&rate) {
             self.movements.push(rate);
         }
-        self.focal_share = (self.focal_share * (rate * FRAME_S).exp()).clamp(1.0, ZOOM.ratio);
+        self.focal_share = (self.focal_share * libm::exp(rate * FRAME_S)).clamp(1.0, ZOOM.ratio);
         rate
     }
 

@@ -99,7 +99,7 @@ mod tests {
         steps.on_level(4.0, at(1000));
         let levels = sent(&mut steps, 1.0, (1000, 2000));
         assert_eq!(levels.len(), 7);
-        assert!((levels[6] / 4.0 - (7.0 * 0.3 * 0.15_f64).exp()).abs() < 1e-9, "{levels:?}");
+        assert!((levels[6] / 4.0 - libm::exp(7.0 * 0.3 * 0.15)).abs() < 1e-9, "{levels:?}");
         assert_eq!(sent(&mut steps, 0.0, (2000, 3000)), [0.0; 0]);
         let wider = sent(&mut steps, -0.5, (3000, 60_000));
         assert_eq!(*wider.last().unwrap(), 1.0);
