@@ -12,8 +12,8 @@ pub fn decode(bytes: &[u8]) {
     let limit = AngularRate::from_radians_per_second(0.3);
     let rates = VehicleRates::turning(limit, limit).zooming(1.0);
     check_to_guard(bytes, rates, |passed: VehicleRates| {
-        let VehicleRates { yaw, pitch, zoom } = passed;
-        [yaw.radians_per_second().abs() / 0.3, pitch.radians_per_second().abs() / 0.3, zoom.abs()]
+        let [yaw, pitch, zoom] = passed.parts();
+        [yaw.abs() / 0.3, pitch.abs() / 0.3, zoom.abs()]
     });
     let largest = VesselCommand { throttle: 0.6, rudder: 1.0 };
     check_to_guard(bytes, VesselOrder::Commanded(largest), |passed: VesselOrder| {

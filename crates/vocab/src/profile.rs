@@ -354,6 +354,11 @@ impl VehicleRates {
         }
     }
 
+    /// Yaw and pitch in rad/s, and the speed of the zoom.
+    pub const fn parts(self) -> [f64; 3] {
+        [self.yaw.radians_per_second(), self.pitch.radians_per_second(), self.zoom]
+    }
+
     /// Whether all rates are zero.
     pub fn is_rest(self) -> bool {
         self.yaw.is_zero() && self.pitch.is_zero() && self.zoom == 0.0

@@ -76,3 +76,10 @@ pub struct ZoomDynamics {
     /// Time from a command to its effect, without the video latency.
     pub dead_time: Duration,
 }
+
+impl ZoomDynamics {
+    /// A zoom of this ratio that moves as a camera whose zoom was not measured is assumed to: a factor of two takes 2.3 s.
+    pub const fn usual(ratio: f64) -> Self {
+        Self { ratio, max_rate: ZoomRate::from_per_second(0.3), dead_time: Duration::from_millis(200) }
+    }
+}

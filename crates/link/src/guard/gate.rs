@@ -27,11 +27,8 @@ pub trait GuardedCommand: LinkCommand {
 
 impl GuardedCommand for VehicleRates {
     fn is_within(self, limits: Self) -> bool {
-        let parts = |VehicleRates { yaw, pitch, zoom }: Self| {
-            [yaw.radians_per_second(), pitch.radians_per_second(), zoom]
-        };
         let is_within = |(rate, limit): (f64, f64)| rate.abs() <= limit + ROUNDING;
-        parts(self).into_iter().zip(parts(limits)).all(is_within)
+        self.parts().into_iter().zip(limits.parts()).all(is_within)
     }
 }
 

@@ -8,10 +8,8 @@ use barrelman_vocab::{VehicleProfile, ZoomDynamics, ZoomRate};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// The largest rate of a zoom for which none is stated.
-const USUAL_RATE: ZoomRate = ZoomRate::from_per_second(0.3);
-/// The dead time of a zoom for which none is stated: that of the laboratory's axes.
-const USUAL_DEAD_TIME: Duration = Duration::from_millis(200);
+/// A camera without zoom; with another ratio, one that was not measured.
+const NO_ZOOM: ZoomDynamics = ZoomDynamics::usual(1.0);
 
 /// The zoom. Zoom by hand and keeping the size need it. `camera.focal_share` is that of the widest view.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
@@ -46,12 +44,11 @@ impl ZoomSection {
     /// The complete section.
     pub(super) fn of(profile: &VehicleProfile) -> Self {
         let size = profile.size;
-        let usual = (USUAL_RATE, USUAL_DEAD_TIME);
-        let (max_rate, dead_time) = profile.zoom.map_or(usual, |zoom| (zoom.max_rate, zoom.dead_time));
+        let zoom = profile.zoom.unwrap_or(NO_ZOOM);
         Self {
-            ratio: Some(profile.zoom.map_or(1.0, |zoom| zoom.ratio)),
-            limit_per_s: Some(max_rate.per_second()),
-            dead_time_s: Some(dead_time.as_secs_f64()),
+            ratio: Some(zoom.ratio),
+            limit_per_s: Some(zoom.max_rate.per_second()),
+            dead_time_s: Some(zoom.dead_time.as_secs_f64()),
             keep_size: Some(size.is_on_at_start),
             smallest_size: Some(size.smallest),
             largest_size: Some(size.largest),
@@ -60,14 +57,13 @@ impl ZoomSection {
 
     /// The zoom of a vehicle with the values of the section.
     fn zoom(&self, base: Option<ZoomDynamics>) -> Option<ZoomDynamics> {
-        let ratio = self.ratio.or(base.map(|zoom| zoom.ratio)).filter(|ratio| *ratio > 1.0)?;
-        let base_rate = base.map_or(USUAL_RATE, |zoom| zoom.max_rate);
-        let base_dead_time = base.map_or(USUAL_DEAD_TIME, |zoom| zoom.dead_time);
-        Some(ZoomDynamics {
-            ratio,
-            max_rate: self.limit_per_s.map_or(base_rate, ZoomRate::from_per_second),
-            dead_time: self.dead_time_s.map_or(base_dead_time, Duration::from_secs_f64),
-        })
+        let base = base.unwrap_or(NO_ZOOM);
+        let zoom = ZoomDynamics {
+            ratio: self.ratio.unwrap_or(base.ratio),
+            max_rate: self.limit_per_s.map_or(base.max_rate, ZoomRate::from_per_second),
+            dead_time: self.dead_time_s.map_or(base.dead_time, Duration::from_secs_f64),
+        };
+        (zoom.ratio > 1.0).then_some(zoom)
     }
 
     /// The profile `base` with the values of the section.

@@ -8,7 +8,7 @@ use super::{
 };
 use crate::angle::{Angle, AngularRate};
 use crate::mavlink::MavlinkPeers;
-use crate::zoom::{ZoomDynamics, ZoomRate};
+use crate::zoom::ZoomDynamics;
 
 impl CameraDynamics {
     /// The Fotokite Pro's camera as identified from the recorded laboratory trials. The camera's video
@@ -122,11 +122,7 @@ impl VehicleProfile {
                 tilt: least(laboratory.tilt),
                 ..laboratory
             },
-            zoom: Some(ZoomDynamics {
-                ratio: 32.0,
-                max_rate: ZoomRate::from_per_second(0.3),
-                dead_time: Duration::from_millis(200),
-            }),
+            zoom: Some(ZoomDynamics::usual(32.0)),
             ..Self::fotokite_pro()
         }
     }

@@ -65,7 +65,7 @@ impl Pacing {
         let Some((last, at)) = self.last else { return Timestamp::ZERO };
         if last != self.target {
             let is_urgent =
-                parts(last).into_iter().zip(parts(self.target)).any(|(last, target)| stops(last, target));
+                last.parts().into_iter().zip(self.target.parts()).any(|(last, target)| stops(last, target));
             return if is_urgent { Timestamp::ZERO } else { at.plus(SPACING) };
         }
         at.plus(match (self.repeats_left, last.is_rest()) {
@@ -79,10 +79,6 @@ impl Pacing {
     pub const fn may_be_turning(&self) -> bool {
         self.has_moved
     }
-}
-
-fn parts(VehicleRates { yaw, pitch, zoom }: VehicleRates) -> [f64; 3] {
-    [yaw.radians_per_second(), pitch.radians_per_second(), zoom]
 }
 
 /// Whether an axis that moves at the rate `last` is to stop, or to move the other way.

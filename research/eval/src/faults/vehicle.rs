@@ -1,12 +1,11 @@
 //! A vehicle in the campaign: what is spoken to it, what is at the other end, and which faults it has.
 
 use std::sync::Arc;
-use std::time::Duration;
 
 use anyhow::{Context as _, Result};
 use barrelman_vocab::mavlink::{ComponentId, MavlinkPeers};
 use barrelman_vocab::profile::{Protocol, SizeKeeping};
-use barrelman_vocab::{Timestamp, VehicleProfile, VehicleRates, ZoomDynamics, ZoomRate};
+use barrelman_vocab::{Timestamp, VehicleProfile, VehicleRates, ZoomDynamics};
 use barrelman_wire::fotokite_sigma::FotokiteSigmaSession;
 use barrelman_wire::onvif::{OnvifSession, OnvifSettings};
 use barrelman_wire::{ByteProtocol, ByteProtocolName, Framing, OpenSession as _};
@@ -33,11 +32,6 @@ impl Vehicle {
     /// moves the zoom, too.
     pub(super) fn subject(self) -> VehicleProfile {
         let profile = self.profile();
-        let zoom = ZoomDynamics {
-            ratio: 1e6,
-            max_rate: ZoomRate::from_per_second(0.3),
-            dead_time: Duration::from_millis(200),
-        };
         let protocol = match profile.protocol {
             Protocol::MavlinkGimbal(peers) => {
                 Protocol::MavlinkGimbal(MavlinkPeers { camera: Some(ComponentId(100)), ..peers })
@@ -46,7 +40,7 @@ impl Vehicle {
         };
         VehicleProfile {
             protocol,
-            zoom: (self != Self::FotokitePro).then_some(zoom),
+            zoom: (self != Self::FotokitePro).then_some(ZoomDynamics::usual(1e6)),
             size: SizeKeeping { smallest: 0.4, largest: 0.9, is_on_at_start: true },
             ..profile
         }

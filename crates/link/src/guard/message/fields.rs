@@ -121,9 +121,9 @@ impl<'a> Fields<'a> {
 }
 
 /// Appends the rates: radians per second, and the speed of the zoom.
-pub(super) fn put_rates(out: &mut Vec<u8>, VehicleRates { yaw, pitch, zoom }: VehicleRates) {
-    for rate in [yaw.radians_per_second(), pitch.radians_per_second(), zoom] {
-        out.extend_from_slice(&rate.to_le_bytes());
+pub(super) fn put_rates(out: &mut Vec<u8>, rates: VehicleRates) {
+    for part in rates.parts() {
+        out.extend_from_slice(&part.to_le_bytes());
     }
 }
 

@@ -43,11 +43,10 @@ impl Zooming {
 
     /// The command beside rates whose zoom has this speed.
     pub(super) fn due(&mut self, system: SystemId, speed: f64, now: Timestamp) -> Option<Command> {
-        let camera = self.camera_of(system)?;
         if speed != 0.0 {
             (self.moved_at, self.unanswered) = (Some(now), ANSWERS);
         }
-        (self.unanswered > 0).then_some(Command::Zoom { camera, speed })
+        self.command(system, speed).filter(|_| self.unanswered > 0)
     }
 
     /// A command to zoom was answered.
@@ -59,6 +58,10 @@ impl Zooming {
 
     /// A zero.
     pub(super) fn zero(self, system: SystemId) -> Option<Command> {
-        self.camera_of(system).map(|camera| Command::Zoom { camera, speed: 0.0 })
+        self.command(system, 0.0)
+    }
+
+    fn command(self, system: SystemId, speed: f64) -> Option<Command> {
+        self.camera_of(system).map(|camera| Command::Zoom { camera, speed })
     }
 }
