@@ -3,7 +3,7 @@
 use core::fmt;
 
 use barrelman_vocab::{
-    Angle, CameraCommand, LawId, LawName, MotionPrior, PictureSize, Timestamp, VehicleProfile,
+    Angle, CameraCommand, Framed, LawId, LawName, MotionPrior, PictureSize, Timestamp, VehicleProfile,
 };
 
 use crate::camera_model::CameraModel;
@@ -73,6 +73,23 @@ impl LawSettings {
             LawName::Schema => Self::MotorSchema,
             LawName::Centre => Self::Centring(CentringGains::HAND_TUNED),
             LawName::Optimal => Self::Optimal(OptimalSettings::new(law.mode().unwrap_or_default())),
+        }
+    }
+
+    /// The same law, which shows this if it is the optimal law.
+    #[must_use]
+    pub const fn showing(self, framed: Framed) -> Self {
+        match self {
+            Self::MotorSchema | Self::Centring(_) => self,
+            Self::Optimal(settings) => Self::Optimal(OptimalSettings { framed, ..settings }),
+        }
+    }
+
+    /// What the law shows.
+    pub const fn framed(&self) -> Framed {
+        match self {
+            Self::MotorSchema | Self::Centring(_) => Framed::Boat,
+            Self::Optimal(settings) => settings.framed,
         }
     }
 

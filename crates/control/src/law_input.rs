@@ -1,6 +1,6 @@
 //! The input of a camera law at one step.
 
-use barrelman_vocab::{PictureSize, Timestamp};
+use barrelman_vocab::{ImagePoint, PictureSize, Timestamp};
 
 use crate::percept::Percept;
 use crate::region::Region;
@@ -12,6 +12,8 @@ pub struct LawInput<'a> {
     pub percept: &'a Percept,
     /// The region that the target may roam in.
     pub region: Region,
+    /// Where the destination of the target is, also outside of the picture; `None`: there is none, or it is behind the camera.
+    pub destination: Option<ImagePoint>,
     /// Size of the picture.
     pub picture: PictureSize,
     /// Time of capture of the picture.

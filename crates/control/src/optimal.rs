@@ -7,6 +7,7 @@
 //! What must not be here: the decision whether the camera may move at all (`barrelman-pilot`'s safety), and the
 //! vehicle's signs. Work per step: O(1), no allocation.
 
+mod framing;
 mod mean_bearing;
 mod prediction;
 mod running_mean;
@@ -43,7 +44,7 @@ use crate::law_input::LawInput;
 /// let region = Region::from_shares(profile.region, picture);
 /// let percept = Percept::new(ImagePoint { x: 250.0, y: 0.0 }, region);
 /// let now = Timestamp::from_secs_f64(1.0);
-/// let input = LawInput { percept: &percept, region, picture, captured: now, is_measured: true, now };
+/// let input = LawInput { percept: &percept, region, destination: None, picture, captured: now, is_measured: true, now };
 /// // The target is right of the region: the camera pans to the right.
 /// assert!(law.command(&input, &camera).pan.radians_per_second() > 0.0);
 /// ```
@@ -60,7 +61,10 @@ enum Controller {
 impl OptimalLaw {
     /// A law without observations.
     pub fn new(settings: &OptimalSettings, profile: &VehicleProfile) -> Self {
-        Self::with_tuning(settings.tuning(), profile)
+        Self(match Self::with_tuning(settings.tuning(), profile).0 {
+            Controller::RecedingHorizon(law) => Controller::RecedingHorizon(law.showing(settings.framed)),
+            Controller::Intermittent(law) => Controller::Intermittent(law.showing(settings.framed)),
+        })
     }
 
     /// A law with a custom tuning.

@@ -10,7 +10,8 @@
 //! ```
 //!
 //! All is well while the target is measured for a while with confidence, well within the region, which it has not left lately.
-//! In doubt about a target near the region's border, and where the target leaves the region, the view widens at once.
+//! In doubt about a target near the region's border, and where the target leaves the region, the view widens at once. A
+//! destination that is to be shown, too, widens the view while the target is larger than the smallest size.
 //!
 //! Input: what was measured of the target in a frame. Must not be here: whether the camera may move.
 
@@ -37,6 +38,9 @@ const BORDER_P: f64 = 0.5;
 const OUTSIDE_P: f64 = 1.05;
 /// The view becomes closer only this long after the target was outside of the region.
 const AFTER_OUTSIDE: Duration = Duration::from_secs(8);
+/// A destination that is to be shown widens the view from the second of these shares of half the picture on until it is
+/// within the first; only within the first does the view become closer.
+const DESTINATION_SHARES: (f64, f64) = (0.8, 0.95);
 /// A movement goes on until the size is this factor within the range.
 const GOAL: f64 = 1.5;
 /// Time constant of the smoothed size, seconds: longer than the boat rolls, shorter than it approaches.
@@ -49,6 +53,9 @@ pub struct SizeInput {
     pub size: f64,
     /// P of the target's position.
     pub p: f64,
+    /// How far from the middle of the picture the destination is that is to be shown, too: the larger share of half its width
+    /// or height, above 1 outside of the picture. 0: none is to be shown.
+    pub destination_share: f64,
     /// Whether the target was measured in this frame; otherwise its position is predicted.
     pub is_measured: bool,
     /// The tracker's confidence, 0 to 1.
@@ -114,11 +121,17 @@ impl SizeKeeper {
         let Some(size) = self.smoothed(input) else { return ZoomRate::ZERO };
         let (least, most) = (GOAL * self.range.smallest, self.range.largest / GOAL);
         let was_outside = self.outside_at.is_some_and(|at| input.captured.since(at) < AFTER_OUTSIDE);
-        let is_well = |largest_p: f64| is_sure && !was_outside && input.p <= largest_p;
+        let (inside, border) = DESTINATION_SHARES;
+        let is_well = |largest_p: f64| {
+            is_sure && !was_outside && input.p <= largest_p && input.destination_share <= inside
+        };
         let has_been_sure = self.sure_since.is_some_and(|since| input.captured.since(since) >= SURE_FOR);
+        let shows_more = size > least;
         self.movement = match self.movement {
             _ if size > self.range.largest => Movement::Wider,
+            _ if shows_more && input.destination_share > border => Movement::Wider,
             Movement::Wider if size > most => Movement::Wider,
+            Movement::Wider if shows_more && input.destination_share > inside => Movement::Wider,
             Movement::Closer if size < least && is_well(CLOSER_P.1) => Movement::Closer,
             _ if size < self.range.smallest && has_been_sure && is_well(CLOSER_P.0) => Movement::Closer,
             Movement::Resting | Movement::Wider | Movement::Closer => Movement::Resting,

@@ -3,11 +3,11 @@
 use anyhow::{Result, bail};
 use barrelman_control::LawSettings;
 use barrelman_control::optimal::OptimalSettings;
-use barrelman_vocab::{LawId, LawName, Named, OptimalMode};
+use barrelman_vocab::{Framed, LawId, LawName, Named, OptimalMode};
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use serde::{Deserialize, Serialize};
 
-/// A camera law with the horizon of the optimal law.
+/// A camera law with the settings of the optimal law.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct LawChoice {
@@ -16,6 +16,9 @@ pub struct LawChoice {
     /// The optimal law's horizon, seconds; `None` for the mode's own.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub horizon_s: Option<f64>,
+    /// What the optimal law shows.
+    #[serde(default, skip_serializing_if = "is_boat")]
+    pub framed: Framed,
 }
 
 /// What a command line or a configuration says about the law; what it leaves open is a default's.
@@ -27,27 +30,30 @@ pub struct GivenLaw {
     pub mode: Option<OptimalMode>,
     /// The optimal law's horizon, seconds.
     pub horizon_s: Option<f64>,
+    /// What the optimal law shows.
+    pub framed: Option<Framed>,
 }
 
-/// What mode and horizon are called where they are given.
+/// What the settings of the optimal law are called where they are given.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct LawKeys {
     mode: &'static str,
     horizon: &'static str,
+    framed: &'static str,
 }
 
 impl LawKeys {
     /// On the command line.
-    pub const OPTIONS: Self = Self { mode: "--mode", horizon: "--horizon" };
+    pub const OPTIONS: Self = Self { mode: "--mode", horizon: "--horizon", framed: "--frame" };
     /// In a file.
-    pub const FILE: Self = Self { mode: "law.mode", horizon: "law.horizon_s" };
+    pub const FILE: Self = Self { mode: "law.mode", horizon: "law.horizon_s", framed: "law.frame" };
 }
 
 impl GivenLaw {
-    /// The law that is given; what is left open is `base`'s. `keys` names mode and horizon in an error.
+    /// The law that is given; what is left open is `base`'s. `keys` names the settings in an error.
     ///
     /// # Errors
-    /// A mode or a horizon for another law than the optimal law, or a horizon out of its range.
+    /// A setting of the optimal law for another law, or a horizon out of its range.
     pub fn or(self, base: LawChoice, keys: LawKeys) -> Result<LawChoice> {
         let name = self.name.unwrap_or(base.law.name());
         if name != LawName::Optimal && self.mode.is_some() {
@@ -55,7 +61,12 @@ impl GivenLaw {
         }
         let kept = if name == base.law.name() { base } else { LawChoice::new(name) };
         let law = LawId::new(name, self.mode.or(kept.law.mode()).unwrap_or_default());
-        LawChoice { law, horizon_s: self.horizon_s.or(kept.horizon_s) }.validated(keys)
+        LawChoice {
+            law,
+            horizon_s: self.horizon_s.or(kept.horizon_s),
+            framed: self.framed.unwrap_or(kept.framed),
+        }
+        .validated(keys)
     }
 }
 
@@ -65,22 +76,25 @@ impl LawChoice {
     /// The optimal law in its default mode: the default of live runs and drives.
     pub const OPTIMAL: Self = Self::of(LawId::Intermittent);
 
-    /// A law with its own horizon.
+    /// A law with its own horizon, which shows the boat alone.
     pub const fn of(law: LawId) -> Self {
-        Self { law, horizon_s: None }
+        Self { law, horizon_s: None, framed: Framed::Boat }
     }
 
     fn new(name: LawName) -> Self {
         Self::of(LawId::new(name, OptimalMode::default()))
     }
 
-    /// The choice, if its horizon is in its range and the law has one.
+    /// The choice, if its horizon is in its range and the law has these settings.
     ///
     /// # Errors
-    /// A horizon for another law than the optimal law, or out of its range.
+    /// A setting of the optimal law for another law, or a horizon out of its range.
     pub fn validated(self, keys: LawKeys) -> Result<Self> {
         if self.horizon_s.is_some() && self.law.name() != LawName::Optimal {
             bail!("{}", for_optimal_alone(keys.horizon, self.law.name()));
+        }
+        if self.framed != Framed::Boat && self.law.name() != LawName::Optimal {
+            bail!("{}", for_optimal_alone(keys.framed, self.law.name()));
         }
         let range = OptimalSettings::HORIZONS_S;
         if let Some(horizon) = self.horizon_s.filter(|horizon| !range.contains(horizon)) {
@@ -92,12 +106,18 @@ impl LawChoice {
     /// The law's settings.
     pub fn settings(&self) -> LawSettings {
         match LawSettings::new(self.law) {
-            LawSettings::Optimal(optimal) => {
-                LawSettings::Optimal(OptimalSettings { horizon_s: self.horizon_s, ..optimal })
-            }
+            LawSettings::Optimal(optimal) => LawSettings::Optimal(OptimalSettings {
+                horizon_s: self.horizon_s,
+                framed: self.framed,
+                ..optimal
+            }),
             other => other,
         }
     }
+}
+
+fn is_boat(framed: &Framed) -> bool {
+    *framed == Framed::Boat
 }
 
 fn for_optimal_alone(key: &str, name: LawName) -> String {

@@ -234,9 +234,11 @@ impl Pilot {
     fn evaluate(&mut self, age: Option<Duration>, now: Timestamp) -> ObservationResult {
         let evaluated = self.track.localisation().copied().zip(self.region).map(|(localisation, region)| {
             let percept = Percept::new(localisation.centre.in_image(localisation.picture), region);
+            let destination = self.vessel.as_ref().and_then(|vessel| vessel.destination_in_picture(now));
             let input = LawInput {
                 percept: &percept,
                 region,
+                destination: destination.map(|at| at.in_image(localisation.picture)),
                 picture: localisation.picture,
                 captured: localisation.captured,
                 is_measured: matches!(self.track, Track::Tracking(_)),

@@ -14,8 +14,8 @@ use core::time::Duration;
 use barrelman_control::CameraModel;
 use barrelman_vocab::telemetry::Report;
 use barrelman_vocab::{
-    HoldCause, Localisation, MarkKind, PictureSize, StopCause, Telemetry, Timestamp, VesselCommand,
-    VesselProfile, WaterPoint,
+    HoldCause, Localisation, MarkKind, PictureSize, PixelPoint, StopCause, Telemetry, Timestamp,
+    VesselCommand, VesselProfile, WaterPoint,
 };
 
 use crate::object_trackers::ObjectTrackers;
@@ -175,6 +175,11 @@ impl VesselPilot {
     /// The operator's marks, oldest first.
     pub(crate) fn marks(&self) -> impl Iterator<Item = &Mark> {
         self.marks.iter()
+    }
+
+    /// The pixel of the destination in the newest video frame, also outside of the picture.
+    pub(crate) fn destination_in_picture(&self, now: Timestamp) -> Option<PixelPoint> {
+        self.marks.destination()?.pixel(self.frame_view.as_ref()?, now)
     }
 
     /// Another boat was selected: the guidance of the previous one ends.

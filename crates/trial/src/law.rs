@@ -38,6 +38,7 @@ pub fn run_open_loop(
             law.command(&LawInput {
                 percept: &percept,
                 region,
+                destination: None,
                 picture: log.frame,
                 captured: now,
                 is_measured: true,

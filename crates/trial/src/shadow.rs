@@ -25,7 +25,15 @@ pub fn simulate_motor_schema(
             let percept = Percept::new(position, region);
             let captured = now.minus(profile.video_latency);
             shadow.step(
-                &LawInput { percept: &percept, region, picture: log.frame, captured, is_measured: true, now },
+                &LawInput {
+                    percept: &percept,
+                    region,
+                    destination: None,
+                    picture: log.frame,
+                    captured,
+                    is_measured: true,
+                    now,
+                },
                 &camera,
             )
         });
@@ -65,7 +73,15 @@ impl MotorSchemaShadow {
             (Some(seen), Some(percept), Some(region)) if self.last_captured != Some(seen.captured) => {
                 self.last_captured = Some(seen.captured);
                 let (picture, captured) = (seen.picture, seen.captured);
-                let input = LawInput { percept: &percept, region, picture, captured, is_measured: true, now };
+                let input = LawInput {
+                    percept: &percept,
+                    region,
+                    destination: None,
+                    picture,
+                    captured,
+                    is_measured: true,
+                    now,
+                };
                 let ShadowStep { p, command, .. } = self.shadow.step(&input, &self.camera);
                 (self.p, self.command) = (Some(p), command);
             }

@@ -98,6 +98,33 @@ pub enum OptimalMode {
     Intermittent,
 }
 
+/// What the optimal law shows.
+#[derive(
+    Debug,
+    Clone,
+    Copy,
+    PartialEq,
+    Eq,
+    PartialOrd,
+    Ord,
+    Hash,
+    Default,
+    Serialize,
+    Deserialize,
+    JsonSchema,
+    IntoStaticStr,
+    VariantArray,
+)]
+#[serde(rename_all = "kebab-case")]
+#[strum(serialize_all = "kebab-case")]
+pub enum Framed {
+    /// The target.
+    #[default]
+    Boat,
+    /// The target, and where it goes, as far as both fit into the picture.
+    Both,
+}
+
 impl LawId {
     /// The law of this name; `mode` is the optimal law's.
     pub const fn new(name: LawName, mode: OptimalMode) -> Self {
@@ -162,6 +189,15 @@ impl Named for OptimalMode {
             Self::TimeFuel => "Energy and time in motion: short movements at a cruising speed",
             Self::Eco => "Least energy and time in motion, in about as many movements as the schema",
             Self::Intermittent => "One smooth movement for each excursion, with a rest after it",
+        }
+    }
+}
+
+impl Named for Framed {
+    fn text(self) -> &'static str {
+        match self {
+            Self::Boat => "The boat alone: fewest movements",
+            Self::Both => "The boat, and its destination as far as both fit into the picture",
         }
     }
 }

@@ -45,7 +45,7 @@ pub use command::{CameraCommand, RENEWAL_GRACE};
 pub use drill::DrillName;
 pub use hold_cause::HoldCause;
 pub use image::{ImagePoint, PictureSize, PixelBox, PixelPoint};
-pub use law::{LawId, LawName, OptimalMode};
+pub use law::{Framed, LawId, LawName, OptimalMode};
 pub use lens::{BrownConrady, Distortion, Lens};
 pub use link_command::LinkCommand;
 pub use named::Named;

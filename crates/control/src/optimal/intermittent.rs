@@ -8,9 +8,10 @@
 //! Work per step: O(1), no allocation.
 
 use barrelman_vocab::profile::{AxisRates, VehicleProfile};
-use barrelman_vocab::{AngularRate, CameraCommand, Timestamp};
+use barrelman_vocab::{AngularRate, CameraCommand, Framed, Timestamp};
 
 use super::circumstances::{Circumstances, UsualMotion, additional_delay_s, additional_lag_s, usual_motion};
+use super::framing::Framing;
 use super::intermittent_tuning::IntermittentTuning;
 use super::mean_bearing::{ExpectedReturn, MeanBearing, mean_bearing};
 use super::movement::Ramps;
@@ -36,6 +37,7 @@ pub struct IntermittentLaw {
     min_rates: Pair,
     ramps: [Ramps; 2],
     bearings: BearingFilter,
+    framing: Framing,
     mean_bearing: MeanBearing,
     usual_motion: UsualMotion,
     start_look_ahead: Propagation,
@@ -65,6 +67,7 @@ impl IntermittentLaw {
             min_rates,
             ramps: [0, 1].map(|i| Ramps::new(lags_s[i], tuning.cruise_rate.base, responses_s, min_rates[i])),
             bearings: BearingFilter::new(tuning.noise),
+            framing: Framing::default(),
             mean_bearing: mean_bearing(tuning.memory_s),
             usual_motion: usual_motion(),
             start_look_ahead: look_ahead(tuning.start_look_ahead_s),
@@ -76,6 +79,12 @@ impl IntermittentLaw {
             cruise_rate: MIN_CRUISE_RATE,
             plateaus: [0.0; 2],
         }
+    }
+
+    /// The same law, which shows this.
+    #[must_use]
+    pub fn showing(self, framed: Framed) -> Self {
+        Self { framing: Framing::new(framed), ..self }
     }
 
     /// Discards the observations of the target.
@@ -104,6 +113,7 @@ impl IntermittentLaw {
         let Some(prediction) = Prediction::observed(&mut self.bearings, noise, input, camera) else {
             return CameraCommand::REST;
         };
+        let prediction = prediction.held_in(self.framing.region(input));
         let mean = self.mean_bearing.observe(prediction.bearing.direction(), input.now);
         let return_time_s = self.tuning.return_time_s;
         let prediction = prediction.with_return(ExpectedReturn { mean, return_time_s });

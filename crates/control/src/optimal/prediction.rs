@@ -2,11 +2,11 @@
 
 use barrelman_vocab::ImagePoint;
 
+use super::framing::HeldRegion;
 use super::mean_bearing::ExpectedReturn;
 use crate::bearing::{Bearing, BearingFilter, BearingNoise, Propagation};
 use crate::camera_model::CameraModel;
 use crate::law_input::LawInput;
-use crate::region::Region;
 use crate::transfer::{Pair, Transfer};
 use crate::view::View;
 
@@ -30,7 +30,8 @@ pub(super) struct Prediction<'a> {
     /// The camera at the picture's time of capture.
     pub(super) view: View,
     pub(super) focal_px: f64,
-    pub(super) region: Region,
+    /// Where the target is held.
+    pub(super) region: HeldRegion,
     pub(super) bearing: Bearing,
     pub(super) noise: BearingNoise,
     /// From the time of the bearing to the effect time.
@@ -69,13 +70,18 @@ impl<'a> Prediction<'a> {
             camera,
             view,
             focal_px: camera.focal_px(input.now, input.picture),
-            region: input.region,
+            region: HeldRegion::whole(input.region),
             bearing: *bearing,
             noise,
             until_effect: Propagation::new(age_s, &noise),
             start_s,
             expected_return: None,
         })
+    }
+
+    /// The same prediction for a target that is held in a part of the region.
+    pub(super) fn held_in(self, region: HeldRegion) -> Self {
+        Self { region, ..self }
     }
 
     /// The same prediction for a target that returns to its mean direction.
@@ -92,11 +98,12 @@ impl<'a> Prediction<'a> {
         self.predicted_view(after, angles)
     }
 
-    /// Turning that moves the target from this view to the centre, relative to the turning that a level camera needs:
+    /// Turning that moves the target from this view to the middle of its region, relative to the turning that a level camera needs:
     /// at least 1, and at most 4 where pan has no effect.
     pub(super) fn turning_effort(&self, PredictedView { view, point, .. }: &PredictedView) -> f64 {
         const MIN_GAIN: f64 = 0.25;
         let jacobian = view.jacobian(*point);
+        let point = self.region.relative_to_centre(*point);
         let across = point.x * self.focal_px / jacobian.pan[0].abs().max(MIN_GAIN * self.focal_px);
         let along = point.y * self.focal_px / jacobian.tilt[1].abs().max(MIN_GAIN * self.focal_px);
         let level = (point.x * point.x + point.y * point.y).max(1.0);
@@ -111,7 +118,8 @@ impl<'a> Prediction<'a> {
 
     /// A small angle in semi-axes of the region (the smaller one), near the picture's centre.
     pub(super) fn in_semi_axes(&self, angle: f64) -> f64 {
-        self.focal_px * angle / self.region.a_px.min(self.region.b_px)
+        let [a, b] = self.region.semi_axes_px();
+        self.focal_px * angle / a.min(b)
     }
 
     fn predicted_view(&self, after: &Propagation, [pan, tilt]: Pair) -> PredictedView {
@@ -158,9 +166,10 @@ impl<'a> Prediction<'a> {
         }
         let coasting = self.predicted_view(&Propagation::new(horizon_s + look_ahead_s, &self.noise), angles);
         let jacobian = coasting.view.jacobian(coasting.point);
-        let (a, b) = (self.region.a_px, self.region.b_px);
+        let [a, b] = self.region.semi_axes_px();
+        let offset = self.region.relative_to_centre(coasting.point);
         Transfer {
-            offset: [coasting.point.x / a, coasting.point.y / b],
+            offset: [offset.x / a, offset.y / b],
             pan: [jacobian.pan[0] * gain_s[0] / a, jacobian.pan[1] * gain_s[0] / b],
             tilt: [jacobian.tilt[0] * gain_s[1] / a, jacobian.tilt[1] * gain_s[1] / b],
             aim,

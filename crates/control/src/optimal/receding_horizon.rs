@@ -10,8 +10,9 @@
 //! Work per step: O(1), no allocation.
 
 use barrelman_vocab::profile::{AxisRates, VehicleProfile};
-use barrelman_vocab::{AngularRate, CameraCommand, Timestamp};
+use barrelman_vocab::{AngularRate, CameraCommand, Framed, Timestamp};
 
+use super::framing::Framing;
 use super::prediction::{MIN_RATE_TO_STOP, PredictedView, Prediction, TransferGoal};
 use super::tuning::Tuning;
 use crate::bearing::{BearingFilter, Propagation};
@@ -29,6 +30,7 @@ pub struct RecedingHorizonLaw {
     limits: Pair,
     min_rates: Pair,
     bearings: BearingFilter,
+    framing: Framing,
     stop_look_ahead: Propagation,
     command_in_force: CameraCommand,
     rested_since: Option<Timestamp>,
@@ -45,11 +47,18 @@ impl RecedingHorizonLaw {
             limits: [0, 1].map(|axis| limits[axis].min(tuning.max_rate.max(min_rates[axis]))),
             min_rates,
             bearings: BearingFilter::new(tuning.noise),
+            framing: Framing::default(),
             stop_look_ahead: Propagation::new(tuning.stop_look_ahead_s, &tuning.noise),
             tuning,
             command_in_force: CameraCommand::REST,
             rested_since: None,
         }
+    }
+
+    /// The same law, which shows this.
+    #[must_use]
+    pub fn showing(self, framed: Framed) -> Self {
+        Self { framing: Framing::new(framed), ..self }
     }
 
     /// Discards the observations of the target.
@@ -71,6 +80,7 @@ impl RecedingHorizonLaw {
         let Some(prediction) = Prediction::observed(&mut self.bearings, noise, input, camera) else {
             return CameraCommand::REST;
         };
+        let prediction = prediction.held_in(self.framing.region(input));
         let outside = if self.command_in_force.is_rest() {
             self.view_outside_start(&prediction, input.now)
         } else {

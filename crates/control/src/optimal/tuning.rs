@@ -1,6 +1,6 @@
 //! Settings of the optimal law: its modes and the tuning of each mode.
 
-use barrelman_vocab::OptimalMode;
+use barrelman_vocab::{Framed, OptimalMode};
 
 use super::intermittent_tuning::IntermittentTuning;
 use crate::bearing::BearingNoise;
@@ -13,12 +13,14 @@ pub struct OptimalSettings {
     /// Time within which the law brings the target back, seconds. A longer horizon gives slower movements. `None`
     /// selects the horizon of the mode.
     pub horizon_s: Option<f64>,
+    /// What the law shows.
+    pub framed: Framed,
 }
 
 impl OptimalSettings {
     /// A mode with its own horizon.
     pub const fn new(mode: OptimalMode) -> Self {
-        Self { mode, horizon_s: None }
+        Self { mode, horizon_s: None, framed: Framed::Boat }
     }
 
     /// Valid horizons, seconds.

@@ -4,8 +4,8 @@ use core::time::Duration;
 
 use barrelman_control::optimal::{OptimalLaw, OptimalSettings, Tuning};
 use barrelman_control::{CameraLaw, LawInput, LawSettings, Percept, Region};
-use barrelman_vocab::OptimalMode;
 use barrelman_vocab::{AngularRate, CameraCommand, ImagePoint, PictureSize, Timestamp, VehicleProfile};
+use barrelman_vocab::{Framed, LawId, OptimalMode};
 use proptest::prelude::*;
 
 const PICTURE: PictureSize = PictureSize::new(640, 480);
@@ -37,6 +37,7 @@ pub(crate) fn step(
         picture: PICTURE,
         captured,
         is_measured: true,
+        destination: None,
         now,
     });
     law.on_command_applied(command, now);
@@ -235,8 +236,15 @@ fn what_the_tracker_expects_is_no_look() {
                 Percept::new(ImagePoint { x, y: 0.0 }, Region::from_shares(profile.region, PICTURE));
             let captured = now.minus(Duration::from_millis(100));
             let region = Region::from_shares(profile.region, PICTURE);
-            let input =
-                LawInput { percept: &percept, region, picture: PICTURE, captured, is_measured: seen, now };
+            let input = LawInput {
+                percept: &percept,
+                region,
+                destination: None,
+                picture: PICTURE,
+                captured,
+                is_measured: seen,
+                now,
+            };
             let command = law.command(&input);
             law.on_command_applied(command, now);
             commands.push(command);
@@ -332,7 +340,10 @@ fn a_least_rate_above_the_mode_s_largest_is_turned_at() {
 fn a_longer_horizon_is_lazier() {
     let profile = VehicleProfile::fotokite_pro();
     let effort = |horizon_s: f64| {
-        let settings = OptimalSettings { mode: OptimalMode::MinimumEnergy, horizon_s: Some(horizon_s) };
+        let settings = OptimalSettings {
+            horizon_s: Some(horizon_s),
+            ..OptimalSettings::new(OptimalMode::MinimumEnergy)
+        };
         let mut law = CameraLaw::new(LawSettings::Optimal(settings), &profile);
         let [pan, _] =
             rates(step(&mut law, &profile, ImagePoint { x: 190.0, y: 0.0 }, Timestamp::from_secs_f64(1.0)));
@@ -393,5 +404,57 @@ proptest! {
             prop_assert!((pan + other_pan).abs() < 1e-9, "{} {}", pan, other_pan);
             prop_assert!((tilt - other_tilt).abs() < 1e-9, "{} {}", tilt, other_tilt);
         }
+    }
+}
+
+/// Where a target that goes to the right at 0.05 rad/s is held: its largest P and its largest x in the last 20 s, with
+/// a destination that is `ahead_px` to the right of the target.
+fn held(framed: Framed, ahead_px: f64) -> (f64, f64) {
+    let profile = vehicle_without_lag();
+    let settings = LawSettings::new(LawId::Intermittent).showing(framed);
+    let mut law = CameraLaw::new(settings, &profile);
+    let focal_px = profile.camera.focal_share * f64::from(PICTURE.width);
+    let region = Region::from_shares(profile.region, PICTURE);
+    let (mut pan, mut largest_p, mut largest_x) = (0.0, 0.0_f64, f64::NEG_INFINITY);
+    for k in 0..1200 {
+        let t = f64::from(k) * STEP_S;
+        let now = Timestamp::from_secs_f64(1.0 + t);
+        let position = ImagePoint { x: focal_px * libm::tan(0.05 * t - pan), y: 0.0 };
+        let destination = Some(ImagePoint { x: position.x + ahead_px, y: 0.0 });
+        let percept = Percept::new(position, region);
+        let input = LawInput {
+            percept: &percept,
+            region,
+            destination,
+            picture: PICTURE,
+            captured: now,
+            is_measured: true,
+            now,
+        };
+        let command = law.command(&input);
+        law.on_command_applied(command, now);
+        pan += STEP_S * rates(command)[0];
+        if t > 20.0 {
+            largest_p = largest_p.max(percept.p);
+            largest_x = largest_x.max(position.x);
+        }
+    }
+    (largest_p, largest_x)
+}
+
+#[test]
+fn a_destination_ahead_is_shown_by_holding_the_target_back_within_the_region() {
+    // The picture ends 320 px from its middle, the region 192 px.
+    let (p, x) = held(Framed::Both, 290.0);
+    assert!(x + 290.0 < 320.0, "the destination is in the picture all the time: {x}");
+    assert!(p <= 1.0, "{p}");
+    let (_, alone) = held(Framed::Boat, 290.0);
+    assert!(alone + 290.0 > 400.0, "it would be outside of the picture: {alone}");
+}
+
+#[test]
+fn a_destination_that_is_near_or_cannot_be_shown_changes_nothing() {
+    for ahead_px in [60.0, 700.0, f64::NAN] {
+        assert_eq!(held(Framed::Both, ahead_px), held(Framed::Boat, ahead_px), "{ahead_px}");
     }
 }

@@ -35,6 +35,7 @@ impl Scene {
         let mut input = SizeInput {
             size: self.size_at(range_m),
             p: 0.1,
+            destination_share: 0.0,
             is_measured: true,
             confidence: 0.9,
             focal_shares: (self.focal_share, self.focal_share),
@@ -121,4 +122,20 @@ fn no_input_makes_a_rate_that_is_above_the_limit_or_no_number() {
             }
         }
     }
+}
+
+#[test]
+fn a_destination_that_is_to_be_shown_widens_the_view_as_far_as_the_target_stays_large_enough() {
+    let far_m = 300.0;
+    let mut scene = Scene::new();
+    scene.after(20.0, far_m, |_| {});
+    let closest = scene.focal_share;
+    let beyond = |input: &mut SizeInput| input.destination_share = 1.2;
+    assert_eq!(scene.after(1.0, 0.7 * far_m, beyond), -0.2);
+    assert!(scene.focal_share < closest);
+    assert_eq!(scene.after(1.0, 0.7 * far_m, |input| input.destination_share = 0.7), 0.0, "it is shown");
+    scene.after(60.0, 0.7 * far_m, beyond);
+    assert!((1.4..1.6).contains(&(scene.size_at(0.7 * far_m) / 0.02)), "{}", scene.size_at(0.7 * far_m));
+    let closer = |share: f64| Scene::new().after(3.0, far_m, |input| input.destination_share = share) > 0.0;
+    assert!(closer(0.7) && !closer(0.85));
 }

@@ -15,7 +15,7 @@ use barrelman_trial::campaign::{
 use barrelman_trial::logs::TrialLog;
 use barrelman_trial::metrics::{Arena, TrialEntry, measure};
 use barrelman_trial::records::SimulatedTrial;
-use barrelman_vocab::{AngularRate, Named as _, VehicleProfile};
+use barrelman_vocab::{AngularRate, Framed, Named as _, VehicleProfile};
 use clap::ValueEnum;
 
 use super::drive_requests::DriveRequests;
@@ -145,6 +145,7 @@ impl CampaignPlan {
             law: request.law.law.name().key().to_owned(),
             mode: request.law.law.mode().map(|mode| mode.key().to_owned()),
             horizon_s: request.law.horizon_s,
+            frame: (request.law.framed != Framed::Boat).then(|| request.law.framed.key().to_owned()),
             rate_rad_per_s: request.rate,
             perception: perception.to_owned(),
             setting: loaded.setting.clone(),

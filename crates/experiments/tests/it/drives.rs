@@ -145,7 +145,7 @@ fn a_trial_of_a_stored_drive_is_that_drive_and_a_camera_law_is_tried_on_it() {
 #[test]
 fn a_stored_drive_is_read_as_it_was_written() {
     let path = std::env::temp_dir().join(format!("barrelman-drive-{}.jsonl", std::process::id()));
-    let law = LawChoice { law: LawId::Eco, horizon_s: Some(1.5) };
+    let law = LawChoice { horizon_s: Some(1.5), ..LawChoice::of(LawId::Eco) };
     let setup = setup(law, true);
     let mut writer = DriveWriter::begin(OutputFile::open(&path, true).unwrap(), &setup).unwrap();
     writer.add(0, ENGAGE).unwrap();

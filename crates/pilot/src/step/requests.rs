@@ -138,9 +138,13 @@ impl Pilot {
     }
 
     /// Changes the law. The settings at the start are those of their own law; every other law has its
-    /// defaults.
+    /// defaults, and shows the same.
     fn change_law(&mut self, law: LawId) {
-        self.settings.law = if law == self.first_law.id() { self.first_law } else { LawSettings::new(law) };
+        self.settings.law = if law == self.first_law.id() {
+            self.first_law
+        } else {
+            LawSettings::new(law).showing(self.first_law.framed())
+        };
         self.law.change_law(self.settings.law, &self.settings.profile);
     }
 }

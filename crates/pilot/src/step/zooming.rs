@@ -2,7 +2,7 @@
 
 use barrelman_control::size_keeping::SizeInput;
 use barrelman_control::{LawInput, Percept};
-use barrelman_vocab::{CameraCommand, Localisation, Nudge, Timestamp};
+use barrelman_vocab::{CameraCommand, Framed, ImagePoint, Localisation, Nudge, PictureSize, Timestamp};
 
 use super::Pilot;
 use crate::outcome::{Notice, ZoomState};
@@ -29,6 +29,13 @@ impl Pilot {
         percept: &Percept,
         input: &LawInput<'_>,
     ) -> CameraCommand {
+        let destination_share = match (self.settings.law.framed(), input.destination) {
+            (Framed::Both, Some(ImagePoint { x, y })) => {
+                let PictureSize { width, height } = input.picture;
+                (2.0 * x.abs() / f64::from(width.max(1))).max(2.0 * y.abs() / f64::from(height.max(1)))
+            }
+            (Framed::Boat, _) | (Framed::Both, None) => 0.0,
+        };
         let camera = self.law.camera();
         let focal_shares = (camera.focal_share_at(input.captured), camera.focal_share_at(input.now));
         let Some(zooming) = self.zooming.as_mut().filter(|zooming| zooming.keeps_size) else {
@@ -38,6 +45,7 @@ impl Pilot {
         let size_input = SizeInput {
             size: longer / f64::from(seen.picture.height.max(1)),
             p: percept.p,
+            destination_share,
             is_measured: input.is_measured,
             confidence: if self.verification.is_doubted() { 0.0 } else { seen.confidence },
             focal_shares,

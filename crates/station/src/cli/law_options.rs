@@ -1,8 +1,8 @@
-//! The options `--law`, `--mode` and `--horizon`, which several commands share.
+//! The options `--law`, `--mode`, `--horizon` and `--frame`, which several commands share.
 
 use anyhow::Result;
 use barrelman_experiments::law_choice::{GivenLaw, LawChoice, LawKeys, named_values};
-use barrelman_vocab::{LawName, OptimalMode};
+use barrelman_vocab::{Framed, LawName, OptimalMode};
 use clap::Args;
 
 use super::usage_error::UsageError;
@@ -20,6 +20,9 @@ pub struct LawOptions {
     /// moves the camera less. Default: the mode's.
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     pub horizon: Option<f64>,
+    /// What the optimal law shows; default: boat.
+    #[arg(long, value_parser = named_values::<Framed>())]
+    pub frame: Option<Framed>,
 }
 
 impl LawOptions {
@@ -28,7 +31,7 @@ impl LawOptions {
     /// # Errors
     /// If the options contradict each other, or the horizon is out of range.
     pub fn resolve(self, base: LawChoice) -> Result<LawChoice> {
-        GivenLaw { name: self.law, mode: self.mode, horizon_s: self.horizon }
+        GivenLaw { name: self.law, mode: self.mode, horizon_s: self.horizon, framed: self.frame }
             .or(base, LawKeys::OPTIONS)
             .map_err(|error| UsageError(error.to_string()).into())
     }
@@ -36,6 +39,11 @@ impl LawOptions {
 
 impl From<LawChoice> for LawOptions {
     fn from(choice: LawChoice) -> Self {
-        Self { law: Some(choice.law.name()), mode: choice.law.mode(), horizon: choice.horizon_s }
+        Self {
+            law: Some(choice.law.name()),
+            mode: choice.law.mode(),
+            horizon: choice.horizon_s,
+            frame: Some(choice.framed).filter(|framed| *framed != Framed::Boat),
+        }
     }
 }

@@ -147,6 +147,7 @@ fn campaign_name(settings: &CampaignSettings) -> String {
     let mut words = vec![settings.scenario.clone(), settings.law.clone(), settings.perception.clone()];
     words.extend(settings.mode.clone());
     words.extend(settings.horizon_s.map(|horizon| format!("horizon {horizon} s")));
+    words.extend(settings.frame.as_ref().map(|frame| format!("frame {frame}")));
     words.extend(settings.rate_rad_per_s.map(|rate| format!("{rate} rad/s")));
     words.extend((settings.plant != "nominal").then(|| format!("plant {}", settings.plant)));
     words.extend(settings.sea_state.map(|state| format!("sea state {state}")));

@@ -6,7 +6,7 @@ use barrelman_control::OptimalSettings;
 use barrelman_video::engine::VideoEngine;
 use barrelman_video::sender_clock::ClockChoice;
 use barrelman_vocab::profile::MAX_COAST_MOTION;
-use barrelman_vocab::{LawName, OptimalMode};
+use barrelman_vocab::{Framed, LawName, OptimalMode};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -68,6 +68,9 @@ pub struct LawSection {
     #[schemars(example = 1.73)]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub horizon_s: Option<f64>,
+    /// What the optimal law shows.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub frame: Option<Framed>,
 }
 
 /// The video source.

@@ -199,8 +199,13 @@ impl Configuration {
                 Some(LineEnding::Lf) => Framing::LineFeed,
             },
             profile,
-            law: GivenLaw { name: file.law.name, mode: file.law.mode, horizon_s: file.law.horizon_s }
-                .or(LawChoice::OPTIMAL, LawKeys::FILE)?,
+            law: GivenLaw {
+                name: file.law.name,
+                mode: file.law.mode,
+                horizon_s: file.law.horizon_s,
+                framed: file.law.frame,
+            }
+            .or(LawChoice::OPTIMAL, LawKeys::FILE)?,
             tracker: file.tracker.settings().validated()?,
             tracking_camera: file.tracking_camera.resolve(),
             tak: file.tak.resolve()?,

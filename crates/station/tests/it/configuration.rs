@@ -5,7 +5,7 @@ use barrelman_experiments::tracker_choice::TrackerName;
 use barrelman_station::cli::LawOptions;
 use barrelman_station::config::{self, ConfigFile, Configuration};
 use barrelman_vision::{FusedConfig, FusedSetting};
-use barrelman_vocab::{LawId, LawName, OptimalMode};
+use barrelman_vocab::{Framed, LawId, LawName, OptimalMode};
 
 fn resolved(text: &str) -> Result<Configuration, String> {
     let resolve = || -> anyhow::Result<Configuration> { Configuration::resolve(&config::parse(text)?) };
@@ -266,13 +266,17 @@ fn the_optimal_law_is_used_unless_another_is_named() {
     let eco = resolved("[law]\nmode = \"eco\"\n").unwrap();
     assert_eq!(eco.law, LawChoice::of(LawId::Eco));
     assert_eq!(resolved(&eco.to_toml().unwrap()).unwrap().law, eco.law);
+    let both = resolved("[law]\nframe = \"both\"\n").unwrap();
+    assert_eq!(both.law, LawChoice { framed: Framed::Both, ..LawChoice::OPTIMAL });
+    assert_eq!(resolved(&both.to_toml().unwrap()).unwrap().law, both.law);
+    refused("[law]\nname = \"schema\"\nframe = \"both\"\n", "law.frame is for the law");
 }
 
 #[test]
 fn the_command_line_says_otherwise_than_the_configuration_about_the_law() {
     let eco = LawChoice::of(LawId::Eco);
     let chosen = |law, mode, horizon| {
-        LawOptions { law, mode, horizon }.resolve(eco).map_err(|error| error.to_string())
+        LawOptions { law, mode, horizon, frame: None }.resolve(eco).map_err(|error| error.to_string())
     };
     assert_eq!(chosen(None, None, None), Ok(eco));
     assert_eq!(chosen(None, None, Some(2.0)), Ok(LawChoice { horizon_s: Some(2.0), ..eco }));
@@ -286,4 +290,8 @@ fn the_command_line_says_otherwise_than_the_configuration_about_the_law() {
         chosen(Some(LawName::Schema), Some(OptimalMode::Eco), None).unwrap_err().contains("--mode is for")
     );
     assert!(chosen(None, None, Some(9.0)).unwrap_err().contains("--horizon = 9"));
+    let both = LawOptions { frame: Some(Framed::Both), ..LawOptions::default() };
+    assert_eq!(both.resolve(eco).unwrap(), LawChoice { framed: Framed::Both, ..eco });
+    let schema = LawOptions { law: Some(LawName::Schema), ..both }.resolve(eco).unwrap_err();
+    assert!(schema.to_string().contains("--frame is for the law"), "{schema}");
 }

@@ -20,6 +20,9 @@ pub struct CampaignSettings {
     /// Horizon of the optimal law, s; `None`: the mode's default.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub horizon_s: Option<f64>,
+    /// What the optimal law shows, where it is not the boat alone.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub frame: Option<String>,
     /// Camera rate of the motor schema, rad/s; `None`: the vehicle's.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rate_rad_per_s: Option<f64>,

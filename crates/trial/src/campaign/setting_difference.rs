@@ -38,12 +38,13 @@ const WORLD: [Setting; 11] = [
 ];
 
 /// Settings that a comparison may be about.
-const CHOICES: [Setting; 7] = [
+const CHOICES: [Setting; 8] = [
     ("law", |settings| settings.law.clone()),
     ("mode", |settings| settings.mode.clone().unwrap_or_else(|| "none".to_owned())),
     ("horizon", |settings| {
         settings.horizon_s.map_or_else(|| "default".to_owned(), |horizon| format!("{horizon} s"))
     }),
+    ("frame", |settings| settings.frame.clone().unwrap_or_else(|| "boat".to_owned())),
     ("guidance", |settings| settings.guidance.clone().unwrap_or_else(|| "none".to_owned())),
     ("rate", |settings| {
         settings.rate_rad_per_s.map_or_else(|| "the vehicle's".to_owned(), |rate| format!("{rate} rad/s"))

@@ -36,6 +36,7 @@ impl Configuration {
                 name: Some(self.law.law.name()),
                 mode: self.law.law.mode(),
                 horizon_s: self.law.horizon_s,
+                frame: Some(self.law.framed),
             },
             tracker: TrackerSection::from_settings(&self.tracker),
             tracking_camera: TrackingCameraSection::from_config(&self.tracking_camera),
