@@ -25,6 +25,7 @@ use barrelman_vocab::{
 
 use self::axis::AxisModel;
 use self::focal_length::FocalLength;
+pub use self::focal_length::UnreportedZoom;
 use crate::view::View;
 
 /// Standard deviation of a kite's sway in wind, radians per square root of a second: 3 degrees with a time constant of
@@ -130,6 +131,16 @@ impl CameraModel {
         if let Some(share) = focal_share_of(angle) {
             self.focal_length.report(share, at);
         }
+    }
+
+    /// How the camera zooms at a time; `None`: it does not zoom by command, or reports its field of view.
+    pub fn unreported_zoom(&self, at: Timestamp) -> Option<UnreportedZoom> {
+        self.focal_length.unreported_zoom(at)
+    }
+
+    /// Takes the growth of the picture between two times of capture, the logarithm of its scale.
+    pub fn on_growth(&mut self, growth: f64, from: Timestamp, to: Timestamp) {
+        self.focal_length.grow(growth, from, to);
     }
 
     /// Focal length at a time, as a share of the picture's width.

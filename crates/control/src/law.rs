@@ -172,6 +172,11 @@ impl CameraLaw {
         self.camera.set_field_of_view(angle, at);
     }
 
+    /// Processes the growth of the picture between two times of capture, the logarithm of its scale.
+    pub fn on_growth(&mut self, growth: f64, from: Timestamp, to: Timestamp) {
+        self.camera.on_growth(growth, from, to);
+    }
+
     /// Discards the observations of the target: another target was selected.
     pub fn reset_target(&mut self) {
         self.law.reset_target();

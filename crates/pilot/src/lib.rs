@@ -19,6 +19,7 @@ pub mod vehicle;
 pub mod calibration;
 mod candidates;
 pub mod detections;
+mod growth;
 mod held_marks;
 mod history;
 pub mod net_yaw;

@@ -3,11 +3,15 @@
 use barrelman_control::size_keeping::SizeKeeper;
 use barrelman_vocab::VehicleProfile;
 
+use crate::growth::ZoomGrowth;
+
 /// The zoom of a camera that has one.
-#[derive(Debug, Clone)]
+#[derive(Debug)]
 pub(crate) struct Zooming {
     pub(crate) keeper: SizeKeeper,
     pub(crate) keeps_size: bool,
+    /// Used where the camera does not report its field of view.
+    pub(crate) growth: ZoomGrowth,
 }
 
 impl Zooming {
@@ -15,7 +19,8 @@ impl Zooming {
     pub(crate) fn new(profile: &VehicleProfile) -> Option<Self> {
         let zoom = profile.zoom?;
         let keeper = SizeKeeper::new(profile.size, zoom, profile.camera.focal_share);
-        Some(Self { keeper, keeps_size: profile.size.is_on_at_start })
+        let keeps_size = profile.size.is_on_at_start;
+        Some(Self { keeper, keeps_size, growth: ZoomGrowth::default() })
     }
 
     /// Another target is followed from now on.

@@ -60,6 +60,7 @@ mod mean_shift;
 mod moments;
 mod window;
 
+mod picture_growth;
 mod picture_motion;
 mod proposal;
 mod saliency;
@@ -77,6 +78,7 @@ pub use mean_shift::{
     CamShiftTarget, EDGE_MARGIN_PX, MOMENT_MARGIN_PX, SearchResult, TerminationCriteria, cam_shift,
 };
 pub use moments::{MomentSource, Moments, WeightMap};
+pub use picture_growth::PictureGrowth;
 pub use picture_motion::{PATCH_CENTRES, PATCHES, PatchShift, PictureMotion};
 pub use proposal::{NoProposal, ObjectSizes, Proposal, Proposer};
 pub use refinement::{

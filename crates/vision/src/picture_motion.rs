@@ -97,29 +97,14 @@ impl PictureMotion {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::test_picture::smooth_noise;
     use barrelman_vocab::video::ColourEncoding;
 
     const SIZE: PictureSize = PictureSize::new(320, 180);
 
     /// A picture of smooth noise that is shifted by (right, down) pixels.
     fn picture(right: f64, down: f64) -> Picture {
-        let mut picture = Picture::black(SIZE, ColourEncoding::JPEG);
-        let [luma, ..] = picture.planes_mut();
-        let corner = |x: i64, y: i64| {
-            let mut state = (x.wrapping_mul(73_856_093) ^ y.wrapping_mul(19_349_663)) as u32;
-            state = (state ^ (state >> 15)).wrapping_mul(0x2c1b_3c6d);
-            f64::from((state ^ (state >> 12)).wrapping_mul(0x297a_2d39) >> 24)
-        };
-        for (index, sample) in luma.iter_mut().enumerate() {
-            let (x, y) = ((index % 320) as f64 - right, (index / 320) as f64 - down);
-            let (x, y) = (x / 5.0, y / 5.0);
-            let (i, j, p, q) =
-                (x.floor() as i64, y.floor() as i64, x.fract().rem_euclid(1.0), y.fract().rem_euclid(1.0));
-            let top = corner(i, j) * (1.0 - p) + corner(i + 1, j) * p;
-            let bottom = corner(i, j + 1) * (1.0 - p) + corner(i + 1, j + 1) * p;
-            *sample = (top * (1.0 - q) + bottom * q) as u8;
-        }
-        picture
+        smooth_noise(SIZE, |x, y| (x - right, y - down))
     }
 
     #[test]

@@ -28,3 +28,21 @@ pub(crate) fn painted(size: (u32, u32), colour: impl Fn(usize, usize) -> [u8; 3]
     }
     picture
 }
+
+/// A picture of smooth noise; `place` gives which of it a pixel shows.
+pub(crate) fn smooth_noise(size: PictureSize, place: impl Fn(f64, f64) -> (f64, f64)) -> Picture {
+    let corner = |x: i64, y: i64| {
+        let mut state = (x.wrapping_mul(73_856_093) ^ y.wrapping_mul(19_349_663)) as u32;
+        state = (state ^ (state >> 15)).wrapping_mul(0x2c1b_3c6d);
+        f64::from((state ^ (state >> 12)).wrapping_mul(0x297a_2d39) >> 24)
+    };
+    picture((size.width, size.height), |column, row| {
+        let (x, y) = place(column as f64, row as f64);
+        let (x, y) = (x / 5.0, y / 5.0);
+        let (i, j, p, q) =
+            (x.floor() as i64, y.floor() as i64, x.fract().rem_euclid(1.0), y.fract().rem_euclid(1.0));
+        let top = corner(i, j) * (1.0 - p) + corner(i + 1, j) * p;
+        let bottom = corner(i, j + 1) * (1.0 - p) + corner(i + 1, j + 1) * p;
+        (top * (1.0 - q) + bottom * q) as f32
+    })
+}

@@ -13,9 +13,9 @@ use barrelman_pilot::{Input, Outcome};
 use barrelman_sim::Truth;
 use barrelman_sim::scenario::TargetScript;
 use barrelman_simd::SimdLevel;
-use barrelman_trial::campaign::StepObserver;
+use barrelman_trial::campaign::{ReportErrors, StepObserver};
 use barrelman_trial::target_in_picture::TargetInPicture;
-use barrelman_vocab::{Timestamp, Track, VehicleRates, ZoomDynamics};
+use barrelman_vocab::{Timestamp, Track, VehicleRates, ZoomDynamics, ZoomRate};
 use clap::Args;
 
 use crate::law::conditions::CONDITIONS;
@@ -24,6 +24,11 @@ use crate::parallel;
 
 /// The zoom of the simulated camera.
 const ZOOM: ZoomDynamics = ZoomDynamics::usual(8.0);
+/// The same that is slower than its profile, which is that of [`ZOOM`].
+const SLOW_ZOOM: ZoomDynamics = ZoomDynamics { max_rate: ZoomRate::from_per_second(0.1), ..ZOOM };
+const UNREPORTED: ReportErrors = ReportErrors { has_field_of_view: false, ..ReportErrors::NONE };
+/// Frames after which a camera that was told to rest has rested.
+const RESTED_FRAMES: u32 = 60;
 /// Length of the boat, metres.
 const LENGTH_M: f64 = 1.2;
 /// Scenarios in rendered pictures.
@@ -57,7 +62,7 @@ pub(crate) struct Options {
 pub(crate) fn run(options: &Options) -> Result<bool> {
     print_line("                     at a fixed zoom                     with the size kept");
     print_line(
-        "                     outside  lost    in range  least px  outside  lost    in range  least px  zooms/min  largest",
+        "                     outside  lost    in range  least px  outside  lost    in range  least px  zooms/min  largest  focal error",
     );
     let mut is_met = true;
     let is_chosen = |row: &Row| {
@@ -78,6 +83,8 @@ struct Row {
     is_rendered: bool,
     /// Whether the boat becomes too small to be recognised at a fixed zoom.
     goes_away: bool,
+    /// Whether the zoom is slower than its profile says, and reports nothing.
+    is_unknown: bool,
 }
 
 impl Row {
@@ -92,25 +99,42 @@ fn rows() -> Result<Vec<Row>> {
     for condition in CONDITIONS {
         let request = request(condition.scenario, Some(condition.setting), false);
         let plan = CampaignPlan::new(&request)?;
-        rows.push(Row { name: condition.name(), plan, is_rendered: false, goes_away: false });
+        rows.push(Row {
+            name: condition.name(),
+            plan,
+            is_rendered: false,
+            goes_away: false,
+            is_unknown: false,
+        });
     }
     for scenario in RENDERED {
         let plan = CampaignPlan::new(&request(scenario, None, true))?;
-        rows.push(Row { name: scenario.to_owned(), plan, is_rendered: true, goes_away: false });
+        rows.push(Row {
+            name: scenario.to_owned(),
+            plan,
+            is_rendered: true,
+            goes_away: false,
+            is_unknown: false,
+        });
     }
-    for is_rendered in [false, true] {
+    for (is_rendered, is_unknown) in [(false, false), (true, false), (false, true), (true, true)] {
         let plan = CampaignPlan::new(&request("open", None, is_rendered))?;
         let plan = plan.with_changed_scenario(|scenario| {
             if let TargetScript::Boat(boat) = &mut scenario.target {
-                boat.way_points =
-                    vec![(0.0, 22.0), (12.0, 60.0), (0.0, 120.0), (-20.0, 190.0), (10.0, 120.0)];
-                boat.way_points.extend([(12.0, 60.0), (0.0, 24.0)]);
+                let far = [(0.0, 120.0), (-20.0, 190.0), (10.0, 120.0)];
+                boat.way_points = vec![(0.0, 22.0), (12.0, 60.0)];
+                boat.way_points.extend(far.iter().filter(|_| !is_unknown));
+                boat.way_points.extend([(-12.0, 70.0), (0.0, 24.0)]);
                 (boat.speed_m_per_s, boat.max_throttle) = (3.0, 1.0);
             }
-            scenario.max_s = 180.0;
+            scenario.max_s = if is_unknown { 60.0 } else { 180.0 };
         });
-        let name = if is_rendered { "away, in pixels" } else { "away" };
-        rows.push(Row { name: name.to_owned(), plan, is_rendered, goes_away: true });
+        let (plan, name) = match is_unknown {
+            false => (plan, "away"),
+            true => (plan.with_report_errors(UNREPORTED), "unknown"),
+        };
+        let name = format!("{name}{}", if is_rendered { ", in pixels" } else { "" });
+        rows.push(Row { name, plan, is_rendered, goes_away: !is_unknown, is_unknown });
     }
     Ok(rows)
 }
@@ -131,7 +155,8 @@ fn request(scenario: &str, setting: Option<&str>, is_rendered: bool) -> Campaign
 fn run_row(row: &Row, options: &Options) -> Result<bool> {
     let seeds = row.seeds(options);
     let with = |keeps_size: bool| {
-        let plan = row.plan.clone().with_changed_scenario(|scenario| scenario.mount.zoom = Some(ZOOM));
+        let zoom = if row.is_unknown { SLOW_ZOOM } else { ZOOM };
+        let plan = row.plan.clone().with_changed_scenario(|scenario| scenario.mount.zoom = Some(zoom));
         plan.with_changed_profile(|profile| {
             profile.zoom = Some(ZOOM);
             profile.size.is_on_at_start = keeps_size;
@@ -139,12 +164,13 @@ fn run_row(row: &Row, options: &Options) -> Result<bool> {
     };
     let (fixed, kept) = (measure(&with(false), &seeds)?, measure(&with(true), &seeds)?);
     print_line(&format!(
-        "{:20} {}  {}  {:>9.2}  {:>6.1}x",
+        "{:20} {}  {}  {:>9.2}  {:>6.1}x  {:>9.1} %",
         row.name,
         fixed.cells(),
         kept.cells(),
         60.0 * kept.zooms as f64 / kept.seconds,
         kept.largest_zoom,
+        100.0 * kept.focal_error,
     ));
     let is_recognised = !row.goes_away || kept.least_px >= LEAST_PX;
     Ok(is_recognised
@@ -184,6 +210,12 @@ struct Figures {
     zooms: u32,
     largest_zoom: f64,
     is_zooming: bool,
+    rested_frames: u32,
+    /// The largest error of the focal length of a camera that has rested, a share.
+    focal_error: f64,
+    /// The focal length that the pilot knows, over the widest one, and the widest one, pixels.
+    ratio: f64,
+    widest_px: f64,
 }
 
 impl Figures {
@@ -201,6 +233,10 @@ impl Figures {
             zooms: 0,
             largest_zoom: 1.0,
             is_zooming: false,
+            rested_frames: 0,
+            focal_error: 0.0,
+            ratio: 1.0,
+            widest_px: f64::INFINITY,
         }
     }
 
@@ -215,6 +251,7 @@ impl Figures {
             least_px: self.least_px.min(other.least_px),
             zooms: self.zooms + other.zooms,
             largest_zoom: self.largest_zoom.max(other.largest_zoom),
+            focal_error: self.focal_error.max(other.focal_error),
             ..self
         }
     }
@@ -243,7 +280,8 @@ impl StepObserver for Figures {
         let is_zooming = !outcome.command.zoom.is_zero();
         self.zooms += u32::from(is_zooming && !self.is_zooming);
         self.is_zooming = is_zooming;
-        self.largest_zoom = outcome.zoom.map_or(1.0, |zoom| zoom.ratio).max(self.largest_zoom);
+        self.ratio = outcome.zoom.map_or(1.0, |zoom| zoom.ratio);
+        self.largest_zoom = self.ratio.max(self.largest_zoom);
         if matches!(input, Input::Frame(_) | Input::Localisation(_)) {
             self.steps += 1;
             self.lost += u32::from(matches!(outcome.track, Track::Lost { .. }));
@@ -251,6 +289,13 @@ impl StepObserver for Figures {
     }
 
     fn on_truth(&mut self, truth: &Truth, _: Option<&TargetInPicture>) {
+        // The first picture is that of the widest view.
+        self.widest_px = self.widest_px.min(truth.focal_px);
+        self.rested_frames = if self.is_zooming { 0 } else { self.rested_frames + 1 };
+        if self.rested_frames > RESTED_FRAMES {
+            let error = self.ratio * self.widest_px / truth.focal_px - 1.0;
+            self.focal_error = self.focal_error.max(error.abs());
+        }
         let length_px = LENGTH_M * truth.focal_px / truth.range_m;
         self.least_px = self.least_px.min(length_px);
         self.pictures += 1;

@@ -2,7 +2,7 @@
 //!
 //! `f(t) = base(t) exp(z(t))`: z integrates the commands to zoom from their effect on, and base is what reports have made
 //! of it. While the camera zooms by command, a report corrects z a little, as reports come late; at rest a report is taken
-//! over, since somebody else has zoomed.
+//! over, since somebody else has zoomed. Where nothing is reported, the growth of the picture corrects z.
 
 use core::time::Duration;
 
@@ -19,20 +19,43 @@ const REPORT_SHARE: f64 = 0.2;
 /// The camera rests where it has not zoomed for this time: reports are about half a second late.
 const SETTLED: Duration = Duration::from_secs(1);
 
+/// A camera may zoom this many times as fast as its profile says.
+const MAX_GROWTH: f64 = 3.0;
+
+/// The zoom of a camera that takes commands and has never reported a field of view.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum UnreportedZoom {
+    /// It has not zoomed for a second.
+    Resting,
+    /// It zooms, or may still do.
+    Moving,
+}
+
 /// The focal length over time.
 #[derive(Debug, Clone)]
 pub(super) struct FocalLength {
     base: FocalHistory,
     /// `None`: the camera does not zoom by command.
     zoom: Option<ZoomModel>,
+    is_reported: bool,
 }
 
 #[derive(Debug, Clone)]
 struct ZoomModel {
     /// z, and its rate.
     exponent: AxisModel,
+    /// The largest rate, per second.
+    largest_rate: f64,
     /// Smallest and largest focal length, as shares of the picture's width.
     range: (f64, f64),
+}
+
+impl ZoomModel {
+    /// Whether the camera has not zoomed for a while.
+    fn is_settled(&self, at_s: f64) -> bool {
+        let angle = |at_s: f64| self.exponent.at(at_s).angle;
+        angle(at_s).to_bits() == angle(at_s - SETTLED.as_secs_f64()).to_bits()
+    }
 }
 
 impl FocalLength {
@@ -49,9 +72,13 @@ impl FocalLength {
             let range = (widest, widest * zoom.ratio);
             let stops = stops_of(range, widest);
             let limit = zoom.max_rate.per_second();
-            ZoomModel { exponent: AxisModel::new(dynamics, limit, 0.0, Some(stops)), range }
+            ZoomModel {
+                exponent: AxisModel::new(dynamics, limit, 0.0, Some(stops)),
+                largest_rate: limit,
+                range,
+            }
         };
-        Self { base: FocalHistory::new(widest), zoom: zoom.map(model) }
+        Self { base: FocalHistory::new(widest), zoom: zoom.map(model), is_reported: false }
     }
 
     /// Advances to `now` without a new command.
@@ -71,6 +98,7 @@ impl FocalLength {
 
     /// Takes a report of the focal length, a share of the picture's width, at a time.
     pub(super) fn report(&mut self, share: f64, at: Timestamp) {
+        self.is_reported = true;
         let known = self.at(at);
         if (share - known).abs() <= MIN_FOCAL_CHANGE * known {
             return;
@@ -80,14 +108,33 @@ impl FocalLength {
             return;
         };
         let at_s = at.as_secs_f64();
-        let exponent = zoom.exponent.at(at_s).angle;
-        let before = zoom.exponent.at(at_s - SETTLED.as_secs_f64()).angle;
-        if exponent.to_bits() == before.to_bits() {
-            let base = share / libm::exp(exponent);
+        if zoom.is_settled(at_s) {
+            let base = share / libm::exp(zoom.exponent.at(at_s).angle);
             self.base.push(base, at);
             zoom.exponent.set_stops(stops_of(zoom.range, base));
         } else {
             zoom.exponent.shift(REPORT_SHARE * libm::log(share / known));
+        }
+    }
+
+    /// How the camera zooms at a time, where nothing is reported: the growth of the picture then tells its focal length.
+    pub(super) fn unreported_zoom(&self, at: Timestamp) -> Option<UnreportedZoom> {
+        let zoom = self.zoom.as_ref().filter(|_| !self.is_reported)?;
+        Some(match zoom.is_settled(at.as_secs_f64()) {
+            true => UnreportedZoom::Resting,
+            false => UnreportedZoom::Moving,
+        })
+    }
+
+    /// Takes the measured growth of the picture between two times, the logarithm of its scale. A growth that no zoom makes is
+    /// ignored.
+    pub(super) fn grow(&mut self, growth: f64, from: Timestamp, to: Timestamp) {
+        let Some(zoom) = &mut self.zoom else { return };
+        let (from_s, to_s) = (from.as_secs_f64(), to.as_secs_f64());
+        let most = MAX_GROWTH * zoom.largest_rate * (to_s - from_s);
+        if growth.abs() <= most {
+            let expected = zoom.exponent.at(to_s).angle - zoom.exponent.at(from_s).angle;
+            zoom.exponent.shift(growth - expected);
         }
     }
 

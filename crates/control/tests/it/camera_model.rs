@@ -4,6 +4,7 @@ use core::time::Duration;
 use std::collections::VecDeque;
 
 use barrelman_control::CameraModel;
+use barrelman_control::camera_model::UnreportedZoom;
 use barrelman_vocab::profile::{AxisRates, CameraDynamics};
 use barrelman_vocab::{
     Angle, AngularRate, CameraCommand, PictureSize, PixelPoint, Timestamp, VehicleProfile, ZoomDynamics,
@@ -371,4 +372,32 @@ fn reports_correct_a_zoom_by_command_a_little_and_one_by_somebody_else_at_once()
     assert!((factor_at(&model, 4.0) - 3.0).abs() < 1e-9);
     model.apply_command(CameraCommand::REST.zooming(ZoomRate::from_per_second(0.2)), seconds(4.1));
     assert!((factor_at(&model, 60.0) - 4.0).abs() < 1e-9, "the ends are where they were");
+}
+
+#[test]
+fn the_growth_of_the_picture_tells_the_focal_length_of_a_camera_that_reports_nothing() {
+    let mut model = zooming();
+    let at = |frame: u32| seconds(1.0 + f64::from(frame) / 30.0);
+    assert_eq!(model.unreported_zoom(at(0)), Some(UnreportedZoom::Resting));
+    model.apply_command(CameraCommand::REST.zooming(ZoomRate::from_per_second(0.2)), at(0));
+    // The camera is half as fast as its profile says.
+    for frame in 1..=90 {
+        model.advance_to(at(frame));
+        model.on_growth(0.1 / 30.0, at(frame - 1), at(frame));
+    }
+    assert_eq!(model.unreported_zoom(at(90)), Some(UnreportedZoom::Moving));
+    let factor = factor_at(&model, 4.0);
+    assert!((factor / libm::exp(0.3) - 1.0).abs() < 1e-3, "{factor}");
+    // No camera zooms so fast.
+    model.on_growth(0.5, at(89), at(90));
+    model.on_growth(f64::NAN, at(89), at(90));
+    assert_eq!(factor_at(&model, 4.0), factor);
+    model.set_field_of_view(Angle::from_degrees(60.0), at(90));
+    assert_eq!(model.unreported_zoom(at(90)), None, "reports are better");
+}
+
+#[test]
+fn a_camera_without_zoom_has_no_growth_to_measure() {
+    let model = CameraModel::of(&VehicleProfile::fotokite_pro());
+    assert_eq!(model.unreported_zoom(seconds(1.0)), None);
 }

@@ -210,7 +210,7 @@ impl CampaignPlan {
         self
     }
 
-    /// The plan with reports of height and tilt that are off.
+    /// The plan with a vehicle whose reports are off.
     #[must_use]
     pub const fn with_report_errors(mut self, report_errors: ReportErrors) -> Self {
         self.report_errors = report_errors;
@@ -306,11 +306,9 @@ impl CampaignPlan {
         let camera = camera.as_mut().map(|camera| camera as &mut dyn FrameSource);
         let simulation = Simulation::new(&scenario, world, seed, pilot, &self.profile)
             .with_tilt_reports(self.reports_tilt || self.guidance.is_some());
+        let simulation = simulation.with_report_errors(self.report_errors);
         let simulation = match self.guidance {
-            Some(_) => simulation
-                .with_height_reports()
-                .with_report_errors(self.report_errors)
-                .with_rescue(scenario.camera.optics, seed),
+            Some(_) => simulation.with_height_reports().with_rescue(scenario.camera.optics, seed),
             None => simulation,
         };
         Ok(match &self.drive_requests {

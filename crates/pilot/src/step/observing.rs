@@ -5,6 +5,7 @@ use barrelman_vocab::{Track, VideoFrame};
 use super::{Observation, Pilot};
 use crate::candidates::Sought;
 use crate::detections::Detections;
+use crate::growth::Growth;
 use crate::outcome::Notice;
 use crate::selecting::{MIN_CONFIDENCE, PendingSelection, SelectingContext, SelectingResult};
 
@@ -13,6 +14,7 @@ impl Pilot {
     pub(super) fn observe_frame(&mut self, frame: &VideoFrame) -> Observation {
         self.history.add(frame);
         self.proposals.on_frame(frame);
+        self.measure_growth(frame);
         let size = frame.picture.size();
         let (track, notice) = match self.drawn_selection.take() {
             Some(pending) => self.advance_selection(pending, frame),
@@ -36,6 +38,15 @@ impl Pilot {
         }
         let picture = track.localisation().map_or(size, |measured| measured.picture);
         Observation { track, captured: Some(frame.capture.at), picture: Some(picture), notice }
+    }
+
+    /// Measures how the picture grows where the camera zooms and does not report its field of view.
+    fn measure_growth(&mut self, frame: &VideoFrame) {
+        let Some(zoom) = self.law.camera().unreported_zoom(frame.capture.at) else { return };
+        let growth = self.zooming.as_mut().and_then(|zooming| zooming.growth.by_zoom(frame, zoom));
+        if let Some(Growth { growth, from, to }) = growth {
+            self.law.on_growth(growth, from, to);
+        }
     }
 
     /// What candidates are looked for.

@@ -1,15 +1,17 @@
 //! The zoom: by hand, to keep the target's size, and in a search.
 
 use core::time::Duration;
+use std::sync::Arc;
 
 use barrelman_pilot::{CommandPath, Input, Mode, Notice, Outcome, Pilot, PilotSettings, Refusal};
 use barrelman_vocab::telemetry::{LinkState, Report};
+use barrelman_vocab::video::ColourEncoding;
 use barrelman_vocab::{
-    CameraRequest, HoldCause, ImagePoint, Localisation, Nudge, OperatorRequest, PixelBox, StopCause,
-    Telemetry, Timestamp, Track, VehicleProfile, ZoomDynamics, ZoomRate,
+    CameraRequest, HoldCause, ImagePoint, Localisation, Nudge, OperatorRequest, Picture, PictureSize,
+    PixelBox, StopCause, Telemetry, Timestamp, Track, VehicleProfile, VideoFrame, ZoomDynamics, ZoomRate,
 };
 
-use crate::scenes::{PICTURE, Scripted, at, seen, settings};
+use crate::scenes::{PICTURE, Scripted, at, frame, seen, settings};
 
 const CENTRE: ImagePoint = ImagePoint { x: 0.0, y: 0.0 };
 
@@ -186,4 +188,43 @@ fn a_search_widens_the_view() {
     let wide = (9270..20_000).step_by(33).map(|ms| lost(&mut pilot, ms)).last().unwrap();
     assert_eq!((wide.mode, rate(&wide)), (Mode::Searching, 0.0));
     assert!((wide.zoom.unwrap().ratio - 1.0).abs() < 1e-9, "{:?}", wide.zoom);
+}
+
+/// A picture of smooth noise, enlarged around its middle.
+fn enlarged(scale: f64, captured: Timestamp) -> VideoFrame {
+    let size = PictureSize::new(640, 360);
+    let corner = |x: i64, y: i64| {
+        let mut state = (x.wrapping_mul(73_856_093) ^ y.wrapping_mul(19_349_663)) as u32;
+        state = (state ^ (state >> 15)).wrapping_mul(0x2c1b_3c6d);
+        f64::from((state ^ (state >> 12)).wrapping_mul(0x297a_2d39) >> 24)
+    };
+    let mut picture = Picture::black(size, ColourEncoding::JPEG);
+    let [luma, ..] = picture.planes_mut();
+    for (index, sample) in luma.iter_mut().enumerate() {
+        let (x, y) = ((index % 640) as f64 - 320.0, (index / 640) as f64 - 180.0);
+        let (x, y) = (x / scale / 6.0 + 100.0, y / scale / 6.0 + 100.0);
+        let (i, j, p, q) = (x as i64, y as i64, x.fract(), y.fract());
+        let top = corner(i, j) * (1.0 - p) + corner(i + 1, j) * p;
+        let bottom = corner(i, j + 1) * (1.0 - p) + corner(i + 1, j + 1) * p;
+        *sample = (top * (1.0 - q) + bottom * q) as u8;
+    }
+    VideoFrame { picture: Arc::new(picture), ..frame(0, captured) }
+}
+
+#[test]
+fn the_picture_tells_the_focal_length_of_a_camera_that_reports_nothing_and_zooms_slower_than_its_profile() {
+    let mut pilot = zooming_pilot();
+    // The picture grows by 0.02 per second at rest, and by 0.12 more from 2.1 s to 5.1 s: 0.25 by the profile.
+    let grown = |s: f64| 0.02 * s + 0.12 * (s - 2.1).clamp(0.0, 3.0);
+    let mut ratio = 1.0;
+    for ms in (0..7000).step_by(50) {
+        if (2000..5000).contains(&ms) {
+            ask(&mut pilot, zoom_by_hand(1.0), ms);
+        }
+        let captured_s = 0.001 * ms as f64;
+        let outcome = pilot.step(Input::Frame(&enlarged(libm::exp(grown(captured_s)), at(ms))), at(ms));
+        ratio = outcome.zoom.unwrap().ratio;
+    }
+    let zoomed = libm::log(ratio);
+    assert!((zoomed / 0.36 - 1.0).abs() < 0.15, "{zoomed}");
 }

@@ -63,11 +63,13 @@ pub struct ReportErrors {
     pub height_factor: f64,
     /// Reported less true tilt.
     pub tilt: Angle,
+    /// Whether a camera that zooms reports its field of view.
+    pub has_field_of_view: bool,
 }
 
 impl ReportErrors {
     /// Exact reports.
-    pub const NONE: Self = Self { height_factor: 1.0, tilt: Angle::ZERO };
+    pub const NONE: Self = Self { height_factor: 1.0, tilt: Angle::ZERO, has_field_of_view: true };
 }
 
 impl<'a> Simulation<'a> {
@@ -256,6 +258,7 @@ impl<'a> Simulation<'a> {
             let height_m = self.report_errors.height_factor * pose.position.z;
             let height = self.reports_height.then_some(Report::CameraHeight(height_m));
             let field_of_view = self.world.zoomed_field_of_view().map(Report::FieldOfView);
+            let field_of_view = field_of_view.filter(|_| self.report_errors.has_field_of_view);
             for report in [tilt, height, field_of_view].into_iter().flatten() {
                 self.step_pilot(Input::Telemetry(Telemetry { at: now, report }), observer);
             }

@@ -61,7 +61,7 @@ const IN_CURRENT: Condition = Condition {
 const VARIED: Condition = Condition { keeps_clear: false, ..IN_CURRENT };
 
 const fn off(height_factor: f64, tilt_deg: f64) -> ReportErrors {
-    ReportErrors { height_factor, tilt: Angle::from_degrees(tilt_deg) }
+    ReportErrors { height_factor, tilt: Angle::from_degrees(tilt_deg), ..ReportErrors::NONE }
 }
 
 /// All conditions, in the order of the table.
