@@ -6,7 +6,7 @@
 
 use std::sync::Arc;
 
-use barrelman_vision::{FusedConfig, FusedTracker, Tracker};
+use barrelman_vision::{FusedConfig, FusedTracker, PictureGrowth, Tracker};
 use barrelman_vocab::video::{Capture, CaptureQuality, ColourEncoding};
 use barrelman_vocab::{Picture, PictureSize, PixelBox, Timestamp, Track, VideoFrame};
 
@@ -33,6 +33,18 @@ fn lost(bencher: divan::Bencher<'_, '_>, width: u32) {
     let target = target(width);
     let frames = [painted(Some(target), false), painted(None, true)];
     measure(bencher, &frames, target, |track| matches!(track, Track::Lost { .. }));
+}
+
+/// The growth of the picture, which is measured for a camera that zooms and reports no field of view.
+#[divan::bench]
+fn growth_of_the_picture(bencher: divan::Bencher<'_, '_>) {
+    let frames = [painted(Some(target(160)), false), painted(Some(target(161)), false)];
+    let mut growth = PictureGrowth::default();
+    let mut turn = 0;
+    bencher.bench_local(|| {
+        turn = 1 - turn;
+        growth.measure(divan::black_box(&frames[turn].picture))
+    });
 }
 
 fn target(width: u32) -> PixelBox {
