@@ -30,11 +30,12 @@ LIMIT = 0.5 + 1e-6
 # A packet that was under way when the control was taken.
 UNDER_WAY = 0.1
 MAY_BE_ASKED_FOR = {
-    mavlink.MAV_CMD_REQUEST_MESSAGE: (280, 281),
+    mavlink.MAV_CMD_REQUEST_MESSAGE: (280, 281, 259),
     mavlink.MAV_CMD_SET_MESSAGE_INTERVAL: (281, 285, 33, 30, 271),
 }
 # The component of the camera that zooms.
 CAMERA = 100
+OF_CAMERA = (271, 259)
 
 
 class GimbalManager:
@@ -42,7 +43,7 @@ class GimbalManager:
 
     loss: share of the packets that get lost, both ways. held: another commander has the control from the
     start. withholds: no answer to requests for 280. denies: claims are denied. drops: number of claims that
-    get lost. passphrase: packets are signed.
+    get lost. passphrase: packets are signed. zooms: whether the camera says that it does.
     """
 
     def __init__(
@@ -53,6 +54,7 @@ class GimbalManager:
         denies: bool = False,
         drops: int = 0,
         passphrase: str | None = None,
+        zooms: bool = True,
     ) -> None:
         self.socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         self.socket.bind(("127.0.0.1", 0))
@@ -66,6 +68,7 @@ class GimbalManager:
                 end.signing.timestamp = int((time.time() - 1_420_070_400) * 1e5)
             self.out.signing.sign_outgoing = True
         self.loss, self.withholds, self.denies, self.drops = loss, withholds, denies, drops
+        self.zooms, self.model = zooms, b"Independent"
         self.random = random.Random(7)
         self.client: Any = None
         self.booted = time.monotonic()
@@ -99,6 +102,18 @@ class GimbalManager:
         self.out.seq = (self.out.seq + 1) % 256
         if self.client and not self.is_silent and not self._is_lost():
             self.socket.sendto(packet, self.client)
+
+    def _send_of_camera(self, message: Any) -> None:
+        self.out.srcComponent = CAMERA
+        self._send(message)
+        self.out.srcComponent = 1
+
+    def _camera_information(self) -> Any:
+        flags = mavlink.CAMERA_CAP_FLAGS_HAS_BASIC_ZOOM if self.zooms else 0
+        names = [name.ljust(32, b"\0") for name in (b"Acme", self.model)]
+        return mavlink.MAVLink_camera_information_message(
+            self._ms(), *names, 0, math.nan, math.nan, math.nan, 0, 0, 0, flags, 0, b""
+        )
 
     def _ms(self) -> int:
         return int((time.monotonic() - self.booted) * 1e3)
@@ -168,7 +183,7 @@ class GimbalManager:
                 self._fault(f"a heartbeat of type {message.type}")
             return
         is_of_camera = kind == "COMMAND_LONG" and (
-            message.command == mavlink.MAV_CMD_SET_CAMERA_ZOOM or int(message.param1) == 271
+            message.command == mavlink.MAV_CMD_SET_CAMERA_ZOOM or int(message.param1) in OF_CAMERA
         )
         components = (CAMERA,) if is_of_camera else (0, 1)
         if message.target_system not in (0, 1) or message.target_component not in components:
@@ -215,6 +230,8 @@ class GimbalManager:
                     self._ms(), 32 + 256, 1, 0, 0, -math.pi / 2, 0.35, -math.pi, math.pi
                 )
             )
+        elif number == mavlink.MAV_CMD_REQUEST_MESSAGE and asked == 259:
+            self._send_of_camera(self._camera_information())
         elif number == mavlink.MAV_CMD_REQUEST_MESSAGE:
             self._status()
         elif number == mavlink.MAV_CMD_SET_MESSAGE_INTERVAL and asked == 285:
@@ -239,6 +256,8 @@ class GimbalManager:
         speed = message.param2
         if message.param1 != mavlink.ZOOM_TYPE_CONTINUOUS or not abs(speed) <= 1:
             self._fault(f"zoom {message.param1}, {speed}")
+        if speed and not self.zooms:
+            self._fault(f"zoom {speed} of a camera without zoom")
         if speed and self.primary != OWN:
             self._fault(f"zoom {speed} while {self.primary} has the control")
         self.zoom = speed

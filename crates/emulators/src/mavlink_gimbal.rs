@@ -3,8 +3,8 @@
 use barrelman_vocab::{AngularRate, Timestamp, VehicleProfile};
 use barrelman_wire::mavlink::GimbalManager;
 use barrelman_wire::mavlink::frame::FrameReader;
+pub use barrelman_wire::mavlink::gimbal_manager::{CameraKind, GimbalManagerSettings, Habits};
 use barrelman_wire::mavlink::gimbal_manager::{GimbalAngles, OTHER_COMMANDER};
-pub use barrelman_wire::mavlink::gimbal_manager::{GimbalManagerSettings, Habits};
 
 use super::emulated_vehicle::EmulatedVehicle;
 use super::log::VehicleState;

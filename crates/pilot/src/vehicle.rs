@@ -13,7 +13,7 @@
 
 use barrelman_vocab::acceptance::Acceptance;
 use barrelman_vocab::telemetry::{ControlState, FlightState, LinkState, Report};
-use barrelman_vocab::{HoldCause, StopCause};
+use barrelman_vocab::{HoldCause, StopCause, ZoomAbility};
 
 /// Where the commands of a pilot go.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
@@ -48,6 +48,8 @@ pub struct VehicleState {
     uptime_s: Option<f64>,
     flight: Option<FlightState>,
     is_battery_low: bool,
+    /// Whether the camera zooms, also while the link is lost.
+    zoom: ZoomAbility,
 }
 
 impl VehicleState {
@@ -64,6 +66,7 @@ impl VehicleState {
             uptime_s: None,
             flight: None,
             is_battery_low: false,
+            zoom: ZoomAbility::NotKnown,
         }
     }
 
@@ -116,7 +119,19 @@ impl VehicleState {
                     _ => becomes_low.then_some(StopCause::BatteryLow),
                 }
             }
+            Report::Zoom(told) => {
+                self.zoom = told;
+                None
+            }
             _ => None,
+        }
+    }
+
+    /// Whether the camera zooms. One that no vehicle can tell of does if its profile says so.
+    pub const fn zoom(&self) -> ZoomAbility {
+        match self.path {
+            CommandPath::Simulated | CommandPath::DryRun => ZoomAbility::Present,
+            CommandPath::Link => self.zoom,
         }
     }
 

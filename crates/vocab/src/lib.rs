@@ -64,4 +64,4 @@ pub use vessel::{FailSafe, KeepWay, VesselCommand, VesselLimits, VesselOrder, Ve
 pub use video::{Picture, VideoFrame};
 pub use videos::{VideoNumber, Videos};
 pub use water::{CameraAboveWater, Sighting, SightingNoise, WaterCovariance, WaterFix, WaterPoint};
-pub use zoom::{ZoomDynamics, ZoomRate};
+pub use zoom::{ZoomAbility, ZoomDynamics, ZoomRate};

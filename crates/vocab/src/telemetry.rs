@@ -5,6 +5,7 @@ use crate::angle::Angle;
 use crate::drive_mode::DriveMode;
 use crate::time::Timestamp;
 use crate::vehicle_text::VehicleText;
+use crate::zoom::ZoomAbility;
 
 /// One report of a vehicle.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -61,6 +62,8 @@ pub enum Report {
     GimbalDevice(u8),
     /// Horizontal field of view of the picture. A zoom changes it.
     FieldOfView(Angle),
+    /// Whether the camera zooms.
+    Zoom(ZoomAbility),
     /// Position of the vehicle on Earth.
     Position {
         /// Latitude (WGS 84), positive to the north.

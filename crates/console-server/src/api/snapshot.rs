@@ -62,7 +62,7 @@ pub struct StatusSnapshot {
     pub yaw_rate: f64,
     /// Pitch rate handed to the link, in the vehicle's own sign.
     pub pitch_rate: f64,
-    /// The camera's zoom; `null`: the camera does not zoom.
+    /// The camera's zoom; `null`: the camera does not zoom, or has not told whether it does.
     pub zoom: Option<ZoomStatus>,
     /// By how much the vehicle is turned about the vertical, degrees, positive to the right: the twist of the
     /// tether.

@@ -116,6 +116,7 @@ impl VehicleSnapshot {
             | Report::CameraPan(_)
             | Report::Speed(_)
             | Report::Text(_)
+            | Report::Zoom(_)
             | Report::GimbalDevice(_) => {}
         }
     }

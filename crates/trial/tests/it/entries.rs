@@ -24,6 +24,7 @@ use barrelman_vocab::{
     Angle, AngularRate, CameraCommand, CameraRequest, DrawnMark, EncodedUnit, HoldCause, ImagePoint,
     Localisation, MarkKind, MovedMark, Note, OperatorRequest, PictureSize, PixelBox, PixelPoint, StopCause,
     Telemetry, Timestamp, Track, VesselCommand, VesselRequest, VesselStopper, VideoNumber, WaterPoint,
+    ZoomAbility,
 };
 use bytes::Bytes;
 
@@ -201,6 +202,7 @@ pub(crate) fn entries_with(value: f64) -> Vec<Entry> {
         telemetry(Report::DriveMode(DriveMode(u32::MAX))),
         telemetry(Report::Text(VehicleText::of(4, b"PreArm: check the compass"))),
         telemetry(Report::GimbalDevice(2)),
+        telemetry(Report::Zoom(ZoomAbility::Absent)),
         input(RecordedInput::VesselTelemetry(Telemetry { at: ns(999), report: Report::CameraHeight(value) })),
         telemetry(Report::FieldOfView(Angle::from_radians(value))),
         telemetry(Report::FlightState { state: FlightState::Other(u32::MAX), is_battery_low: true }),

@@ -12,7 +12,7 @@ use mavlink::dialects::common::{
     COMMAND_LONG_DATA, GIMBAL_MANAGER_SET_PITCHYAW_DATA, GimbalManagerFlags, MavCmd, MavType,
 };
 
-use super::command_long::{command_long, set_interval};
+use super::command_long::{command_long, request_message, set_interval};
 use super::frame::FrameWriter;
 use super::heartbeat::heartbeat;
 
@@ -45,6 +45,8 @@ pub enum Wanted {
     VehicleAttitude,
     /// CAMERA_FOV_STATUS (271).
     FieldOfView,
+    /// CAMERA_INFORMATION (259): what the camera is, and can do.
+    CameraInformation,
 }
 
 impl Wanted {
@@ -57,6 +59,7 @@ impl Wanted {
             Self::Position => 33,
             Self::VehicleAttitude => 30,
             Self::FieldOfView => 271,
+            Self::CameraInformation => 259,
         }
     }
 }
@@ -103,10 +106,7 @@ impl Command {
         let own = writer.address();
         match self {
             Self::Heartbeat => writer.write(&heartbeat(MavType::MAV_TYPE_ONBOARD_CONTROLLER)),
-            Self::Request { to, message } => {
-                let parameters = [message.id() as f32, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
-                writer.write(&command_long(to, MavCmd::MAV_CMD_REQUEST_MESSAGE, parameters))
-            }
+            Self::Request { to, message } => writer.write(&request_message(to, message.id())),
             Self::SetInterval { to, message, interval } => {
                 writer.write(&set_interval(to, message.id(), interval))
             }

@@ -7,12 +7,12 @@ use barrelman_vocab::Angle;
 use barrelman_vocab::mavlink::{Address, MavlinkPeers, SystemId};
 use barrelman_vocab::telemetry::{ControlState, Quaternion, Report};
 use mavlink::dialects::common::{
-    CAMERA_FOV_STATUS_DATA, COMMAND_ACK_DATA, GIMBAL_DEVICE_ATTITUDE_STATUS_DATA,
-    GIMBAL_MANAGER_INFORMATION_DATA, GIMBAL_MANAGER_STATUS_DATA, GimbalManagerCapFlags, HEARTBEAT_DATA,
-    MavCmd, MavType,
+    COMMAND_ACK_DATA, GIMBAL_DEVICE_ATTITUDE_STATUS_DATA, GIMBAL_MANAGER_INFORMATION_DATA,
+    GIMBAL_MANAGER_STATUS_DATA, GimbalManagerCapFlags, HEARTBEAT_DATA, MavCmd, MavType,
 };
 
 use super::autopilot_reports::AutopilotReports;
+use super::camera_information::CameraInformation;
 use super::command::Gimbal;
 use super::frame::{Frame, FrameReader};
 use super::gimbal_choice::GimbalChoice;
@@ -20,6 +20,7 @@ pub use super::gimbal_information::Information;
 use super::signing::Signing;
 
 mod attitude;
+mod camera;
 mod control;
 
 /// The uptime may be reported this much earlier than before without a restart, seconds: packets overtake each other.
@@ -52,6 +53,8 @@ pub enum Received {
     ZoomAnswered,
     /// The horizontal field of view of the camera that zooms.
     FieldOfView(Angle),
+    /// What that camera says of itself.
+    Camera(CameraInformation),
     /// A report for the pilot.
     Report(Report),
     /// The autopilot's position, or its attitude, was heard.
@@ -91,6 +94,8 @@ struct Facts {
     gimbal: Option<Gimbal>,
     choice: GimbalChoice,
     autopilot: AutopilotReports,
+    /// What the camera that zooms says of itself.
+    camera: Option<CameraInformation>,
     /// The newest time since boot in the messages of each kind: parts of a vehicle may have clocks of their own.
     uptimes: [Option<f64>; 3],
     uptime_s: Option<f64>,
@@ -119,6 +124,7 @@ impl GimbalReader {
             gimbal: None,
             choice: GimbalChoice::new(peers.device),
             autopilot: AutopilotReports::default(),
+            camera: None,
             uptimes: [None; 3],
             uptime_s: None,
             is_claimed: false,
@@ -205,20 +211,12 @@ impl Facts {
                 each(Received::Report(report));
             }
         }
-        if let Some(angle) = self.field_of_view(frame) {
-            each(Received::FieldOfView(angle));
+        if self.camera().is_some_and(|camera| camera == frame.from) {
+            self.on_camera(frame, each);
         }
         if self.is_manager(frame.from) {
             each(Received::Other);
         }
-    }
-
-    /// The horizontal field of view of the camera that zooms. An angle that is not known is NaN.
-    fn field_of_view(&self, frame: &Frame<'_>) -> Option<Angle> {
-        let system = self.gimbal?.manager.system;
-        let camera = Address { system, component: self.peers.camera? };
-        let told = (frame.from == camera).then(|| frame.read::<CAMERA_FOV_STATUS_DATA>()).flatten()?;
-        (0.0 < told.hfov && told.hfov < 180.0).then(|| Angle::from_degrees(f64::from(told.hfov)))
     }
 
     fn is_manager(&self, from: Address) -> bool {

@@ -2,9 +2,9 @@
 
 use std::time::Duration;
 
-use barrelman_vocab::VehicleRates;
 use barrelman_vocab::acceptance::Acceptance;
 use barrelman_vocab::telemetry::LinkState;
+use barrelman_vocab::{VehicleRates, ZoomAbility};
 use barrelman_wire::http::Received;
 use barrelman_wire::onvif::{
     Ask, CameraFaults, CameraSettings, FullSpeeds, Login, OnvifSession, OnvifSettings, PtzCamera,
@@ -92,6 +92,8 @@ fn a_camera_that_states_no_zoom_is_not_sent_any() {
     talk.session.request(rates(0.3, 0.0).zooming(1.0), Some(at(60_000)));
     talk.run_for(50);
     assert_eq!((talk.camera.velocity(talk.now), talk.camera.refusals()), (SpeedShares::turning(0.3, 0.0), 0));
+    assert_eq!(talk.zoom(), ZoomAbility::Absent);
+    assert_eq!(OnvifConversation::up(camera()).zoom(), ZoomAbility::Present);
 }
 
 #[test]

@@ -68,6 +68,7 @@ impl From<&Telemetry> for stored::TelemetryInput {
                 text: text.as_str().to_owned(),
             }),
             Report::GimbalDevice(device) => Stored::GimbalDevice(device.into()),
+            Report::Zoom(told) => Stored::Zoom(stored::ZoomAbility::from(told) as i32),
             Report::FieldOfView(angle) => Stored::FieldOfViewRad(angle.radians()),
             Report::FlightState { state, is_battery_low } => {
                 let (state, mode) = stored_flight_state(state);
@@ -136,6 +137,9 @@ impl TryFrom<stored::TelemetryInput> for Telemetry {
             }
             Stored::GimbalDevice(device) => {
                 Report::GimbalDevice(u8::try_from(device).map_err(|_| missing("gimbal_device"))?)
+            }
+            Stored::Zoom(told) => {
+                Report::Zoom(stored::ZoomAbility::try_from(told).map_err(|_| missing("zoom"))?.try_into()?)
             }
             Stored::FieldOfViewRad(angle) => Report::FieldOfView(Angle::from_radians(angle)),
             Stored::FlightState(flight) => Report::FlightState {

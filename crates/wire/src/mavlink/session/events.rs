@@ -50,9 +50,10 @@ impl GimbalSession {
             Received::Restarted => self.on_restarted(now),
             Received::ZoomAnswered => self.zooming.on_answer(now),
             Received::FieldOfView(angle) => {
-                self.field_of_view.on_heard(now);
+                self.zooming.on_field_of_view(now);
                 report(Telemetry { at: now, report: Report::FieldOfView(angle) });
             }
+            Received::Camera(information) => self.zooming.on_information(information, now),
             Received::Other => self.on_heard(now),
             Received::Report(content) => report(Telemetry { at: now, report: content }),
         }

@@ -1,7 +1,8 @@
 //! What an answer changes in a session, and what it reports.
 
 use barrelman_vocab::acceptance::Acceptance;
-use barrelman_vocab::{Telemetry, Timestamp};
+use barrelman_vocab::telemetry::Report;
+use barrelman_vocab::{Telemetry, Timestamp, ZoomAbility};
 
 use super::{OnvifSession, RETRY, State};
 use crate::http::motion::Speeds as _;
@@ -36,11 +37,16 @@ impl OnvifSession {
                 self.on_command("ContinuousMove", answer, now);
             }
             Ask::Stop { .. } => self.on_command("Stop", answer, now),
-            _ => self.on_joining(answer, now),
+            Ask::DateAndTime
+            | Ask::Services
+            | Ask::Capabilities
+            | Ask::Profiles(_)
+            | Ask::MoveOptions { .. }
+            | Ask::StreamUri { .. } => self.on_joining(answer, now, report),
         }
     }
 
-    fn on_joining(&mut self, answer: Option<(u16, &[u8])>, now: Timestamp) {
+    fn on_joining(&mut self, answer: Option<(u16, &[u8])>, now: Timestamp, report: ReportSink<'_>) {
         // A question without an answer is asked again, until the camera counts as silent.
         let Some((status, body)) = answer.filter(|_| self.state == State::Joining) else { return };
         match self.joining.on_answer(status, body, now) {
@@ -49,7 +55,9 @@ impl OnvifSession {
                 if let Some(time) = self.joining.time() {
                     self.caller.set_time(time);
                 }
-                if self.joining.joined().is_some() {
+                if let Some(joined) = self.joining.joined() {
+                    let zoom = ZoomAbility::told(joined.full.zoom.is_some());
+                    report(Telemetry { at: now, report: Report::Zoom(zoom) });
                     // What turns the camera is not known.
                     self.motion.stop(now);
                     self.state = State::Up;
