@@ -30,12 +30,12 @@ LIMIT = 0.5 + 1e-6
 # A packet that was under way when the control was taken.
 UNDER_WAY = 0.1
 MAY_BE_ASKED_FOR = {
-    mavlink.MAV_CMD_REQUEST_MESSAGE: (280, 281, 259),
+    mavlink.MAV_CMD_REQUEST_MESSAGE: (280, 281, 259, 269),
     mavlink.MAV_CMD_SET_MESSAGE_INTERVAL: (281, 285, 33, 30, 271),
 }
 # The component of the camera that zooms.
 CAMERA = 100
-OF_CAMERA = (271, 259)
+OF_CAMERA = (271, 259, 269)
 
 
 class GimbalManager:
@@ -69,6 +69,8 @@ class GimbalManager:
             self.out.signing.sign_outgoing = True
         self.loss, self.withholds, self.denies, self.drops = loss, withholds, denies, drops
         self.zooms, self.model = zooms, b"Independent"
+        # The first one is moved.
+        self.devices = [1]
         self.random = random.Random(7)
         self.client: Any = None
         self.booted = time.monotonic()
@@ -115,6 +117,11 @@ class GimbalManager:
             self._ms(), *names, 0, math.nan, math.nan, math.nan, 0, 0, 0, flags, 0, b""
         )
 
+    def _stream_information(self) -> Any:
+        return mavlink.MAVLink_video_stream_information_message(
+            1, 1, 0, 1, 25.0, 1280, 720, 0, 0, 60, b"main", b"rtsp://user:secret@192.0.2.7/main"
+        )
+
     def _ms(self) -> int:
         return int((time.monotonic() - self.booted) * 1e3)
 
@@ -137,6 +144,9 @@ class GimbalManager:
                 if now >= heartbeat_at:
                     heartbeat_at = now + 1.0
                     self._send(mavlink.MAVLink_heartbeat_message(2, 3, 1, 0, 4, 3))
+                    self._send_of_camera(
+                        mavlink.MAVLink_heartbeat_message(mavlink.MAV_TYPE_CAMERA, 8, 0, 0, 4, 3)
+                    )
                 if self.attitude_interval and now >= attitude_at:
                     attitude_at = now + self.attitude_interval
                     self._send(self._attitude())
@@ -154,7 +164,10 @@ class GimbalManager:
         )
 
     def _status(self) -> None:
-        self._send(mavlink.MAVLink_gimbal_manager_status_message(self._ms(), 12, 1, *self.primary, 0, 0))
+        for device in self.devices:
+            self._send(
+                mavlink.MAVLink_gimbal_manager_status_message(self._ms(), 12, device, *self.primary, 0, 0)
+            )
 
     def _fault(self, text: str) -> None:
         if len(self.faults) < 20:
@@ -182,10 +195,12 @@ class GimbalManager:
             if message.type != mavlink.MAV_TYPE_ONBOARD_CONTROLLER:
                 self._fault(f"a heartbeat of type {message.type}")
             return
+        # Each component that is heard is asked what it is.
+        is_question = kind == "COMMAND_LONG" and message.command == mavlink.MAV_CMD_REQUEST_MESSAGE
         is_of_camera = kind == "COMMAND_LONG" and (
             message.command == mavlink.MAV_CMD_SET_CAMERA_ZOOM or int(message.param1) in OF_CAMERA
         )
-        components = (CAMERA,) if is_of_camera else (0, 1)
+        components = (0, 1, CAMERA) if is_question else (CAMERA,) if is_of_camera else (0, 1)
         if message.target_system not in (0, 1) or message.target_component not in components:
             self._fault(f"{kind} to {message.target_system}/{message.target_component}")
         if kind == "GIMBAL_MANAGER_SET_PITCHYAW":
@@ -203,11 +218,8 @@ class GimbalManager:
             self._fault("an angle")
         if not all(math.isfinite(rate) and abs(rate) <= LIMIT for rate in rates):
             self._fault(f"rates {rates}")
-        if any(rates) and (message.target_system, message.target_component, message.gimbal_device_id) != (
-            1,
-            1,
-            1,
-        ):
+        to = (message.target_system, message.target_component, message.gimbal_device_id)
+        if any(rates) and to != (1, 1, self.devices[0]):
             self._fault("motion that is not for the gimbal alone")
         is_under_way = self.taken_at is not None and now <= self.taken_at + UNDER_WAY
         if self.primary != OWN and not is_under_way and (any(rates) or not self.may_be_turning):
@@ -222,16 +234,22 @@ class GimbalManager:
         result = mavlink.MAV_RESULT_ACCEPTED
         if number in MAY_BE_ASKED_FOR and asked not in MAY_BE_ASKED_FOR[number]:
             self._fault(f"command {number} for message {asked}")
-        if number == mavlink.MAV_CMD_REQUEST_MESSAGE and asked == 280:
+        is_of_camera = message.target_component == CAMERA
+        if number == mavlink.MAV_CMD_REQUEST_MESSAGE and is_of_camera != (asked in OF_CAMERA):
+            result = mavlink.MAV_RESULT_UNSUPPORTED
+        elif number == mavlink.MAV_CMD_REQUEST_MESSAGE and asked == 280:
             if self.withholds:
                 return
-            self._send(
-                mavlink.MAVLink_gimbal_manager_information_message(
-                    self._ms(), 32 + 256, 1, 0, 0, -math.pi / 2, 0.35, -math.pi, math.pi
+            for device in self.devices:
+                self._send(
+                    mavlink.MAVLink_gimbal_manager_information_message(
+                        self._ms(), 32 + 256, device, 0, 0, -math.pi / 2, 0.35, -math.pi, math.pi
+                    )
                 )
-            )
         elif number == mavlink.MAV_CMD_REQUEST_MESSAGE and asked == 259:
             self._send_of_camera(self._camera_information())
+        elif number == mavlink.MAV_CMD_REQUEST_MESSAGE and asked == 269:
+            self._send_of_camera(self._stream_information())
         elif number == mavlink.MAV_CMD_REQUEST_MESSAGE:
             self._status()
         elif number == mavlink.MAV_CMD_SET_MESSAGE_INTERVAL and asked == 285:
@@ -263,7 +281,7 @@ class GimbalManager:
         self.zoom = speed
 
     def _configure(self, claim: Who, secondary: tuple[float, float], device: float) -> Any:
-        if secondary != (-1, -1) or device not in (0, 1):
+        if secondary != (-1, -1) or device not in (0, self.devices[0]):
             self._fault(f"secondary control {secondary}, device {device}")
         before = self.primary
         if claim == OWN:

@@ -58,6 +58,7 @@ class Camera:
         self.velocity, self.until = (0.0, 0.0), 0.0
         self.nonces: set[str] = set()
         self.refuses_login = self.ignores_stops = False
+        self.profile, self.source = PROFILE, "source-1"
         self.hangs = threading.Event()
         handler = type("Handler", (Handler,), {"camera": self})
         self.server = Server(("127.0.0.1", 0), handler)
@@ -160,7 +161,10 @@ class Camera:
         return (
             f'<m:GetProfilesResponse xmlns:m="{MEDIA}">'
             f'<m:Profiles token="fixed"><t:Name>a</t:Name></m:Profiles>'
-            f'<m:Profiles token="{PROFILE}"><t:Name>b</t:Name><t:PTZConfiguration token="{CONFIGURATION}">'
+            f'<m:Profiles token="{self.profile}"><t:Name>b</t:Name><t:VideoSourceConfiguration token="v">'
+            f"<t:Name>d</t:Name><t:UseCount>1</t:UseCount><t:SourceToken>{self.source}</t:SourceToken>"
+            f'<t:Bounds x="0" y="0" width="1" height="1"/></t:VideoSourceConfiguration>'
+            f'<t:PTZConfiguration token="{CONFIGURATION}">'
             f"<t:Name>c</t:Name><t:UseCount>1</t:UseCount><t:NodeToken>n</t:NodeToken></t:PTZConfiguration>"
             f"</m:Profiles></m:GetProfilesResponse>"
         )
@@ -177,7 +181,7 @@ class Camera:
         )
 
     def on_get_status(self, question: Any) -> str:
-        self.expect(question.ProfileToken == PROFILE, f"the profile {question}")
+        self.expect(question.ProfileToken == self.profile, f"the profile {question}")
         moving = "MOVING" if self.is_turning() else "IDLE"
         return (
             f'<p:GetStatusResponse xmlns:p="{PTZ}"><p:PTZStatus><t:MoveStatus><t:PanTilt>{moving}</t:PanTilt>'
@@ -185,7 +189,7 @@ class Camera:
         )
 
     def on_continuous_move(self, question: Any) -> str:
-        self.expect(question.ProfileToken == PROFILE, f"the profile {question.ProfileToken}")
+        self.expect(question.ProfileToken == self.profile, f"the profile {question.ProfileToken}")
         vector, timeout = question.Velocity.PanTilt, question.Timeout
         self.expect(max(abs(vector.x), abs(vector.y)) <= 1, f"the velocity {vector.x}, {vector.y}")
         self.expect(timeout is not None and 1 <= timeout.total_seconds() <= 60, f"the time-out {timeout}")
@@ -196,7 +200,7 @@ class Camera:
         return f'<p:ContinuousMoveResponse xmlns:p="{PTZ}"/>'
 
     def on_stop(self, question: Any) -> str:
-        self.expect(question.ProfileToken == PROFILE, f"the profile {question.ProfileToken}")
+        self.expect(question.ProfileToken == self.profile, f"the profile {question.ProfileToken}")
         self.expect(question.PanTilt is True, "a Stop of something else")
         if not self.ignores_stops:
             with self.lock:

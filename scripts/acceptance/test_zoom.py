@@ -159,6 +159,9 @@ def test_a_mavlink_camera_is_zoomed_if_it_says_that_it_can(
     ):
         wait_until(lambda: any(asked.param1 == 259 for _, asked in manager.commands(512)), "the question")
         wait_until(lambda: (program.status()["zoom"] is not None) == zooms, "the answer")
+        link = program.wait(lambda status: status["link"]["camera"], "the camera's name")["link"]
+        used = (link["gimbal"], link["camera"], link["stream"])
+        check("what is used is named", used == ("device 1 of 1/1", "1/100 Acme Independent", None), used)
         for request in (nudge(0, 0, 1), Request("keep-size", keep=True)):
             answer = program.request(request)
             is_refused = answer["answer"] == "refused" and "zoom" in answer["reason"]
@@ -167,6 +170,8 @@ def test_a_mavlink_camera_is_zoomed_if_it_says_that_it_can(
             page.ready()
             for button in ("lens-up", "lens-down", "keep-size"):
                 check(f"{button}, zooms: {zooms}", page.element(button).is_displayed() == zooms)
+            page.click("level")
+            wait_until(lambda: "camera 1/100 Acme" in page.text("figures"), "the names at the expert level")
         speeds = [message.param2 for _, message in manager.commands(531)]
         check("a camera without zoom is not zoomed", zooms or not any(speeds), speeds)
 

@@ -243,7 +243,7 @@ pub struct PositionStatus {
 }
 
 /// The link to the vehicle.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct LinkStatus {
     /// `dry-run`, `simulated`, `opening`, `starting`, `up`, `silent`, `closing` or `closed`.
     pub state: &'static str,
@@ -263,6 +263,12 @@ pub struct LinkStatus {
     pub position: Option<PositionStatus>,
     /// `idle`, `flying`, `landing`, `emergency` or `other`.
     pub flight: Option<&'static str>,
+    /// The gimbal device that is moved, of a MAVLink gimbal.
+    pub gimbal: Option<String>,
+    /// The camera that zooms, of a MAVLink gimbal: its address, vendor and model.
+    pub camera: Option<String>,
+    /// The vehicle's own video: the stream of a Sigma, or the media profile of an ONVIF camera with its source.
+    pub stream: Option<String>,
 }
 
 /// The recording.

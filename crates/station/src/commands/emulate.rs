@@ -103,6 +103,7 @@ fn gimbal(args: &EmulateGimbalArgs, clock: Clock) -> Result<ExitCode> {
         signing: secrets::mavlink_signing(args.signing_key_file.as_deref(), clock)?,
         ..GimbalManagerSettings::default()
     };
+    let video = world.as_ref().map(|world| world.server.url());
     let emulation = Emulation {
         world,
         log: args.log.as_deref(),
@@ -110,7 +111,7 @@ fn gimbal(args: &EmulateGimbalArgs, clock: Clock) -> Result<ExitCode> {
         fault: args.fault.as_deref(),
         loss_share: args.loss / 100.0,
     };
-    emulate(MavlinkGimbal::new(settings, clock.now()), port, emulation, clock)
+    emulate(MavlinkGimbal::new(settings, video, clock.now()), port, emulation, clock)
 }
 
 fn vessel(args: &EmulateVesselArgs, clock: Clock) -> Result<ExitCode> {

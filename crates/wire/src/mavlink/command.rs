@@ -7,7 +7,7 @@ use core::time::Duration;
 
 use barrelman_vocab::mavlink::Address;
 use barrelman_vocab::profile::OWN_RATE_LIMITS;
-use barrelman_vocab::{AngularRate, VehicleRates};
+use barrelman_vocab::{AngularRate, Equipment, EquipmentKind, VehicleRates};
 use mavlink::dialects::common::{
     COMMAND_LONG_DATA, GIMBAL_MANAGER_SET_PITCHYAW_DATA, GimbalManagerFlags, MavCmd, MavType,
 };
@@ -28,6 +28,13 @@ pub struct Gimbal {
 impl Gimbal {
     /// All gimbals that hear it.
     pub const ALL: Self = Self { manager: Address::EVERYONE, device: 0 };
+
+    /// The gimbal by its name; `None`: its manager has not named its device.
+    pub fn equipment(self) -> Option<Equipment> {
+        let Self { manager, device } = self;
+        let name = (device != 0).then(|| format!("device {device} of {manager}"))?;
+        Some(Equipment::new(EquipmentKind::Gimbal, &name))
+    }
 }
 
 /// A message that can be asked for.
@@ -47,6 +54,8 @@ pub enum Wanted {
     FieldOfView,
     /// CAMERA_INFORMATION (259): what the camera is, and can do.
     CameraInformation,
+    /// VIDEO_STREAM_INFORMATION (269): all streams of the camera.
+    StreamInformation,
 }
 
 impl Wanted {
@@ -60,6 +69,7 @@ impl Wanted {
             Self::VehicleAttitude => 30,
             Self::FieldOfView => 271,
             Self::CameraInformation => 259,
+            Self::StreamInformation => 269,
         }
     }
 }

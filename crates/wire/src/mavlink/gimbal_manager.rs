@@ -113,6 +113,8 @@ pub struct GimbalManager {
     field_of_view: Option<Angle>,
     field_of_view_stream: Stream,
     claims_lost: u32,
+    /// The address of the camera's video; `None`: it names none.
+    video: Option<String>,
 }
 
 /// A message that is sent again and again.
@@ -151,6 +153,7 @@ impl GimbalManager {
             field_of_view_stream: stream(None),
             status: stream((settings.habits == Habits::Px4).then_some(PX4_STATUS_INTERVAL)),
             claims_lost: 0,
+            video: None,
         }
     }
 
@@ -162,6 +165,11 @@ impl GimbalManager {
     /// The camera has this horizontal field of view.
     pub const fn set_field_of_view(&mut self, field_of_view: Option<Angle>) {
         self.field_of_view = field_of_view;
+    }
+
+    /// The camera names this address of its video.
+    pub fn set_video(&mut self, uri: Option<String>) {
+        self.video = uri;
     }
 
     /// Changes how the manager answers from now on.

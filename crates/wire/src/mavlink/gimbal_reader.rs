@@ -12,7 +12,7 @@ use mavlink::dialects::common::{
 };
 
 use super::autopilot_reports::AutopilotReports;
-use super::camera_information::CameraInformation;
+use super::camera_information::{CameraInformation, StreamInformation};
 use super::command::Gimbal;
 use super::frame::{Frame, FrameReader};
 use super::gimbal_choice::GimbalChoice;
@@ -29,7 +29,7 @@ const UPTIME_TOLERANCE_S: f64 = 1.0;
 const LEAST_COMPONENT_DEVICE: u8 = 7;
 
 /// What was received.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub enum Received {
     /// A component is there; whether it is a ground station.
     Heartbeat(Address, bool),
@@ -53,8 +53,10 @@ pub enum Received {
     ZoomAnswered,
     /// The horizontal field of view of the camera that zooms.
     FieldOfView(Angle),
-    /// What that camera says of itself.
+    /// What a camera says of itself.
     Camera(CameraInformation),
+    /// What a camera says of a stream.
+    Stream(StreamInformation),
     /// A report for the pilot.
     Report(Report),
     /// The autopilot's position, or its attitude, was heard.
@@ -95,7 +97,7 @@ struct Facts {
     choice: GimbalChoice,
     autopilot: AutopilotReports,
     /// What the camera that zooms says of itself.
-    camera: Option<CameraInformation>,
+    camera_information: Option<CameraInformation>,
     /// The newest time since boot in the messages of each kind: parts of a vehicle may have clocks of their own.
     uptimes: [Option<f64>; 3],
     uptime_s: Option<f64>,
@@ -124,7 +126,7 @@ impl GimbalReader {
             gimbal: None,
             choice: GimbalChoice::new(peers.device),
             autopilot: AutopilotReports::default(),
-            camera: None,
+            camera_information: None,
             uptimes: [None; 3],
             uptime_s: None,
             is_claimed: false,
@@ -169,8 +171,8 @@ impl Facts {
             let gimbal = Gimbal { manager: frame.from, device: information.gimbal_device_id };
             let described = described(gimbal, &information);
             each(Received::Device(described));
+            let chosen = self.choice.on_information(described, uptime_s(information.time_boot_ms));
             if self.gimbal.is_none() {
-                let chosen = self.choice.on_information(described, uptime_s(information.time_boot_ms));
                 self.choose(chosen, each);
             }
             if let Some(gimbal) = self.known(gimbal, each) {
@@ -179,8 +181,8 @@ impl Facts {
             }
         } else if let Some(status) = frame.read::<GIMBAL_MANAGER_STATUS_DATA>() {
             let gimbal = Gimbal { manager: frame.from, device: status.gimbal_device_id };
+            let chosen = self.choice.on_status(gimbal, uptime_s(status.time_boot_ms));
             if self.gimbal.is_none() {
-                let chosen = self.choice.on_status(gimbal, uptime_s(status.time_boot_ms));
                 self.choose(chosen, each);
             }
             if self.known(gimbal, each).is_some() {
@@ -211,8 +213,13 @@ impl Facts {
                 each(Received::Report(report));
             }
         }
-        if self.camera().is_some_and(|camera| camera == frame.from) {
+        if self.camera() == Some(frame.from) {
             self.on_camera(frame, each);
+        }
+        if let Some(information) = CameraInformation::of(frame) {
+            self.on_camera_information(information, each);
+        } else if let Some(stream) = StreamInformation::of(frame) {
+            each(Received::Stream(stream));
         }
         if self.is_manager(frame.from) {
             each(Received::Other);
@@ -231,7 +238,9 @@ impl Facts {
         self.peers.vehicle = Some(gimbal.manager.system);
         self.choice.want(gimbal.device);
         each(Received::Gimbal(gimbal));
-        each(Received::Report(Report::GimbalDevice(gimbal.device)));
+        if let Some(used) = gimbal.equipment() {
+            each(Received::Report(Report::Equipment(used)));
+        }
     }
 
     /// The gimbal, if the message of a manager is about it.

@@ -2,7 +2,7 @@
 
 use barrelman_vocab::acceptance::Acceptance;
 use barrelman_vocab::telemetry::Report;
-use barrelman_vocab::{Telemetry, Timestamp};
+use barrelman_vocab::{Equipment, EquipmentKind, Telemetry, Timestamp};
 
 use super::{FotokiteSigmaSession, INFO_RETRY, State, TOKEN_RETRY};
 use crate::fotokite_sigma::call::{Call, StreamId};
@@ -101,7 +101,9 @@ impl FotokiteSigmaSession {
         let main = json::main_stream(&streams, self.stream.as_deref());
         self.zoom.set_stream(main);
         self.schedule.set_stream(main.and_then(|stream| StreamId::new(&stream.stream_id)));
-        if main.is_some() {
+        if let Some(main) = main {
+            let used = Equipment::new(EquipmentKind::Stream, &main.stream_id);
+            tell(Some(Report::Equipment(used)), now, report);
             tell(Some(Report::Zoom(self.zoom.ability())), now, report);
         }
     }

@@ -3,7 +3,8 @@
 use barrelman_vocab::Timestamp;
 use mavlink::dialects::common::{
     CAMERA_INFORMATION_DATA, COMMAND_LONG_DATA, CameraCapFlags, HEARTBEAT_DATA, MavAutopilot, MavCmd,
-    MavModeFlag, MavResult, MavState, MavType,
+    MavModeFlag, MavResult, MavState, MavType, VIDEO_STREAM_INFORMATION_DATA, VideoStreamEncoding,
+    VideoStreamStatusFlags, VideoStreamType,
 };
 use mavlink::types::CharArray;
 
@@ -25,6 +26,14 @@ impl GimbalManager {
                 self.camera_writer.set_time(now);
                 let information = self.camera_information(now);
                 out.push(self.camera_writer.write(&information));
+                MavResult::MAV_RESULT_ACCEPTED
+            }
+            MavCmd::MAV_CMD_REQUEST_MESSAGE if wanted(Wanted::StreamInformation) => {
+                let Some(stream) = self.stream_information() else {
+                    return MavResult::MAV_RESULT_UNSUPPORTED;
+                };
+                self.camera_writer.set_time(now);
+                out.push(self.camera_writer.write(&stream));
                 MavResult::MAV_RESULT_ACCEPTED
             }
             MavCmd::MAV_CMD_SET_MESSAGE_INTERVAL if wanted(Wanted::FieldOfView) => {
@@ -65,6 +74,25 @@ impl GimbalManager {
             gimbal_device_id: 0,
             camera_device_id: 0,
         }
+    }
+
+    fn stream_information(&self) -> Option<VIDEO_STREAM_INFORMATION_DATA> {
+        Some(VIDEO_STREAM_INFORMATION_DATA {
+            framerate: 0.0,
+            bitrate: 0,
+            flags: VideoStreamStatusFlags::VIDEO_STREAM_STATUS_FLAGS_RUNNING,
+            resolution_h: 0,
+            resolution_v: 0,
+            rotation: 0,
+            hfov: 0,
+            stream_id: 1,
+            count: 1,
+            mavtype: VideoStreamType::VIDEO_STREAM_TYPE_RTSP,
+            name: CharArray::from(text("main")),
+            uri: CharArray::from(text(self.video.as_deref()?)),
+            encoding: VideoStreamEncoding::VIDEO_STREAM_ENCODING_H264,
+            camera_device_id: 0,
+        })
     }
 
     /// The camera's heartbeat, where it says anything.

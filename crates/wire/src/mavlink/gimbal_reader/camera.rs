@@ -16,18 +16,31 @@ impl Facts {
     }
 
     /// A frame of that camera.
-    pub(super) fn on_camera(&mut self, frame: &Frame<'_>, each: &mut impl FnMut(Received)) {
+    pub(super) fn on_camera(&self, frame: &Frame<'_>, each: &mut impl FnMut(Received)) {
         if let Some(told) = frame.read::<CAMERA_FOV_STATUS_DATA>() {
             // An angle that is not known is NaN.
             if 0.0 < told.hfov && told.hfov < 180.0 {
                 each(Received::FieldOfView(Angle::from_degrees(f64::from(told.hfov))));
             }
-        } else if let Some(information) = CameraInformation::of(frame) {
-            each(Received::Camera(information));
-            let before = self.camera.replace(information);
-            if before.map(|before| before.zoom) != Some(information.zoom) {
-                each(Received::Report(Report::Zoom(information.zoom)));
-            }
+        }
+    }
+
+    /// A camera says what it is.
+    pub(super) fn on_camera_information(
+        &mut self,
+        information: CameraInformation,
+        each: &mut impl FnMut(Received),
+    ) {
+        each(Received::Camera(information));
+        if self.camera() != Some(information.camera) {
+            return;
+        }
+        let before = self.camera_information.replace(information);
+        if before.map(|before| before.equipment) != Some(information.equipment) {
+            each(Received::Report(Report::Equipment(information.equipment)));
+        }
+        if before.map(|before| before.zoom) != Some(information.zoom) {
+            each(Received::Report(Report::Zoom(information.zoom)));
         }
     }
 }

@@ -53,7 +53,11 @@ impl GimbalSession {
                 self.zooming.on_field_of_view(now);
                 report(Telemetry { at: now, report: Report::FieldOfView(angle) });
             }
-            Received::Camera(information) => self.zooming.on_information(information, now),
+            Received::Camera(information) => {
+                let system = self.target().manager.system;
+                self.zooming.on_information(information, system, now);
+            }
+            Received::Stream(_) => {}
             Received::Other => self.on_heard(now),
             Received::Report(content) => report(Telemetry { at: now, report: content }),
         }

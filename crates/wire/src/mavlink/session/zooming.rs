@@ -59,10 +59,17 @@ impl Zooming {
         [self.information.due(camera, now), field_of_view]
     }
 
-    /// The camera says what it is.
-    pub(super) fn on_information(&mut self, information: CameraInformation, now: Timestamp) {
-        self.information.on_heard(now);
-        self.ability = information.zoom;
+    /// A camera says what it is: the one of this system, or another one.
+    pub(super) fn on_information(
+        &mut self,
+        information: CameraInformation,
+        system: SystemId,
+        now: Timestamp,
+    ) {
+        if self.camera_of(system) == Some(information.camera) {
+            self.information.on_heard(now);
+            self.ability = information.zoom;
+        }
     }
 
     /// The camera says how much it sees.

@@ -57,7 +57,10 @@ impl OnvifSession {
                 }
                 if let Some(joined) = self.joining.joined() {
                     let zoom = ZoomAbility::told(joined.full.zoom.is_some());
-                    report(Telemetry { at: now, report: Report::Zoom(zoom) });
+                    let used = joined.equipment().map(Report::Equipment);
+                    for content in used.into_iter().chain([Report::Zoom(zoom)]) {
+                        report(Telemetry { at: now, report: content });
+                    }
                     // What turns the camera is not known.
                     self.motion.stop(now);
                     self.state = State::Up;
