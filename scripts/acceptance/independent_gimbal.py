@@ -29,6 +29,8 @@ CLAIM = 1001
 LIMIT = 0.5 + 1e-6
 # A packet that was under way when the control was taken.
 UNDER_WAY = 0.1
+# An exchanged device is still sent rates: three seconds, and the interval of the status that is asked for.
+NOTICED_WITHIN = 4.5
 MAY_BE_ASKED_FOR = {
     mavlink.MAV_CMD_REQUEST_MESSAGE: (280, 281, 259, 269),
     mavlink.MAV_CMD_SET_MESSAGE_INTERVAL: (281, 285, 33, 30, 271),
@@ -71,6 +73,8 @@ class GimbalManager:
         self.zooms, self.model = zooms, b"Independent"
         # The first one is moved.
         self.devices = [1]
+        # A device that was exchanged for the first one, and when.
+        self.left: tuple[int, float] | None = None
         self.random = random.Random(7)
         self.client: Any = None
         self.booted = time.monotonic()
@@ -219,6 +223,8 @@ class GimbalManager:
         if not all(math.isfinite(rate) and abs(rate) <= LIMIT for rate in rates):
             self._fault(f"rates {rates}")
         to = (message.target_system, message.target_component, message.gimbal_device_id)
+        if self.left and to == (1, 1, self.left[0]) and now < self.left[1] + NOTICED_WITHIN:
+            return
         if any(rates) and to != (1, 1, self.devices[0]):
             self._fault("motion that is not for the gimbal alone")
         is_under_way = self.taken_at is not None and now <= self.taken_at + UNDER_WAY
@@ -311,6 +317,14 @@ class GimbalManager:
             self.primary, self.taken_at = OTHER, time.monotonic()
             self._status()
             return self.taken_at or 0.0
+
+    def exchange(self, device: int) -> None:
+        """Another device takes the place of the one that is moved."""
+        with self.lock:
+            self.left = (self.devices[0], time.monotonic())
+            self.devices, self.rates, self.primary = [device], (0.0, 0.0), NOBODY
+            self.may_be_turning = True
+            self._status()
 
     def give_back(self) -> None:
         """The other commander gives the control back."""

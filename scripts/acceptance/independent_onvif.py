@@ -45,6 +45,10 @@ def schemas() -> dict[str, Any]:
     return {space: zeep.Client(str(folder / name)).wsdl.types for space, name in WSDL_FILES.items()}
 
 
+class NoProfileError(Exception):
+    """A profile that the camera had before."""
+
+
 class Camera:
     """The camera: what turns it until when, and what was asked."""
 
@@ -103,7 +107,10 @@ class Camera:
             return self.violated(f"{name.localname} is not of the schema: {error}")
         if name.localname != "GetSystemDateAndTime" and not self.admits(envelope, is_proved):
             return fault("ter:NotAuthorized")
-        reply: str | None = getattr(self, handler_of(name.localname), lambda _: None)(question)
+        try:
+            reply: str | None = getattr(self, handler_of(name.localname), lambda _: None)(question)
+        except NoProfileError:
+            return fault("ter:NoProfile")
         return (
             self.violated(f"{name.localname} is not asked by a client that only watches and turns")
             if (reply is None)
@@ -181,7 +188,7 @@ class Camera:
         )
 
     def on_get_status(self, question: Any) -> str:
-        self.expect(question.ProfileToken == self.profile, f"the profile {question}")
+        self.expect_profile(question.ProfileToken)
         moving = "MOVING" if self.is_turning() else "IDLE"
         return (
             f'<p:GetStatusResponse xmlns:p="{PTZ}"><p:PTZStatus><t:MoveStatus><t:PanTilt>{moving}</t:PanTilt>'
@@ -189,7 +196,7 @@ class Camera:
         )
 
     def on_continuous_move(self, question: Any) -> str:
-        self.expect(question.ProfileToken == self.profile, f"the profile {question.ProfileToken}")
+        self.expect_profile(question.ProfileToken)
         vector, timeout = question.Velocity.PanTilt, question.Timeout
         self.expect(max(abs(vector.x), abs(vector.y)) <= 1, f"the velocity {vector.x}, {vector.y}")
         self.expect(timeout is not None and 1 <= timeout.total_seconds() <= 60, f"the time-out {timeout}")
@@ -200,12 +207,17 @@ class Camera:
         return f'<p:ContinuousMoveResponse xmlns:p="{PTZ}"/>'
 
     def on_stop(self, question: Any) -> str:
-        self.expect(question.ProfileToken == self.profile, f"the profile {question.ProfileToken}")
+        self.expect_profile(question.ProfileToken)
         self.expect(question.PanTilt is True, "a Stop of something else")
         if not self.ignores_stops:
             with self.lock:
                 self.velocity = (0.0, 0.0)
         return f'<p:StopResponse xmlns:p="{PTZ}"/>'
+
+    def expect_profile(self, token: str) -> None:
+        self.expect(token in (PROFILE, self.profile), f"the profile {token}")
+        if token != self.profile:
+            raise NoProfileError
 
     def expect(self, holds: bool, what: str) -> None:
         if not holds:

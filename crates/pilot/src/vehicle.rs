@@ -7,13 +7,14 @@
 //!   commands not accepted                               the vehicle fell silent, or was not there at first
 //!                                                       an emergency, or a landing, begins
 //!   landing, emergency                                  a battery becomes low
+//!                                                       another gimbal, camera or stream is used
 //! ```
 //!
 //! A vehicle's protocol that does not know some of these never reports them.
 
 use barrelman_vocab::acceptance::Acceptance;
 use barrelman_vocab::telemetry::{ControlState, FlightState, LinkState, Report};
-use barrelman_vocab::{HoldCause, StopCause, ZoomAbility};
+use barrelman_vocab::{HoldCause, StopCause, UsedEquipment, ZoomAbility};
 
 /// Where the commands of a pilot go.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
@@ -50,6 +51,8 @@ pub struct VehicleState {
     is_battery_low: bool,
     /// Whether the camera zooms, also while the link is lost.
     zoom: ZoomAbility,
+    /// What is used, also while the link is lost.
+    equipment: UsedEquipment,
 }
 
 impl VehicleState {
@@ -67,6 +70,7 @@ impl VehicleState {
             flight: None,
             is_battery_low: false,
             zoom: ZoomAbility::NotKnown,
+            equipment: UsedEquipment { gimbal: None, camera: None, stream: None },
         }
     }
 
@@ -118,6 +122,10 @@ impl VehicleState {
                     FlightState::Landing if begins => Some(StopCause::Landing),
                     _ => becomes_low.then_some(StopCause::BatteryLow),
                 }
+            }
+            Report::Equipment(used) => {
+                let before = self.equipment.on_used(used)?.before;
+                before.is_some().then_some(StopCause::Exchanged)
             }
             Report::Zoom(told) => {
                 self.zoom = told;

@@ -113,7 +113,7 @@ pub struct ModeStatus {
     /// Of holding: `no-selection`, `track-lost`, `coasting`, `doubted`, `video-stale`, `video-silent`,
     /// `confirming`, `dry-run`, `link-down`, `no-control`, `emergency`, `landing`; of stopped: `operator`, `ending`,
     /// `video-ended`, `fault`, `control-lost`, `vehicle-restarted`, `emergency`, `landing`, `battery-low`,
-    /// `vehicle-silent`, `suspended`, `pan-opposed`, `tilt-opposed`; otherwise `null`.
+    /// `vehicle-silent`, `exchanged`, `suspended`, `pan-opposed`, `tilt-opposed`; otherwise `null`.
     pub cause: Option<&'static str>,
     /// Whether the pilot is engaged (servoing or holding).
     pub engaged: bool,

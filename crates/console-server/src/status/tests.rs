@@ -89,6 +89,7 @@ fn each_mode_has_its_name_and_cause() {
         (stopped(StopCause::Emergency), Some("emergency"), false),
         (stopped(StopCause::Landing), Some("landing"), false),
         (stopped(StopCause::BatteryLow), Some("battery-low"), false),
+        (stopped(StopCause::Exchanged), Some("exchanged"), false),
     ] {
         let status = status_after(Outcome { mode, ..idle(at(0)) });
         assert_eq!(status["mode"], json!({"name": name, "cause": cause, "engaged": engaged}));

@@ -332,6 +332,7 @@ pub(crate) fn every_kind() -> Vec<Entry> {
         StopCause::Emergency,
         StopCause::Landing,
         StopCause::BatteryLow,
+        StopCause::Exchanged,
     ];
     entries.extend(causes.map(|cause| input(RecordedInput::Request(OperatorRequest::Stop(cause)))));
     let links =

@@ -22,6 +22,7 @@ use super::signing::Signing;
 mod attitude;
 mod camera;
 mod control;
+mod exchange;
 
 /// The uptime may be reported this much earlier than before without a restart, seconds: packets overtake each other.
 const UPTIME_TOLERANCE_S: f64 = 1.0;
@@ -45,7 +46,8 @@ pub enum Received {
     ClaimAnswered(Claim),
     /// The gimbal's attitude.
     Attitude(Quaternion),
-    /// The vehicle's clock begins anew.
+    /// The vehicle's clock begins anew, or its gimbal manager has other devices than the one that was chosen: a gimbal is
+    /// chosen anew.
     Restarted,
     /// Anything else of the gimbal manager.
     Other,
@@ -101,6 +103,8 @@ struct Facts {
     /// The newest time since boot in the messages of each kind: parts of a vehicle may have clocks of their own.
     uptimes: [Option<f64>; 3],
     uptime_s: Option<f64>,
+    /// When the gimbal manager spoke of the chosen device last.
+    device_heard_s: f64,
     /// Whether a claim of this program was accepted, and no other commander has the control since.
     is_claimed: bool,
     /// Whether the status has named this program since.
@@ -129,6 +133,7 @@ impl GimbalReader {
             camera_information: None,
             uptimes: [None; 3],
             uptime_s: None,
+            device_heard_s: 0.0,
             is_claimed: false,
             is_named: false,
             control: None,
@@ -175,7 +180,7 @@ impl Facts {
             if self.gimbal.is_none() {
                 self.choose(chosen, each);
             }
-            if let Some(gimbal) = self.known(gimbal, each) {
+            if let Some(gimbal) = self.spoken_of(gimbal, uptime_s(information.time_boot_ms), each) {
                 self.on_uptime(Timed::Information, information.time_boot_ms, each);
                 each(Received::Information(Information { gimbal, ..described }));
             }
@@ -185,7 +190,7 @@ impl Facts {
             if self.gimbal.is_none() {
                 self.choose(chosen, each);
             }
-            if self.known(gimbal, each).is_some() {
+            if self.spoken_of(gimbal, uptime_s(status.time_boot_ms), each).is_some() {
                 // An older status may name a commander who has the control no more.
                 if self.on_uptime(Timed::Status, status.time_boot_ms, each) {
                     self.on_status(&status, each);
@@ -194,6 +199,9 @@ impl Facts {
         } else if let Some(attitude) = frame.read::<GIMBAL_DEVICE_ATTITUDE_STATUS_DATA>() {
             if self.is_of_gimbal(frame.from, attitude.gimbal_device_id) {
                 self.on_uptime(Timed::Attitude, attitude.time_boot_ms, each);
+                if attitude.gimbal_device_id != 0 {
+                    self.device_heard_s = uptime_s(attitude.time_boot_ms);
+                }
                 self.on_attitude(&attitude, each);
                 self.report_control_again(each);
             }
@@ -281,6 +289,7 @@ impl Facts {
             // No commander has the control of a vehicle that has just started.
             self.lose_control();
             (self.uptimes, self.uptime_s, self.gimbal) = ([None; 3], Some(uptime_s), None);
+            self.device_heard_s = uptime_s;
             self.autopilot = AutopilotReports::default();
             self.choice.forget();
             each(Received::Restarted);

@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use barrelman_vocab::acceptance::Acceptance;
-use barrelman_vocab::telemetry::LinkState;
+use barrelman_vocab::telemetry::{LinkState, Report};
 use barrelman_vocab::{VehicleRates, ZoomAbility};
 use barrelman_wire::http::Received;
 use barrelman_wire::onvif::{
@@ -94,6 +94,33 @@ fn a_camera_that_states_no_zoom_is_not_sent_any() {
     assert_eq!((talk.camera.velocity(talk.now), talk.camera.refusals()), (SpeedShares::turning(0.3, 0.0), 0));
     assert_eq!(talk.zoom(), ZoomAbility::Absent);
     assert_eq!(OnvifConversation::up(camera()).zoom(), ZoomAbility::Present);
+}
+
+#[test]
+fn a_camera_that_loses_its_profile_is_left_and_joined_anew_with_what_it_has_then() {
+    let one = |token: &str| vec![(token.to_owned(), "main".to_owned())];
+    let mut talk = OnvifConversation::up(CameraSettings { profiles: one("old"), ..camera() });
+    let used = |talk: &OnvifConversation| {
+        let used = talk.reports().iter().rev().find_map(|report| match report {
+            Report::Equipment(used) => Some(used.name.to_string()),
+            _ => None,
+        });
+        used.unwrap()
+    };
+    assert_eq!(used(&talk), "old of video source Source_1");
+    talk.session.request(rates(0.3, 0.0), Some(at(60_000)));
+    talk.run_for(500);
+    let exchanged = CameraSettings { profiles: one("new"), source: "Source_2".to_owned(), ..camera() };
+    talk.camera.set_settings(exchanged);
+    talk.run_for(500);
+    assert_eq!(talk.session.link_state(), LinkState::Starting);
+    assert!(talk.session.failure().unwrap().contains("no such token"), "{:?}", talk.session.failure());
+    talk.run_for(6_000);
+    assert!(!talk.is_turning());
+    assert_eq!(
+        (used(&talk), talk.session.link_state()),
+        ("new of video source Source_2".to_owned(), LinkState::Up)
+    );
 }
 
 #[test]

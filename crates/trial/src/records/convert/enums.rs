@@ -55,6 +55,7 @@ variants!(StopCause, StopCause, "stop_cause", [
     StopCause::Landing => Landing,
     StopCause::BatteryLow => BatteryLow,
     StopCause::VehicleSilent => VehicleSilent,
+    StopCause::Exchanged => Exchanged,
     StopCause::Suspended => Suspended,
     StopCause::PanOpposed => PanOpposed,
     StopCause::TiltOpposed => TiltOpposed,

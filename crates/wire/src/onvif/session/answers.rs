@@ -83,7 +83,8 @@ impl OnvifSession {
         let Some((status, body)) = answer else { return self.commands.on_no_answer(now) };
         self.commands.on_answer();
         match Refusal::of(status, body) {
-            Some(refusal) if refusal.said == Acceptance::LoginRefused => {
+            // The next conversation finds what the camera has now.
+            Some(refusal) if refusal.said == Acceptance::LoginRefused || refusal.lacks_profile => {
                 self.fail(JoiningError::Refused { question, refusal }, now);
             }
             // A camera that knows no Stop is stopped by the other kind of zero.
@@ -95,7 +96,11 @@ impl OnvifSession {
 
     fn on_status(&mut self, answer: Option<(u16, &[u8])>, now: Timestamp, report: ReportSink<'_>) {
         let Some((status, body)) = answer else { return };
-        let told = Refusal::of(status, body).map_or_else(|| soap::read::<StatusBody>(body), |_| None);
+        let refusal = Refusal::of(status, body);
+        if let Some(refusal) = refusal.clone().filter(|refusal| refusal.lacks_profile) {
+            return self.fail(JoiningError::Refused { question: "GetStatus", refusal }, now);
+        }
+        let told = refusal.map_or_else(|| soap::read::<StatusBody>(body), |_| None);
         self.schedule.on_answer(told.is_none());
         if let Some(told) = told {
             self.on_motion(&told.answer.status, now);
