@@ -33,6 +33,7 @@ export function factsOf(snapshot) {
     [words.facts.work, words.workText(work.camera)],
     [words.facts.netYaw, words.netYawText(Math.round(snapshot.net_yaw_deg))],
   ];
+  if (link.gimbal || link.camera || link.stream) facts.push([words.facts.equipment, words.equipmentText(link)]);
   if (link.position) facts.push([words.facts.position, words.positionText(link.position, link.altitude_m)]);
   facts.push(...placesOf(snapshot));
   if (work.schema) facts.push([words.facts.schema, words.workText(work.schema)]);

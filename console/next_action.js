@@ -1,7 +1,7 @@
 // What the operator should do next: one line, from the state alone. Pure.
 
 // Stops that the vehicle's own reports caused.
-const fromVehicle = new Set(["control-lost", "vehicle-restarted", "vehicle-silent", "battery-low"]);
+const fromVehicle = new Set(["control-lost", "vehicle-restarted", "vehicle-silent", "battery-low", "exchanged"]);
 
 /** The place of a person is asked for again when its standard deviation is larger, metres: after some seconds. */
 const PERSON_STD_DEV_M = 2;

@@ -143,7 +143,7 @@ export default {
   picturePath: (path, median, p95) => `${path}, ${median === null ? "delay not known" : `${median} ms (95 %: ${p95} ms)`}`,
   facts: {
     track: "Track", p: "P", confidence: "Confidence", video: "Video", link: "Link", camera: "Camera command", recording: "Recording",
-    work: "Camera's work", schema: "Schema's work", boat: "Boat", world: "Slow world", schemaP: "P with the schema", netYaw: "Net yaw", position: "Kite", boatPlace: "Boat at", targetPlace: "Target at",
+    work: "Camera's work", schema: "Schema's work", boat: "Boat", world: "Slow world", schemaP: "P with the schema", netYaw: "Net yaw", equipment: "In use", position: "Kite", boatPlace: "Boat at", targetPlace: "Target at",
   },
   links: {
     "dry-run": "dry run: nothing is sent", simulated: "simulated camera", opening: "opening", starting: "starting", up: "up",
@@ -153,6 +153,7 @@ export default {
   recordings: { off: "off", recording: "on", failed: "FAILED" },
   seconds: (s) => `${s} s`, ago: (s) => `for ${s} s`,
   workText: (work) => `${work.moves} ${work.moves === 1 ? "move" : "moves"}, ${fixed(work.travel_rad, 2)} rad, ${Math.round(100 * work.rest_share)} % at rest`,
+  equipmentText: ({ gimbal, camera, stream }) => [gimbal && `gimbal ${gimbal}`, camera && `camera ${camera}`, stream && `stream ${stream}`].filter(Boolean).join(", "),
   boatText: (drive) => `${fixed(drive.speed_m_per_s, 1)} m/s, ${drive.helm === "page" ? "you steer" : drive.helm}`,
   boatMode: (vessel) => {
     const doing = { "getting-way": "getting under way", avoiding: "going around a circle", blocked: "no way past the circles", holding: "at the mark", "standing-off": "waiting before the person", "no-fix": "boat near the horizon" }[vessel.guidance];

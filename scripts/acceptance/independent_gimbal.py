@@ -29,12 +29,15 @@ CLAIM = 1001
 LIMIT = 0.5 + 1e-6
 # A packet that was under way when the control was taken.
 UNDER_WAY = 0.1
+# An exchanged device is still sent rates: three seconds, and the interval of the status that is asked for.
+NOTICED_WITHIN = 4.5
 MAY_BE_ASKED_FOR = {
-    mavlink.MAV_CMD_REQUEST_MESSAGE: (280, 281),
+    mavlink.MAV_CMD_REQUEST_MESSAGE: (280, 281, 259, 269),
     mavlink.MAV_CMD_SET_MESSAGE_INTERVAL: (281, 285, 33, 30, 271),
 }
 # The component of the camera that zooms.
 CAMERA = 100
+OF_CAMERA = (271, 259, 269)
 
 
 class GimbalManager:
@@ -42,7 +45,7 @@ class GimbalManager:
 
     loss: share of the packets that get lost, both ways. held: another commander has the control from the
     start. withholds: no answer to requests for 280. denies: claims are denied. drops: number of claims that
-    get lost. passphrase: packets are signed.
+    get lost. passphrase: packets are signed. zooms: whether the camera says that it does.
     """
 
     def __init__(
@@ -53,6 +56,7 @@ class GimbalManager:
         denies: bool = False,
         drops: int = 0,
         passphrase: str | None = None,
+        zooms: bool = True,
     ) -> None:
         self.socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         self.socket.bind(("127.0.0.1", 0))
@@ -66,6 +70,11 @@ class GimbalManager:
                 end.signing.timestamp = int((time.time() - 1_420_070_400) * 1e5)
             self.out.signing.sign_outgoing = True
         self.loss, self.withholds, self.denies, self.drops = loss, withholds, denies, drops
+        self.zooms, self.model = zooms, b"Independent"
+        # The first one is moved.
+        self.devices = [1]
+        # A device that was exchanged for the first one, and when.
+        self.left: tuple[int, float] | None = None
         self.random = random.Random(7)
         self.client: Any = None
         self.booted = time.monotonic()
@@ -100,6 +109,23 @@ class GimbalManager:
         if self.client and not self.is_silent and not self._is_lost():
             self.socket.sendto(packet, self.client)
 
+    def _send_of_camera(self, message: Any) -> None:
+        self.out.srcComponent = CAMERA
+        self._send(message)
+        self.out.srcComponent = 1
+
+    def _camera_information(self) -> Any:
+        flags = mavlink.CAMERA_CAP_FLAGS_HAS_BASIC_ZOOM if self.zooms else 0
+        names = [name.ljust(32, b"\0") for name in (b"Acme", self.model)]
+        return mavlink.MAVLink_camera_information_message(
+            self._ms(), *names, 0, math.nan, math.nan, math.nan, 0, 0, 0, flags, 0, b""
+        )
+
+    def _stream_information(self) -> Any:
+        return mavlink.MAVLink_video_stream_information_message(
+            1, 1, 0, 1, 25.0, 1280, 720, 0, 0, 60, b"main", b"rtsp://user:secret@192.0.2.7/main"
+        )
+
     def _ms(self) -> int:
         return int((time.monotonic() - self.booted) * 1e3)
 
@@ -122,6 +148,9 @@ class GimbalManager:
                 if now >= heartbeat_at:
                     heartbeat_at = now + 1.0
                     self._send(mavlink.MAVLink_heartbeat_message(2, 3, 1, 0, 4, 3))
+                    self._send_of_camera(
+                        mavlink.MAVLink_heartbeat_message(mavlink.MAV_TYPE_CAMERA, 8, 0, 0, 4, 3)
+                    )
                 if self.attitude_interval and now >= attitude_at:
                     attitude_at = now + self.attitude_interval
                     self._send(self._attitude())
@@ -139,7 +168,10 @@ class GimbalManager:
         )
 
     def _status(self) -> None:
-        self._send(mavlink.MAVLink_gimbal_manager_status_message(self._ms(), 12, 1, *self.primary, 0, 0))
+        for device in self.devices:
+            self._send(
+                mavlink.MAVLink_gimbal_manager_status_message(self._ms(), 12, device, *self.primary, 0, 0)
+            )
 
     def _fault(self, text: str) -> None:
         if len(self.faults) < 20:
@@ -167,10 +199,12 @@ class GimbalManager:
             if message.type != mavlink.MAV_TYPE_ONBOARD_CONTROLLER:
                 self._fault(f"a heartbeat of type {message.type}")
             return
+        # Each component that is heard is asked what it is.
+        is_question = kind == "COMMAND_LONG" and message.command == mavlink.MAV_CMD_REQUEST_MESSAGE
         is_of_camera = kind == "COMMAND_LONG" and (
-            message.command == mavlink.MAV_CMD_SET_CAMERA_ZOOM or int(message.param1) == 271
+            message.command == mavlink.MAV_CMD_SET_CAMERA_ZOOM or int(message.param1) in OF_CAMERA
         )
-        components = (CAMERA,) if is_of_camera else (0, 1)
+        components = (0, 1, CAMERA) if is_question else (CAMERA,) if is_of_camera else (0, 1)
         if message.target_system not in (0, 1) or message.target_component not in components:
             self._fault(f"{kind} to {message.target_system}/{message.target_component}")
         if kind == "GIMBAL_MANAGER_SET_PITCHYAW":
@@ -188,11 +222,10 @@ class GimbalManager:
             self._fault("an angle")
         if not all(math.isfinite(rate) and abs(rate) <= LIMIT for rate in rates):
             self._fault(f"rates {rates}")
-        if any(rates) and (message.target_system, message.target_component, message.gimbal_device_id) != (
-            1,
-            1,
-            1,
-        ):
+        to = (message.target_system, message.target_component, message.gimbal_device_id)
+        if self.left and to == (1, 1, self.left[0]) and now < self.left[1] + NOTICED_WITHIN:
+            return
+        if any(rates) and to != (1, 1, self.devices[0]):
             self._fault("motion that is not for the gimbal alone")
         is_under_way = self.taken_at is not None and now <= self.taken_at + UNDER_WAY
         if self.primary != OWN and not is_under_way and (any(rates) or not self.may_be_turning):
@@ -207,14 +240,22 @@ class GimbalManager:
         result = mavlink.MAV_RESULT_ACCEPTED
         if number in MAY_BE_ASKED_FOR and asked not in MAY_BE_ASKED_FOR[number]:
             self._fault(f"command {number} for message {asked}")
-        if number == mavlink.MAV_CMD_REQUEST_MESSAGE and asked == 280:
+        is_of_camera = message.target_component == CAMERA
+        if number == mavlink.MAV_CMD_REQUEST_MESSAGE and is_of_camera != (asked in OF_CAMERA):
+            result = mavlink.MAV_RESULT_UNSUPPORTED
+        elif number == mavlink.MAV_CMD_REQUEST_MESSAGE and asked == 280:
             if self.withholds:
                 return
-            self._send(
-                mavlink.MAVLink_gimbal_manager_information_message(
-                    self._ms(), 32 + 256, 1, 0, 0, -math.pi / 2, 0.35, -math.pi, math.pi
+            for device in self.devices:
+                self._send(
+                    mavlink.MAVLink_gimbal_manager_information_message(
+                        self._ms(), 32 + 256, device, 0, 0, -math.pi / 2, 0.35, -math.pi, math.pi
+                    )
                 )
-            )
+        elif number == mavlink.MAV_CMD_REQUEST_MESSAGE and asked == 259:
+            self._send_of_camera(self._camera_information())
+        elif number == mavlink.MAV_CMD_REQUEST_MESSAGE and asked == 269:
+            self._send_of_camera(self._stream_information())
         elif number == mavlink.MAV_CMD_REQUEST_MESSAGE:
             self._status()
         elif number == mavlink.MAV_CMD_SET_MESSAGE_INTERVAL and asked == 285:
@@ -239,12 +280,14 @@ class GimbalManager:
         speed = message.param2
         if message.param1 != mavlink.ZOOM_TYPE_CONTINUOUS or not abs(speed) <= 1:
             self._fault(f"zoom {message.param1}, {speed}")
+        if speed and not self.zooms:
+            self._fault(f"zoom {speed} of a camera without zoom")
         if speed and self.primary != OWN:
             self._fault(f"zoom {speed} while {self.primary} has the control")
         self.zoom = speed
 
     def _configure(self, claim: Who, secondary: tuple[float, float], device: float) -> Any:
-        if secondary != (-1, -1) or device not in (0, 1):
+        if secondary != (-1, -1) or device not in (0, self.devices[0]):
             self._fault(f"secondary control {secondary}, device {device}")
         before = self.primary
         if claim == OWN:
@@ -274,6 +317,14 @@ class GimbalManager:
             self.primary, self.taken_at = OTHER, time.monotonic()
             self._status()
             return self.taken_at or 0.0
+
+    def exchange(self, device: int) -> None:
+        """Another device takes the place of the one that is moved."""
+        with self.lock:
+            self.left = (self.devices[0], time.monotonic())
+            self.devices, self.rates, self.primary = [device], (0.0, 0.0), NOBODY
+            self.may_be_turning = True
+            self._status()
 
     def give_back(self) -> None:
         """The other commander gives the control back."""

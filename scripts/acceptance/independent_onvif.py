@@ -45,6 +45,10 @@ def schemas() -> dict[str, Any]:
     return {space: zeep.Client(str(folder / name)).wsdl.types for space, name in WSDL_FILES.items()}
 
 
+class NoProfileError(Exception):
+    """A profile that the camera had before."""
+
+
 class Camera:
     """The camera: what turns it until when, and what was asked."""
 
@@ -58,6 +62,7 @@ class Camera:
         self.velocity, self.until = (0.0, 0.0), 0.0
         self.nonces: set[str] = set()
         self.refuses_login = self.ignores_stops = False
+        self.profile, self.source = PROFILE, "source-1"
         self.hangs = threading.Event()
         handler = type("Handler", (Handler,), {"camera": self})
         self.server = Server(("127.0.0.1", 0), handler)
@@ -102,7 +107,10 @@ class Camera:
             return self.violated(f"{name.localname} is not of the schema: {error}")
         if name.localname != "GetSystemDateAndTime" and not self.admits(envelope, is_proved):
             return fault("ter:NotAuthorized")
-        reply: str | None = getattr(self, handler_of(name.localname), lambda _: None)(question)
+        try:
+            reply: str | None = getattr(self, handler_of(name.localname), lambda _: None)(question)
+        except NoProfileError:
+            return fault("ter:NoProfile")
         return (
             self.violated(f"{name.localname} is not asked by a client that only watches and turns")
             if (reply is None)
@@ -160,7 +168,10 @@ class Camera:
         return (
             f'<m:GetProfilesResponse xmlns:m="{MEDIA}">'
             f'<m:Profiles token="fixed"><t:Name>a</t:Name></m:Profiles>'
-            f'<m:Profiles token="{PROFILE}"><t:Name>b</t:Name><t:PTZConfiguration token="{CONFIGURATION}">'
+            f'<m:Profiles token="{self.profile}"><t:Name>b</t:Name><t:VideoSourceConfiguration token="v">'
+            f"<t:Name>d</t:Name><t:UseCount>1</t:UseCount><t:SourceToken>{self.source}</t:SourceToken>"
+            f'<t:Bounds x="0" y="0" width="1" height="1"/></t:VideoSourceConfiguration>'
+            f'<t:PTZConfiguration token="{CONFIGURATION}">'
             f"<t:Name>c</t:Name><t:UseCount>1</t:UseCount><t:NodeToken>n</t:NodeToken></t:PTZConfiguration>"
             f"</m:Profiles></m:GetProfilesResponse>"
         )
@@ -177,7 +188,7 @@ class Camera:
         )
 
     def on_get_status(self, question: Any) -> str:
-        self.expect(question.ProfileToken == PROFILE, f"the profile {question}")
+        self.expect_profile(question.ProfileToken)
         moving = "MOVING" if self.is_turning() else "IDLE"
         return (
             f'<p:GetStatusResponse xmlns:p="{PTZ}"><p:PTZStatus><t:MoveStatus><t:PanTilt>{moving}</t:PanTilt>'
@@ -185,7 +196,7 @@ class Camera:
         )
 
     def on_continuous_move(self, question: Any) -> str:
-        self.expect(question.ProfileToken == PROFILE, f"the profile {question.ProfileToken}")
+        self.expect_profile(question.ProfileToken)
         vector, timeout = question.Velocity.PanTilt, question.Timeout
         self.expect(max(abs(vector.x), abs(vector.y)) <= 1, f"the velocity {vector.x}, {vector.y}")
         self.expect(timeout is not None and 1 <= timeout.total_seconds() <= 60, f"the time-out {timeout}")
@@ -196,12 +207,17 @@ class Camera:
         return f'<p:ContinuousMoveResponse xmlns:p="{PTZ}"/>'
 
     def on_stop(self, question: Any) -> str:
-        self.expect(question.ProfileToken == PROFILE, f"the profile {question.ProfileToken}")
+        self.expect_profile(question.ProfileToken)
         self.expect(question.PanTilt is True, "a Stop of something else")
         if not self.ignores_stops:
             with self.lock:
                 self.velocity = (0.0, 0.0)
         return f'<p:StopResponse xmlns:p="{PTZ}"/>'
+
+    def expect_profile(self, token: str) -> None:
+        self.expect(token in (PROFILE, self.profile), f"the profile {token}")
+        if token != self.profile:
+            raise NoProfileError
 
     def expect(self, holds: bool, what: str) -> None:
         if not holds:

@@ -35,6 +35,20 @@ def test_check_says_axes_end_stops_and_who_has_the_control(
     assert not manager.commands(CLAIM), "check claims"
 
 
+def test_check_lists_gimbals_cameras_and_streams_with_what_chooses_them(
+    barrelman: pathlib.Path, manager: GimbalManager
+) -> None:
+    manager.devices = [1, 3]
+    check_says(
+        barrelman,
+        manager.url,
+        "device 1 of 1/1 has pan and tilt: used; vehicle.gimbal_device = 1 chooses it",
+        "device 3 of 1/1 has pan and tilt: not used; vehicle.gimbal_device = 3 chooses it",
+        "camera: 1/100 Acme Independent, which zooms: not used; vehicle.camera = 100 chooses it",
+        "stream: stream 1 of 1/100 (main): rtsp://***@192.0.2.7/main; video.url, or --video, chooses it",
+    )
+
+
 def test_check_says_that_no_heartbeat_comes(barrelman: pathlib.Path, manager: GimbalManager) -> None:
     manager.is_silent = True
     check_says(barrelman, manager.url, "no heartbeat", code=1)

@@ -175,6 +175,9 @@ def test_check_reads_and_moves_nothing(barrelman: pathlib.Path, tmp_path: pathli
     with Camera() as camera:
         done = run([barrelman, "check", *options(tmp_path, camera.url), "--video", "sim:arena1"])
         check("the profile that moves is named", "main-profile" in done.stdout, done.stdout)
+        listed = 'main-profile of video source source-1 (b): used; video.stream = "main-profile" chooses it'
+        check("it is listed with what chooses it", listed in done.stdout, done.stdout)
+        check("its missing zoom is told", "the camera does not zoom" in done.stdout, done.stdout)
         check("the measured speeds are shown", "1.1 to 69 deg/s" in done.stdout, done.stdout)
         moved = [name for _, name in camera.requests if name in ("ContinuousMove", "Stop")]
         check("nothing is moved", not moved, moved)

@@ -14,6 +14,7 @@ from client import DISENGAGE, STOP, Program, Request, nudge
 from conftest import Check
 from independent_gimbal import judging
 from machine import Delay, wait_until
+from page import started
 from process import ENDS_WITHIN, Lines, end, free_port, secret, spawn
 
 pytestmark = pytest.mark.apart
@@ -105,8 +106,9 @@ def test_zoom_by_hand_reaches_the_camera_and_ends(
                 and status["link"].get("acceptance") in (None, "accepted")
                 and status["link"].get("in_control") is not False
                 and status["video"]["state"] == "up"
+                and status["zoom"]
             ),
-            "link and video",
+            "link, video and zoom",
         )
         time.sleep(1.0)
         answer = hold(program, 1.0, 2.0)
@@ -137,13 +139,41 @@ def zooming(barrelman: pathlib.Path, tmp_path: pathlib.Path) -> Iterator[Callabl
     ):
 
         def begin() -> tuple[Any, Program]:
-            program.wait(lambda status: status["link"].get("in_control") is True, "the control")
+            program.wait(lambda status: status["zoom"] is not None, "the zoom")
             hold(program, 1.0, 1.0)
             program.request(nudge(0, 0, 1))
             wait_until(lambda: manager.zoom == 1.0, "the zoom")
             return manager, program
 
         yield begin
+
+
+@pytest.mark.parametrize("zooms", [True, False])
+def test_a_mavlink_camera_is_zoomed_if_it_says_that_it_can(
+    barrelman: pathlib.Path, tmp_path: pathlib.Path, check: Check, zooms: bool
+) -> None:
+    options = [config_of(tmp_path, "mavlink-gimbal"), "--video", WORLD]
+    with (
+        judging(zooms=zooms) as manager,
+        Program(barrelman, "run", "--no-record", *options, "--link", manager.url) as program,
+    ):
+        wait_until(lambda: any(asked.param1 == 259 for _, asked in manager.commands(512)), "the question")
+        wait_until(lambda: (program.status()["zoom"] is not None) == zooms, "the answer")
+        link = program.wait(lambda status: status["link"]["camera"], "the camera's name")["link"]
+        used = (link["gimbal"], link["camera"], link["stream"])
+        check("what is used is named", used == ("device 1 of 1/1", "1/100 Acme Independent", None), used)
+        for request in (nudge(0, 0, 1), Request("keep-size", keep=True)):
+            answer = program.request(request)
+            is_refused = answer["answer"] == "refused" and "zoom" in answer["reason"]
+            check(f"{request['kind']}, zooms: {zooms}", is_refused != zooms, answer)
+        with started(program, tmp_path) as page:
+            page.ready()
+            for button in ("lens-up", "lens-down", "keep-size"):
+                check(f"{button}, zooms: {zooms}", page.element(button).is_displayed() == zooms)
+            page.click("level")
+            wait_until(lambda: "camera 1/100 Acme" in page.text("figures"), "the names at the expert level")
+        speeds = [message.param2 for _, message in manager.commands(531)]
+        check("a camera without zoom is not zoomed", zooms or not any(speeds), speeds)
 
 
 def rest_after(manager: Any, at: float) -> Delay:

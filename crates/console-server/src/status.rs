@@ -5,7 +5,7 @@ use barrelman_pilot::on_earth::NotOnEarth;
 use barrelman_pilot::{Advice, Candidate, Mode, Outcome, ProposedObject, VesselMode};
 use barrelman_vocab::acceptance::Acceptance;
 use barrelman_vocab::telemetry::{ControlState, FlightState};
-use barrelman_vocab::{Angle, CameraCommand, MarkKind, Named as _, PixelBox, Videos};
+use barrelman_vocab::{Angle, CameraCommand, MarkKind, Named as _, PixelBox, ShortText, Videos};
 
 use super::api::{
     AxisRates, BoatStatus, CameraWork, CandidateStatus, EncodedVideo, LinkStatus, ModeStatus,
@@ -168,6 +168,7 @@ fn boat_of(boat: snapshot::BoatOnWater) -> BoatStatus {
 }
 
 fn link_of(vehicle: &VehicleSnapshot) -> LinkStatus {
+    let name = |used: Option<ShortText>| used.map(|name| name.as_str().to_owned());
     LinkStatus {
         state: vehicle.link.key(),
         in_control: vehicle.control.map(|control| control == ControlState::Ours),
@@ -187,6 +188,9 @@ fn link_of(vehicle: &VehicleSnapshot) -> LinkStatus {
             FlightState::Emergency => "emergency",
             FlightState::Other(_) => "other",
         }),
+        gimbal: name(vehicle.equipment.gimbal),
+        camera: name(vehicle.equipment.camera),
+        stream: name(vehicle.equipment.stream),
     }
 }
 

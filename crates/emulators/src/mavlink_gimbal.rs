@@ -3,8 +3,8 @@
 use barrelman_vocab::{AngularRate, Timestamp, VehicleProfile};
 use barrelman_wire::mavlink::GimbalManager;
 use barrelman_wire::mavlink::frame::FrameReader;
+pub use barrelman_wire::mavlink::gimbal_manager::{CameraKind, GimbalManagerSettings, Habits};
 use barrelman_wire::mavlink::gimbal_manager::{GimbalAngles, OTHER_COMMANDER};
-pub use barrelman_wire::mavlink::gimbal_manager::{GimbalManagerSettings, Habits};
 
 use super::emulated_vehicle::EmulatedVehicle;
 use super::log::VehicleState;
@@ -15,14 +15,15 @@ use crate::camera_link::Pointing;
 pub struct MavlinkGimbal {
     manager: GimbalManager,
     settings: GimbalManagerSettings,
+    video: Option<String>,
     profile: VehicleProfile,
 }
 
 impl MavlinkGimbal {
-    /// An autopilot that has just been switched on.
-    pub fn new(settings: GimbalManagerSettings, now: Timestamp) -> Self {
-        let manager = GimbalManager::boot(settings, now);
-        Self { manager, settings, profile: VehicleProfile::mavlink_gimbal() }
+    /// An autopilot that has just been switched on, whose camera names this address of its video.
+    pub fn new(settings: GimbalManagerSettings, video: Option<String>, now: Timestamp) -> Self {
+        let manager = booted(settings, video.as_ref(), now);
+        Self { manager, settings, video, profile: VehicleProfile::mavlink_gimbal() }
     }
 }
 
@@ -34,7 +35,7 @@ impl EmulatedVehicle for MavlinkGimbal {
     }
 
     fn reboot(&mut self, now: Timestamp) {
-        self.manager = GimbalManager::boot(self.settings, now);
+        self.manager = booted(self.settings, self.video.as_ref(), now);
     }
 
     fn take_over(&mut self, now: Timestamp, out: &mut Vec<Vec<u8>>) {
@@ -71,6 +72,12 @@ impl EmulatedVehicle for MavlinkGimbal {
         FrameReader::default().read(packet, |frame| texts.push(format!("message {}", frame.message)));
         texts
     }
+}
+
+fn booted(settings: GimbalManagerSettings, video: Option<&String>, now: Timestamp) -> GimbalManager {
+    let mut manager = GimbalManager::boot(settings, now);
+    manager.set_video(video.cloned());
+    manager
 }
 
 /// Who has the control.

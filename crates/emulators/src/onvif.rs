@@ -21,7 +21,7 @@ use barrelman_host::fault::{FaultKind, FaultPlan};
 use barrelman_host::output::OutputFile;
 use barrelman_vocab::speed_curve::{AxisSpeeds, SpeedCurve, SpeedPoint};
 use barrelman_vocab::{AngularRate, Timestamp, VehicleProfile, VehicleRates};
-pub use barrelman_wire::onvif::{CameraFaults, CameraSettings};
+pub use barrelman_wire::onvif::{CameraFaults, CameraSettings, FullSpeeds};
 use barrelman_wire::onvif::{PtzCamera, SpeedShares};
 
 use crate::camera_link::CameraLink;

@@ -118,7 +118,8 @@ pub(crate) fn check_report(report: &Report) {
         | Report::Acceptance(_)
         | Report::FlightState { .. }
         | Report::DriveMode(_)
-        | Report::GimbalDevice(_) => vec![],
+        | Report::Equipment(_)
+        | Report::Zoom(_) => vec![],
     };
     assert!(numbers.iter().all(|number| number.is_finite()), "{report:?}");
 }

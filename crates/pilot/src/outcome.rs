@@ -55,7 +55,7 @@ pub struct Outcome {
     pub are_candidates_wanted: bool,
     /// By how much the vehicle is turned about the vertical.
     pub net_yaw: NetYawState,
-    /// The zoom; `None`: the camera does not zoom.
+    /// The zoom; `None`: the camera does not zoom, or has not told whether it does.
     pub zoom: Option<ZoomState>,
     /// The rate of a camera that turns although zero is commanded, as the vehicle reports it; `None`: no such motion is reported.
     pub unasked_motion: Option<AngularRate>,

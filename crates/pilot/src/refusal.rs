@@ -35,6 +35,8 @@ pub enum Refusal {
     NoFreshVideo,
     /// A zoom of a camera that has none.
     NoZoom,
+    /// A zoom of a camera that has not told whether it zooms.
+    ZoomNotKnown,
     /// No object is followed that could be rejected.
     NothingToReject,
     /// The camera moves for another purpose.
@@ -92,6 +94,7 @@ impl fmt::Display for Refusal {
             Self::Stopped => f.write_str("the camera is stopped: disengage first"),
             Self::NoFreshVideo => f.write_str("there is no fresh video: nothing is moved blindly"),
             Self::NoZoom => f.write_str("this camera does not zoom"),
+            Self::ZoomNotKnown => f.write_str("the camera has not told yet whether it zooms"),
             Self::NothingToReject => f.write_str("no object is followed"),
             Self::Busy(purpose) => {
                 let now = match purpose {

@@ -17,7 +17,7 @@ use core::time::Duration;
 
 use barrelman_vocab::telemetry::Report;
 use barrelman_vocab::{
-    AngularRate, CameraCommand, CameraRequest, HoldCause, Nudge, StopCause, Timestamp, ZoomRate,
+    AngularRate, CameraCommand, CameraRequest, HoldCause, Nudge, StopCause, Timestamp, ZoomAbility, ZoomRate,
 };
 
 use crate::licence::{Licences, NUDGE_LASTS};
@@ -91,6 +91,11 @@ impl Safety {
     /// Where the commands go.
     pub const fn path(&self) -> CommandPath {
         self.vehicle.path()
+    }
+
+    /// Whether the vehicle's camera zooms.
+    pub const fn zoom(&self) -> ZoomAbility {
+        self.vehicle.zoom()
     }
 
     /// A video frame, or another observation, arrived.

@@ -5,7 +5,7 @@ use core::time::Duration;
 use barrelman_control::{CameraLaw, LawInput, LawSettings, MotorSchema, Percept, Region, Sector};
 use barrelman_vision::Tracker;
 use barrelman_vocab::{
-    Angle, CameraCommand, HoldCause, LawId, PictureSize, PixelBox, Timestamp, Track, VehicleProfile,
+    Angle, CameraCommand, HoldCause, LawId, PictureSize, PixelBox, Timestamp, Track, VehicleProfile, ZoomRate,
 };
 
 use crate::calibration::Calibration;
@@ -288,7 +288,10 @@ impl Pilot {
     fn executable(&mut self, command: CameraCommand, now: Timestamp) -> CameraCommand {
         let is_current = |at: Timestamp| at <= now && now.since(at) <= TILT_LASTS;
         let tilt = self.reported_tilt.filter(|(_, at)| is_current(*at)).map(|(tilt, _)| tilt);
-        let executable = self.settings.profile.executable(command, tilt);
+        let mut executable = self.settings.profile.executable(command, tilt);
+        if self.no_zoom().is_some() {
+            executable.zoom = ZoomRate::ZERO;
+        }
         let executable = self.within_net_yaw(executable, now);
         self.safety.on_executed(executable);
         executable

@@ -7,13 +7,14 @@
 //!   commands not accepted                               the vehicle fell silent, or was not there at first
 //!                                                       an emergency, or a landing, begins
 //!   landing, emergency                                  a battery becomes low
+//!                                                       another gimbal, camera or stream is used
 //! ```
 //!
 //! A vehicle's protocol that does not know some of these never reports them.
 
 use barrelman_vocab::acceptance::Acceptance;
 use barrelman_vocab::telemetry::{ControlState, FlightState, LinkState, Report};
-use barrelman_vocab::{HoldCause, StopCause};
+use barrelman_vocab::{HoldCause, StopCause, UsedEquipment, ZoomAbility};
 
 /// Where the commands of a pilot go.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
@@ -48,6 +49,10 @@ pub struct VehicleState {
     uptime_s: Option<f64>,
     flight: Option<FlightState>,
     is_battery_low: bool,
+    /// Whether the camera zooms, also while the link is lost.
+    zoom: ZoomAbility,
+    /// What is used, also while the link is lost.
+    equipment: UsedEquipment,
 }
 
 impl VehicleState {
@@ -64,6 +69,8 @@ impl VehicleState {
             uptime_s: None,
             flight: None,
             is_battery_low: false,
+            zoom: ZoomAbility::NotKnown,
+            equipment: UsedEquipment { gimbal: None, camera: None, stream: None },
         }
     }
 
@@ -116,7 +123,23 @@ impl VehicleState {
                     _ => becomes_low.then_some(StopCause::BatteryLow),
                 }
             }
+            Report::Equipment(used) => {
+                let before = self.equipment.on_used(used)?.before;
+                before.is_some().then_some(StopCause::Exchanged)
+            }
+            Report::Zoom(told) => {
+                self.zoom = told;
+                None
+            }
             _ => None,
+        }
+    }
+
+    /// Whether the camera zooms. One that no vehicle can tell of does if its profile says so.
+    pub const fn zoom(&self) -> ZoomAbility {
+        match self.path {
+            CommandPath::Simulated | CommandPath::DryRun => ZoomAbility::Present,
+            CommandPath::Link => self.zoom,
         }
     }
 

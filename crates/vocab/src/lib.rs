@@ -23,12 +23,14 @@ pub mod acceptance;
 pub mod command;
 pub mod drill;
 pub mod drive_mode;
+pub mod equipment;
 pub mod hold_cause;
 pub mod law;
 pub mod mavlink;
 pub mod named;
 pub mod profile;
 pub mod request;
+pub mod short_text;
 pub mod speed_curve;
 pub mod stop_cause;
 pub mod telemetry;
@@ -43,6 +45,7 @@ pub mod rng;
 pub use angle::{Angle, AngularRate};
 pub use command::{CameraCommand, RENEWAL_GRACE};
 pub use drill::DrillName;
+pub use equipment::{Equipment, EquipmentChange, EquipmentKind, UsedEquipment};
 pub use hold_cause::HoldCause;
 pub use image::{ImagePoint, PictureSize, PixelBox, PixelPoint};
 pub use law::{Framed, LawId, LawName, OptimalMode};
@@ -55,6 +58,7 @@ pub use request::{
     NoteText, Nudge, OperatorRequest, Request, SeatRequest, Tap, TestMotions, VesselRequest, VesselStopper,
     VideoRequest, WorldRequest,
 };
+pub use short_text::ShortText;
 pub use stop_cause::StopCause;
 pub use telemetry::Telemetry;
 pub use time::Timestamp;
@@ -64,4 +68,4 @@ pub use vessel::{FailSafe, KeepWay, VesselCommand, VesselLimits, VesselOrder, Ve
 pub use video::{Picture, VideoFrame};
 pub use videos::{VideoNumber, Videos};
 pub use water::{CameraAboveWater, Sighting, SightingNoise, WaterCovariance, WaterFix, WaterPoint};
-pub use zoom::{ZoomDynamics, ZoomRate};
+pub use zoom::{ZoomAbility, ZoomDynamics, ZoomRate};

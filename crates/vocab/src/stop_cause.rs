@@ -47,6 +47,8 @@ pub enum StopCause {
     BatteryLow,
     /// The vehicle fell silent, though its port was open.
     VehicleSilent,
+    /// Another gimbal, camera or stream of the vehicle took the place of the one in use.
+    Exchanged,
     /// The machine was suspended, or the program did not run for a second or more.
     Suspended,
     /// The picture turned against the commanded pan: the sign of the yaw rate is probably wrong.
@@ -68,6 +70,7 @@ impl Named for StopCause {
             Self::Landing => "vehicle lands",
             Self::BatteryLow => "battery of the vehicle low",
             Self::VehicleSilent => "vehicle fell silent",
+            Self::Exchanged => "another gimbal, camera or stream than before",
             Self::Suspended => "the program did not run for a while",
             Self::PanOpposed => {
                 "the picture turned against the pan: check vehicle.yaw_sign of the configuration"

@@ -3,8 +3,10 @@
 use crate::acceptance::Acceptance;
 use crate::angle::Angle;
 use crate::drive_mode::DriveMode;
+use crate::equipment::Equipment;
 use crate::time::Timestamp;
 use crate::vehicle_text::VehicleText;
+use crate::zoom::ZoomAbility;
 
 /// One report of a vehicle.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -57,10 +59,12 @@ pub enum Report {
     DriveMode(DriveMode),
     /// What the vehicle says in words.
     Text(VehicleText),
-    /// The number of the gimbal device that is moved, of several that a vehicle can have.
-    GimbalDevice(u8),
+    /// Which gimbal, camera or stream is used, of several that a vehicle can have.
+    Equipment(Equipment),
     /// Horizontal field of view of the picture. A zoom changes it.
     FieldOfView(Angle),
+    /// Whether the camera zooms.
+    Zoom(ZoomAbility),
     /// Position of the vehicle on Earth.
     Position {
         /// Latitude (WGS 84), positive to the north.

@@ -65,6 +65,25 @@ impl Neg for ZoomRate {
     }
 }
 
+/// Whether a vehicle's camera zooms by command, as far as the vehicle has told.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
+pub enum ZoomAbility {
+    /// The vehicle has not told yet: nothing is zoomed.
+    #[default]
+    NotKnown,
+    /// It does not.
+    Absent,
+    /// It does.
+    Present,
+}
+
+impl ZoomAbility {
+    /// Of a vehicle that has told.
+    pub const fn told(is_present: bool) -> Self {
+        if is_present { Self::Present } else { Self::Absent }
+    }
+}
+
 /// The zoom of a vehicle's camera. Its widest view is that of
 /// [`CameraDynamics::focal_share`](crate::profile::CameraDynamics::focal_share).
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -62,7 +62,7 @@ pub struct StatusSnapshot {
     pub yaw_rate: f64,
     /// Pitch rate handed to the link, in the vehicle's own sign.
     pub pitch_rate: f64,
-    /// The camera's zoom; `null`: the camera does not zoom.
+    /// The camera's zoom; `null`: the camera does not zoom, or has not told whether it does.
     pub zoom: Option<ZoomStatus>,
     /// By how much the vehicle is turned about the vertical, degrees, positive to the right: the twist of the
     /// tether.
@@ -113,7 +113,7 @@ pub struct ModeStatus {
     /// Of holding: `no-selection`, `track-lost`, `coasting`, `doubted`, `video-stale`, `video-silent`,
     /// `confirming`, `dry-run`, `link-down`, `no-control`, `emergency`, `landing`; of stopped: `operator`, `ending`,
     /// `video-ended`, `fault`, `control-lost`, `vehicle-restarted`, `emergency`, `landing`, `battery-low`,
-    /// `vehicle-silent`, `suspended`, `pan-opposed`, `tilt-opposed`; otherwise `null`.
+    /// `vehicle-silent`, `exchanged`, `suspended`, `pan-opposed`, `tilt-opposed`; otherwise `null`.
     pub cause: Option<&'static str>,
     /// Whether the pilot is engaged (servoing or holding).
     pub engaged: bool,
@@ -243,7 +243,7 @@ pub struct PositionStatus {
 }
 
 /// The link to the vehicle.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct LinkStatus {
     /// `dry-run`, `simulated`, `opening`, `starting`, `up`, `silent`, `closing` or `closed`.
     pub state: &'static str,
@@ -263,6 +263,12 @@ pub struct LinkStatus {
     pub position: Option<PositionStatus>,
     /// `idle`, `flying`, `landing`, `emergency` or `other`.
     pub flight: Option<&'static str>,
+    /// The gimbal device that is moved, of a MAVLink gimbal.
+    pub gimbal: Option<String>,
+    /// The camera that zooms, of a MAVLink gimbal: its address, vendor and model.
+    pub camera: Option<String>,
+    /// The vehicle's own video: the stream of a Sigma, or the media profile of an ONVIF camera with its source.
+    pub stream: Option<String>,
 }
 
 /// The recording.

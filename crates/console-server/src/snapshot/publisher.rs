@@ -104,7 +104,7 @@ impl Publisher {
                 self.state.vehicle.on_telemetry(telemetry);
                 self.log_link_change(before.link, outcome.at);
                 self.log_acceptance(before.acceptance, outcome.at);
-                self.log_gimbal(telemetry);
+                self.log_equipment(before.equipment, telemetry);
             }
             Input::VesselTelemetry(telemetry) => {
                 let before = self.state.vessel;

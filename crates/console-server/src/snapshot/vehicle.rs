@@ -3,7 +3,7 @@
 use barrelman_vocab::acceptance::Acceptance;
 use barrelman_vocab::drive_mode::DriveMode;
 use barrelman_vocab::telemetry::{ControlState, FlightState, LinkState, Report};
-use barrelman_vocab::{Angle, Telemetry};
+use barrelman_vocab::{Angle, Telemetry, UsedEquipment};
 
 /// Where commands go.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -71,6 +71,8 @@ pub struct VehicleSnapshot {
     pub position: Option<VehiclePosition>,
     /// Flight state.
     pub flight: Option<FlightState>,
+    /// The gimbal, the camera and the stream that are used; also of a link that was lost.
+    pub equipment: UsedEquipment,
     /// Whether nothing reaches a camera that was turning.
     pub may_be_turning: bool,
 }
@@ -86,7 +88,10 @@ impl VehicleSnapshot {
                 let may_be_turning = self.may_be_turning && state != LinkState::Up;
                 *self = match state {
                     LinkState::Up => Self { may_be_turning, ..*self },
-                    _ => Self { link: self.link, may_be_turning, ..Self::default() },
+                    _ => {
+                        let Self { link, equipment, .. } = *self;
+                        Self { link, may_be_turning, equipment, ..Self::default() }
+                    }
                 };
             }
             Report::Ground { control, battery_v, .. } => {
@@ -111,18 +116,23 @@ impl VehicleSnapshot {
                 (self.flight, self.is_battery_low) = (Some(state), is_battery_low);
             }
             Report::FieldOfView(angle) => self.field_of_view = Some(angle),
+            Report::Equipment(used) => {
+                self.equipment.on_used(used);
+            }
             Report::VehicleAttitude(_)
             | Report::GimbalAttitude(_)
             | Report::CameraPan(_)
             | Report::Speed(_)
             | Report::Text(_)
-            | Report::GimbalDevice(_) => {}
+            | Report::Zoom(_) => {}
         }
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use barrelman_vocab::{Equipment, EquipmentKind, ShortText};
+
     use super::*;
     use crate::test_scenes::at;
 
@@ -168,6 +178,7 @@ mod tests {
         altitude_m: Some(10.5),
         position: None,
         flight: Some(FlightState::Flying),
+        equipment: UsedEquipment { gimbal: None, camera: None, stream: None },
         may_be_turning: false,
         is_battery_low: true,
     };
@@ -227,6 +238,24 @@ mod tests {
         ] {
             assert_eq!(after(reports), expected, "{reports:?}");
         }
+    }
+
+    #[test]
+    fn what_is_used_stays_known_while_the_link_is_lost() {
+        let used = |kind, name| Report::Equipment(Equipment::new(kind, name));
+        let reports = [
+            UP,
+            used(EquipmentKind::Gimbal, "device 1"),
+            used(EquipmentKind::Camera, "old"),
+            Report::Link(LinkState::Opening),
+            used(EquipmentKind::Camera, "new"),
+        ];
+        let known = after(&reports).equipment;
+        let names = [known.gimbal, known.camera, known.stream];
+        assert_eq!(
+            names,
+            [Some("device 1"), Some("new"), None].map(|name| name.map(|name| ShortText::of(name.as_bytes())))
+        );
     }
 
     #[test]

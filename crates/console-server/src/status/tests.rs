@@ -10,7 +10,8 @@ use barrelman_vocab::earth::{GeoPoint, WaterOnEarth};
 use barrelman_vocab::telemetry::{ControlState, LinkState};
 use barrelman_vocab::track::Shape;
 use barrelman_vocab::{
-    AngularRate, HoldCause, ImagePoint, LawId, StopCause, Track, VehicleRates, VideoNumber,
+    AngularRate, HoldCause, ImagePoint, LawId, ShortText, StopCause, Track, UsedEquipment, VehicleRates,
+    VideoNumber,
 };
 
 use serde_json::{Value, json};
@@ -88,6 +89,7 @@ fn each_mode_has_its_name_and_cause() {
         (stopped(StopCause::Emergency), Some("emergency"), false),
         (stopped(StopCause::Landing), Some("landing"), false),
         (stopped(StopCause::BatteryLow), Some("battery-low"), false),
+        (stopped(StopCause::Exchanged), Some("exchanged"), false),
     ] {
         let status = status_after(Outcome { mode, ..idle(at(0)) });
         assert_eq!(status["mode"], json!({"name": name, "cause": cause, "engaged": engaged}));
@@ -296,12 +298,13 @@ fn telemetry_is_given_in_volts_degrees_and_metres() {
                 heading: None,
             }),
             flight: Some(flight),
+            equipment: UsedEquipment { gimbal: Some(ShortText::of(b"device 1")), ..UsedEquipment::default() },
             ..VehicleSnapshot::default()
         };
         let expected = json!({
             "state": "dry-run", "in_control": false, "acceptance": null, "battery_v": 15.5, "tilt_deg": -90.0, "altitude_m": 10.5,
             "position": {"latitude_deg": 54.5, "longitude_deg": -10.25, "heading_deg": null},
-            "flight": name,
+            "flight": name, "gimbal": "device 1", "camera": null, "stream": null,
         });
         assert_eq!(status(Snapshot { vehicle, ..Snapshot::default() })["link"], expected);
     }

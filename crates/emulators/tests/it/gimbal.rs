@@ -35,7 +35,7 @@ fn wait_for(reports: &Receiver<LinkReport>, condition: impl Fn(&Report) -> bool)
 fn lowers_the_camera(port: EmulatedPort, loss_share: f64, signing: Option<Signing>) {
     let clock = Clock::start();
     let settings = GimbalManagerSettings { signing, ..GimbalManagerSettings::default() };
-    let vehicle = MavlinkGimbal::new(settings, clock.now());
+    let vehicle = MavlinkGimbal::new(settings, None, clock.now());
     let log = StationLog::new(None, clock);
     let mut emulator = Emulator::new(port, vehicle, log, FaultPlan::default(), clock).with_loss(loss_share);
     let url = LinkUrl::parse(&emulator.url()).unwrap();

@@ -72,7 +72,8 @@ impl Camera {
         }
         let answer: StreamUriBody = soap::read(&body).ok_or_else(unreadable)?;
         let Joined { profile, moving, .. } = self.joined;
-        Ok(VehicleVideo { name: profile, address: answer.answer.address(), choices: moving })
+        let choices = moving.into_iter().map(|moving| moving.token).collect();
+        Ok(VehicleVideo { name: profile, address: answer.answer.address(), choices })
     }
 }
 

@@ -20,10 +20,8 @@ impl Pilot {
                 let is_plausible = Angle::from_degrees(*degrees).radians().abs() <= MAX_NET_YAW;
                 (!is_plausible).then_some(Refusal::NetYawOutOfRange)
             }
-            CameraRequest::KeepSize { keep: true } if self.zooming.is_none() => Some(Refusal::NoZoom),
-            CameraRequest::Nudge(nudge) if nudge.zoom != 0.0 && self.zooming.is_none() => {
-                Some(Refusal::NoZoom)
-            }
+            CameraRequest::KeepSize { keep: true } => self.no_zoom(),
+            CameraRequest::Nudge(nudge) if nudge.zoom != 0.0 => self.no_zoom(),
             CameraRequest::Select(_)
             | CameraRequest::SelectNext(_)
             | CameraRequest::Propose(_)

@@ -2,12 +2,23 @@
 
 use barrelman_control::size_keeping::SizeInput;
 use barrelman_control::{LawInput, Percept};
-use barrelman_vocab::{CameraCommand, Framed, ImagePoint, Localisation, Nudge, PictureSize, Timestamp};
+use barrelman_vocab::{
+    CameraCommand, Framed, ImagePoint, Localisation, Nudge, PictureSize, Timestamp, ZoomAbility,
+};
 
 use super::Pilot;
-use crate::outcome::{Notice, ZoomState};
+use crate::outcome::{Notice, Refusal, ZoomState};
 
 impl Pilot {
+    /// Why the camera is not zoomed; `None`: it zooms.
+    pub(super) fn no_zoom(&self) -> Option<Refusal> {
+        match (self.safety.zoom(), self.zooming.is_some()) {
+            (_, false) | (ZoomAbility::Absent, true) => Some(Refusal::NoZoom),
+            (ZoomAbility::NotKnown, true) => Some(Refusal::ZoomNotKnown),
+            (ZoomAbility::Present, true) => None,
+        }
+    }
+
     /// The size is kept from now on, or no longer. Returns what the operator has to know.
     pub(super) fn keep_size(&mut self, keep: bool) -> Option<Notice> {
         let zooming = self.zooming.as_mut().filter(|zooming| zooming.keeps_size != keep)?;
@@ -38,7 +49,8 @@ impl Pilot {
         };
         let camera = self.law.camera();
         let focal_shares = (camera.focal_share_at(input.captured), camera.focal_share_at(input.now));
-        let Some(zooming) = self.zooming.as_mut().filter(|zooming| zooming.keeps_size) else {
+        let zooms = self.no_zoom().is_none();
+        let Some(zooming) = self.zooming.as_mut().filter(|zooming| zooms && zooming.keeps_size) else {
             return command;
         };
         let longer = seen.bounds.w.max(seen.bounds.h);
@@ -60,10 +72,10 @@ impl Pilot {
         if is_wide { command } else { command.zooming(-self.settings.profile.max_zoom_rate()) }
     }
 
-    /// The present focal length over that of the widest view; `None`: the camera does not zoom.
+    /// The present focal length over that of the widest view; `None`: the camera is not zoomed.
     fn zoom_ratio(&self, now: Timestamp) -> Option<f64> {
         let widest = self.settings.profile.camera.focal_share;
-        self.zooming.is_some().then(|| self.law.camera().focal_share_at(now) / widest)
+        self.no_zoom().is_none().then(|| self.law.camera().focal_share_at(now) / widest)
     }
 
     /// The zoom after a step.

@@ -7,7 +7,8 @@ use barrelman_pilot::{CommandPath, Input, Mode, Notice, Outcome, Pilot, Refusal}
 use barrelman_vocab::acceptance::Acceptance;
 use barrelman_vocab::telemetry::{ControlState, FlightState, LinkState, Report};
 use barrelman_vocab::{
-    CameraCommand, CameraRequest, HoldCause, Named as _, Nudge, OperatorRequest, StopCause, Telemetry,
+    CameraCommand, CameraRequest, Equipment, EquipmentKind, HoldCause, Named as _, Nudge, OperatorRequest,
+    StopCause, Telemetry,
 };
 
 use crate::scenes::SceneInput::{Disengage, Engage, Seen};
@@ -25,9 +26,10 @@ enum Do {
     Flight(FlightState),
     Battery(bool),
     Said(Acceptance),
+    Uses(EquipmentKind, &'static str),
 }
 
-use Do::{Battery, Control, Flight, Link, Nudge as Nudges, Said, Scene};
+use Do::{Battery, Control, Flight, Link, Nudge as Nudges, Said, Scene, Uses};
 
 const UP: Do = Link(LinkState::Up);
 const SEEN: Do = Scene(Seen(RIGHT));
@@ -59,6 +61,7 @@ impl Do {
             }
             Flight(state) => report(flight(state, false)),
             Said(said) => report(Report::Acceptance(said)),
+            Uses(kind, name) => report(Report::Equipment(Equipment::new(kind, name))),
             Battery(is_low) => report(flight(FlightState::Flying, is_low)),
         };
         pilot.step(input, now)
@@ -106,6 +109,26 @@ fn a_vehicle_that_was_never_there_cannot_be_engaged_and_ends_an_engagement() {
     check(&[absent, Link(LinkState::Starting), ENGAGE, UP, SEEN], Mode::Servoing, PAN_RIGHT);
     // A link that was lost is another matter: the operator knows the vehicle.
     check(&[UP, absent, ENGAGE, UP, SEEN], Mode::Servoing, PAN_RIGHT);
+}
+
+#[test]
+fn another_gimbal_camera_or_stream_than_before_stops_until_the_next_engage() {
+    let exchanged = Mode::Stopped(StopCause::Exchanged);
+    for kind in [EquipmentKind::Gimbal, EquipmentKind::Camera, EquipmentKind::Stream] {
+        let (old, new) = (Uses(kind, "old"), Uses(kind, "new"));
+        let then = |more: &[Do]| [&[UP, old, ENGAGE, SEEN][..], more].concat();
+        check(&then(&[old, SEEN]), Mode::Servoing, PAN_RIGHT);
+        check(&then(&[new]), exchanged, REST);
+        check(&then(&[new, SEEN, old, SEEN]), exchanged, REST);
+        check(&then(&[new, ENGAGE, SEEN, new, SEEN]), Mode::Servoing, PAN_RIGHT);
+        // After a lost link, before the camera is reached again.
+        let lost = then(&[Link(LinkState::Opening), Link(LinkState::Starting), new, UP, SEEN]);
+        check(&lost, exchanged, REST);
+        check(&[UP, ENGAGE, SEEN, old, SEEN], Mode::Servoing, PAN_RIGHT);
+        check(&[UP, old, SEEN, Nudges, new], Mode::Idle, REST);
+    }
+    let first = Uses(EquipmentKind::Gimbal, "a");
+    check(&[UP, ENGAGE, SEEN, first, Uses(EquipmentKind::Camera, "b"), SEEN], Mode::Servoing, PAN_RIGHT);
 }
 
 #[test]

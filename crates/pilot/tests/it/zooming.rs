@@ -8,7 +8,8 @@ use barrelman_vocab::telemetry::{LinkState, Report};
 use barrelman_vocab::video::ColourEncoding;
 use barrelman_vocab::{
     CameraRequest, HoldCause, ImagePoint, Localisation, Nudge, OperatorRequest, Picture, PictureSize,
-    PixelBox, StopCause, Telemetry, Timestamp, Track, VehicleProfile, VideoFrame, ZoomDynamics, ZoomRate,
+    PixelBox, StopCause, Telemetry, Timestamp, Track, VehicleProfile, VideoFrame, ZoomAbility, ZoomDynamics,
+    ZoomRate,
 };
 
 use crate::scenes::{PICTURE, Scripted, at, frame, seen, settings};
@@ -49,6 +50,11 @@ fn show(pilot: &mut Pilot, (from, to): (u64, u64), size: f64, point: ImagePoint)
         pilot.step(Input::Localisation(Track::Tracking(sized(size, point, captured))), at(ms))
     };
     (from..to).step_by(33).map(step).last().unwrap()
+}
+
+/// The vehicle tells whether its camera zooms.
+fn tell(pilot: &mut Pilot, zoom: ZoomAbility, ms: u64) -> Outcome {
+    pilot.step(Input::Telemetry(Telemetry { at: at(ms), report: Report::Zoom(zoom) }), at(ms))
 }
 
 fn rate(outcome: &Outcome) -> f64 {
@@ -127,12 +133,39 @@ fn nothing_zooms_a_camera_without_zoom_or_a_vehicle_that_takes_no_commands() {
     let mut pilot = zooming_pilot().commanding(CommandPath::Link);
     let link = |state, ms| Input::Telemetry(Telemetry { at: at(ms), report: Report::Link(state) });
     pilot.step(link(LinkState::Up, 0), at(0));
+    tell(&mut pilot, ZoomAbility::Present, 0);
     ask(&mut pilot, CameraRequest::Engage, 1);
     show(&mut pilot, (2, 100), 0.05, CENTRE);
     assert!(rate(&ask(&mut pilot, zoom_by_hand(1.0), 110)) > 0.0);
     assert!(pilot.step(link(LinkState::Starting, 120), at(120)).command.is_rest());
     let refused = ask(&mut pilot, zoom_by_hand(1.0), 130);
     assert_eq!(refused.notice, Some(Notice::RequestRefused(Refusal::NoMotion(HoldCause::LinkDown))));
+}
+
+#[test]
+fn a_camera_zooms_once_its_vehicle_has_told_that_it_can() {
+    let mut pilot = zooming_pilot().commanding(CommandPath::Link);
+    tell(&mut pilot, ZoomAbility::Present, 0);
+    ask(&mut pilot, CameraRequest::KeepSize { keep: true }, 0);
+    tell(&mut pilot, ZoomAbility::NotKnown, 0);
+    let up = Report::Link(LinkState::Up);
+    pilot.step(Input::Telemetry(Telemetry { at: at(0), report: up }), at(0));
+    ask(&mut pilot, CameraRequest::Engage, 1);
+    let refused = |pilot: &mut Pilot, why: Refusal, ms: u64| {
+        let outcome = show(pilot, (ms, ms + 500), 0.01, CENTRE);
+        assert_eq!((rate(&outcome), outcome.zoom), (0.0, None), "the size is not kept");
+        for request in [zoom_by_hand(1.0), CameraRequest::KeepSize { keep: true }] {
+            let outcome = ask(pilot, request, ms + 500);
+            assert_eq!(outcome.notice, Some(Notice::RequestRefused(why)), "{request:?}");
+            assert_eq!((rate(&outcome), outcome.zoom), (0.0, None));
+        }
+    };
+    refused(&mut pilot, Refusal::ZoomNotKnown, 10);
+    tell(&mut pilot, ZoomAbility::Absent, 600);
+    refused(&mut pilot, Refusal::NoZoom, 610);
+    assert!(tell(&mut pilot, ZoomAbility::Present, 1200).zoom.unwrap().keeps_size);
+    assert!(rate(&show(&mut pilot, (1210, 4000), 0.01, CENTRE)) > 0.0);
+    assert_eq!(rate(&tell(&mut pilot, ZoomAbility::Absent, 4010)), 0.0, "at once");
 }
 
 #[test]

@@ -135,6 +135,9 @@ pub struct EmulateOnvifArgs {
     /// Tell no position.
     #[arg(long)]
     pub no_position: bool,
+    /// State no zoom.
+    #[arg(long)]
+    pub no_zoom: bool,
     /// Turn in proportion to the speed, 1 rad/s at the speed 1; default: with a dead zone, and faster at higher speeds.
     #[arg(long)]
     pub linear: bool,
@@ -242,6 +245,9 @@ pub struct EmulateGimbalArgs {
     /// Lose this number of claims.
     #[arg(long, value_name = "N", default_value_t)]
     pub drop_claims: u32,
+    /// What the camera at component 100 says of itself: that it zooms, that it does not (fixed), or nothing (silent).
+    #[arg(long, value_enum, value_name = "KIND", default_value_t)]
+    pub camera: CameraKindName,
     /// Lose this share of the packets in both directions, percent.
     #[arg(long, value_name = "PERCENT", default_value_t, value_parser = parse_percent)]
     pub loss: f64,
@@ -272,6 +278,18 @@ pub enum HabitsName {
     Ardupilot,
     /// PX4's.
     Px4,
+}
+
+/// What the camera of an emulated gimbal says of itself.
+#[derive(Debug, Clone, Copy, Default, ValueEnum)]
+pub enum CameraKindName {
+    /// That it zooms.
+    #[default]
+    Zooming,
+    /// That it does not.
+    Fixed,
+    /// Nothing.
+    Silent,
 }
 
 /// The simulated world whose camera an emulated vehicle moves.

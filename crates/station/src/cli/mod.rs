@@ -43,8 +43,8 @@ pub use connection_options::ConnectionOptions;
 pub use console_options::ConsoleOptions;
 pub use demo::DemoArgs;
 pub use emulate::{
-    BoatName, EmulateArgs, EmulateFotokiteProArgs, EmulateFotokiteSigmaArgs, EmulateGimbalArgs,
-    EmulateOnvifArgs, EmulateVesselArgs, HabitsName, StationName, WorldArgs,
+    BoatName, CameraKindName, EmulateArgs, EmulateFotokiteProArgs, EmulateFotokiteSigmaArgs,
+    EmulateGimbalArgs, EmulateOnvifArgs, EmulateVesselArgs, HabitsName, StationName, WorldArgs,
 };
 pub use law_options::LawOptions;
 pub use links::LinksArgs;

@@ -9,12 +9,12 @@ use barrelman_vocab::Timestamp;
 use barrelman_vocab::mavlink::MavlinkPeers;
 use barrelman_vocab::profile::Protocol;
 use barrelman_wire::Signing;
-use barrelman_wire::mavlink::gimbal_choice::Device;
 use barrelman_wire::mavlink::gimbal_reader::{Holder, Information};
 use barrelman_wire::mavlink::probe::Findings;
 use barrelman_wire::mavlink::{Gimbal, Probe};
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 
+use super::check_equipment::equipment_results;
 use super::check_result::{CheckResult, Verdict};
 use crate::config::Configuration;
 use crate::link::port::Port;
@@ -45,7 +45,10 @@ pub(super) fn check_gimbal(
         }
     };
     match look(port, peers, signing) {
-        Ok(findings) => results.extend(results_of(&findings)),
+        Ok(findings) => {
+            results.extend(results_of(&findings));
+            results.extend(equipment_results(&findings, peers.camera));
+        }
         Err(error) => {
             let details = format!(
                 "nobody takes packets there ({error}): is the autopilot's port open for this address?"
@@ -93,7 +96,6 @@ fn results_of(findings: &Findings) -> Vec<CheckResult> {
         Verdict::Ok,
         format!("heard (system/component): {}", names.join(", ")),
     )];
-    results.extend(device_results(findings));
     let Some(gimbal) = findings.gimbal else {
         if findings.choice.is_hopeless() {
             results.push(CheckResult::new("gimbal", Verdict::Failed, findings.choice.to_string()));
@@ -117,20 +119,6 @@ fn results_of(findings: &Findings) -> Vec<CheckResult> {
                    vehicle.limit_tilt_rad_per_s hold";
     results.push(CheckResult::new("profile", Verdict::Ok, details));
     results
-}
-
-/// The devices, where there are several.
-fn device_results(findings: &Findings) -> Vec<CheckResult> {
-    let devices = findings.choice.devices();
-    if devices.len() < 2 {
-        return Vec::new();
-    }
-    let result = |device: &Device| {
-        let is_used = findings.gimbal == Some(device.gimbal);
-        let details = format!("{device}{}", if is_used { ": used" } else { ": not used" });
-        CheckResult::new("device", Verdict::Ok, details)
-    };
-    devices.iter().map(result).collect()
 }
 
 fn undescribed(gimbal: Gimbal) -> CheckResult {
@@ -224,40 +212,5 @@ mod tests {
         check(found.clone(), "control", Verdict::Warning, "does not say");
         check(Findings { has_attitude: true, ..found.clone() }, "attitude", Verdict::Ok, "reports");
         check(found, "attitude", Verdict::Warning, "the tilt is not known");
-    }
-
-    #[test]
-    fn several_gimbals_are_listed_with_their_axes_and_with_which_one_is_used() {
-        let manager = Address::new(1, 1);
-        let describe = |device, has_yaw, has_pitch, has_roll| Information {
-            gimbal: Gimbal { manager, device },
-            has_pitch,
-            has_yaw,
-            has_roll,
-            pitch_stops: None,
-            yaw_stops: None,
-        };
-        let found = |devices: &[Information]| {
-            let mut findings = Findings { components: vec![manager], ..Findings::default() };
-            for _ in 0..2 {
-                for information in devices {
-                    let chosen = findings.choice.on_information(*information, 1.0);
-                    findings.gimbal = findings.gimbal.or(chosen);
-                }
-            }
-            findings
-        };
-        let (rolls, whole) = (describe(1, false, false, true), describe(2, true, true, false));
-        let two = found(&[rolls, whole]);
-        check(two.clone(), "device", Verdict::Ok, "device 1 of 1/1 has roll: not used");
-        let listed = results_of(&two);
-        assert!(listed.iter().any(|result| result.details == "device 2 of 1/1 has pan and tilt: used"));
-        let none = found(&[rolls, describe(2, false, true, false)]);
-        check(
-            none,
-            "gimbal",
-            Verdict::Failed,
-            "no gimbal device can both pan and tilt: device 1 of 1/1 has roll",
-        );
     }
 }

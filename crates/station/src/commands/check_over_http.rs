@@ -9,7 +9,7 @@ use barrelman_vocab::profile::AxisDynamics;
 use barrelman_vocab::speed_curve::{AxisSpeeds, SpeedCurve};
 use barrelman_vocab::{AngularRate, Named as _};
 use barrelman_wire::fotokite_sigma::json::CameraInfo;
-use barrelman_wire::onvif::OnvifSettings;
+use barrelman_wire::onvif::{Joined, MovingProfile, OnvifSettings};
 
 use super::check_result::{CheckResult, Verdict};
 use crate::config::Configuration;
@@ -99,6 +99,9 @@ fn check_onvif(
         joined.timeout.as_secs_f64()
     );
     results.push(CheckResult::new(subject, Verdict::Ok, details));
+    results.extend(joined.moving.iter().map(|profile| profile_result(profile, joined)));
+    let zooms = if joined.full.zoom.is_some() { "the camera zooms" } else { "the camera does not zoom" };
+    results.push(CheckResult::new("zoom", Verdict::Ok, zooms));
     results.push(match &settings.speeds {
         Some(AxisSpeeds { pan, tilt }) => {
             let degrees = |curve: &SpeedCurve| {
@@ -111,6 +114,16 @@ fn check_onvif(
         None => CheckResult::new("speeds", Verdict::Warning, Acceptance::NotCalibrated.text()),
     });
     results.push(check_video(camera.video().map(Some).map_err(|error| error.to_string()), hosts));
+}
+
+/// A media profile that moves, and how it is chosen.
+fn profile_result(profile: &MovingProfile, joined: &Joined) -> CheckResult {
+    let MovingProfile { token, name, .. } = profile;
+    let called = name.as_ref().map(|name| format!(" ({name})")).unwrap_or_default();
+    let used = if *token == joined.profile { "used" } else { "not used" };
+    let details =
+        format!("{}{called}: {used}; video.stream = {token:?} chooses it", profile.equipment().name);
+    CheckResult::new("profile", Verdict::Ok, details)
 }
 
 /// Compares the speeds that the vehicle takes with those of the profile.

@@ -18,16 +18,17 @@ use barrelman_emulators::fotokite_sigma::{
     EmulatedSigma, EmulatedSigmaSettings, SIGMA_FAULTS, SigmaSettings,
 };
 use barrelman_emulators::log::StationLog;
-use barrelman_emulators::mavlink_gimbal::{GimbalManagerSettings, Habits, MavlinkGimbal};
+use barrelman_emulators::mavlink_gimbal::{CameraKind, GimbalManagerSettings, Habits, MavlinkGimbal};
 use barrelman_emulators::onvif::{
-    CameraFaults, CameraSettings, EmulatedCamera, EmulatedCameraSettings, ONVIF_FAULTS, example_speeds,
+    CameraFaults, CameraSettings, EmulatedCamera, EmulatedCameraSettings, FullSpeeds, ONVIF_FAULTS,
+    example_speeds,
 };
 use barrelman_emulators::rtsp_server::RtspServer;
 use barrelman_emulators::simulated_boat::SimulatedBoat;
 
 use crate::cli::{
-    BoatName, EmulateArgs, EmulateFotokiteProArgs, EmulateFotokiteSigmaArgs, EmulateGimbalArgs,
-    EmulateOnvifArgs, EmulateVesselArgs, HabitsName, StationName, WorldArgs,
+    BoatName, CameraKindName, EmulateArgs, EmulateFotokiteProArgs, EmulateFotokiteSigmaArgs,
+    EmulateGimbalArgs, EmulateOnvifArgs, EmulateVesselArgs, HabitsName, StationName, WorldArgs,
 };
 use crate::interruption::flag_of_signals;
 use crate::secrets;
@@ -94,9 +95,15 @@ fn gimbal(args: &EmulateGimbalArgs, clock: Clock) -> Result<ExitCode> {
         withholds_status: args.withhold_status,
         denies_claims: args.deny_claims,
         dropped_claims: args.drop_claims,
+        camera: match args.camera {
+            CameraKindName::Zooming => CameraKind::Zooming,
+            CameraKindName::Fixed => CameraKind::Fixed,
+            CameraKindName::Silent => CameraKind::Silent,
+        },
         signing: secrets::mavlink_signing(args.signing_key_file.as_deref(), clock)?,
         ..GimbalManagerSettings::default()
     };
+    let video = world.as_ref().map(|world| world.server.url());
     let emulation = Emulation {
         world,
         log: args.log.as_deref(),
@@ -104,7 +111,7 @@ fn gimbal(args: &EmulateGimbalArgs, clock: Clock) -> Result<ExitCode> {
         fault: args.fault.as_deref(),
         loss_share: args.loss / 100.0,
     };
-    emulate(MavlinkGimbal::new(settings, clock.now()), port, emulation, clock)
+    emulate(MavlinkGimbal::new(settings, video, clock.now()), port, emulation, clock)
 }
 
 fn vessel(args: &EmulateVesselArgs, clock: Clock) -> Result<ExitCode> {
@@ -207,6 +214,7 @@ fn onvif(args: &EmulateOnvifArgs, clock: Clock) -> Result<ExitCode> {
         login: args.login_file.as_deref().map(secrets::camera_login).transpose()?,
         video: world.as_ref().map_or(example.video, |world| world.server.url()),
         timeouts: (seconds(least)?, seconds(most)?),
+        full: FullSpeeds { zoom: example.full.zoom.filter(|_| !args.no_zoom), ..example.full },
         tells_position: !args.no_position,
         knows_services: !args.old,
         clock: jiff::Timestamp::now()

@@ -6,6 +6,7 @@ pub mod calibration_run;
 pub mod check;
 mod check_detector;
 mod check_discover;
+mod check_equipment;
 mod check_gimbal;
 mod check_over_http;
 mod check_result;

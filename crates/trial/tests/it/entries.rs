@@ -21,9 +21,10 @@ use barrelman_vocab::unit::{Rotation, UnitCodec};
 use barrelman_vocab::vehicle_text::VehicleText;
 use barrelman_vocab::video::{Capture, CaptureQuality, ColourEncoding, ColourMatrix, SampleRange};
 use barrelman_vocab::{
-    Angle, AngularRate, CameraCommand, CameraRequest, DrawnMark, EncodedUnit, HoldCause, ImagePoint,
-    Localisation, MarkKind, MovedMark, Note, OperatorRequest, PictureSize, PixelBox, PixelPoint, StopCause,
-    Telemetry, Timestamp, Track, VesselCommand, VesselRequest, VesselStopper, VideoNumber, WaterPoint,
+    Angle, AngularRate, CameraCommand, CameraRequest, DrawnMark, EncodedUnit, Equipment, EquipmentKind,
+    HoldCause, ImagePoint, Localisation, MarkKind, MovedMark, Note, OperatorRequest, PictureSize, PixelBox,
+    PixelPoint, StopCause, Telemetry, Timestamp, Track, VesselCommand, VesselRequest, VesselStopper,
+    VideoNumber, WaterPoint, ZoomAbility,
 };
 use bytes::Bytes;
 
@@ -200,7 +201,8 @@ pub(crate) fn entries_with(value: f64) -> Vec<Entry> {
         telemetry(Report::Speed(value)),
         telemetry(Report::DriveMode(DriveMode(u32::MAX))),
         telemetry(Report::Text(VehicleText::of(4, b"PreArm: check the compass"))),
-        telemetry(Report::GimbalDevice(2)),
+        telemetry(Report::Equipment(Equipment::new(EquipmentKind::Stream, "main (source 1)"))),
+        telemetry(Report::Zoom(ZoomAbility::Absent)),
         input(RecordedInput::VesselTelemetry(Telemetry { at: ns(999), report: Report::CameraHeight(value) })),
         telemetry(Report::FieldOfView(Angle::from_radians(value))),
         telemetry(Report::FlightState { state: FlightState::Other(u32::MAX), is_battery_low: true }),
@@ -330,6 +332,7 @@ pub(crate) fn every_kind() -> Vec<Entry> {
         StopCause::Emergency,
         StopCause::Landing,
         StopCause::BatteryLow,
+        StopCause::Exchanged,
     ];
     entries.extend(causes.map(|cause| input(RecordedInput::Request(OperatorRequest::Stop(cause)))));
     let links =

@@ -3,7 +3,7 @@
 
 use core::time::Duration;
 
-use barrelman_vocab::{Timestamp, ZoomRate};
+use barrelman_vocab::{Timestamp, ZoomAbility, ZoomRate};
 
 use super::json::VideoStream;
 
@@ -32,6 +32,11 @@ impl ZoomSteps {
     pub fn set_stream(&mut self, stream: Option<&VideoStream>) {
         let range = stream.and_then(|stream| stream.zoom_min.zip(stream.zoom_max));
         self.range = range.filter(|(least, most)| 0.0 < *least && least < most && most.is_finite());
+    }
+
+    /// Whether the stream that was stated zooms.
+    pub const fn ability(&self) -> ZoomAbility {
+        ZoomAbility::told(self.range.is_some())
     }
 
     /// The vehicle tells the level. What was commanded a moment ago is newer.

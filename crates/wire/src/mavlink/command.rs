@@ -7,12 +7,12 @@ use core::time::Duration;
 
 use barrelman_vocab::mavlink::Address;
 use barrelman_vocab::profile::OWN_RATE_LIMITS;
-use barrelman_vocab::{AngularRate, VehicleRates};
+use barrelman_vocab::{AngularRate, Equipment, EquipmentKind, VehicleRates};
 use mavlink::dialects::common::{
     COMMAND_LONG_DATA, GIMBAL_MANAGER_SET_PITCHYAW_DATA, GimbalManagerFlags, MavCmd, MavType,
 };
 
-use super::command_long::{command_long, set_interval};
+use super::command_long::{command_long, request_message, set_interval};
 use super::frame::FrameWriter;
 use super::heartbeat::heartbeat;
 
@@ -28,6 +28,13 @@ pub struct Gimbal {
 impl Gimbal {
     /// All gimbals that hear it.
     pub const ALL: Self = Self { manager: Address::EVERYONE, device: 0 };
+
+    /// The gimbal by its name; `None`: its manager has not named its device.
+    pub fn equipment(self) -> Option<Equipment> {
+        let Self { manager, device } = self;
+        let name = (device != 0).then(|| format!("device {device} of {manager}"))?;
+        Some(Equipment::new(EquipmentKind::Gimbal, &name))
+    }
 }
 
 /// A message that can be asked for.
@@ -45,6 +52,10 @@ pub enum Wanted {
     VehicleAttitude,
     /// CAMERA_FOV_STATUS (271).
     FieldOfView,
+    /// CAMERA_INFORMATION (259): what the camera is, and can do.
+    CameraInformation,
+    /// VIDEO_STREAM_INFORMATION (269): all streams of the camera.
+    StreamInformation,
 }
 
 impl Wanted {
@@ -57,6 +68,8 @@ impl Wanted {
             Self::Position => 33,
             Self::VehicleAttitude => 30,
             Self::FieldOfView => 271,
+            Self::CameraInformation => 259,
+            Self::StreamInformation => 269,
         }
     }
 }
@@ -103,10 +116,7 @@ impl Command {
         let own = writer.address();
         match self {
             Self::Heartbeat => writer.write(&heartbeat(MavType::MAV_TYPE_ONBOARD_CONTROLLER)),
-            Self::Request { to, message } => {
-                let parameters = [message.id() as f32, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
-                writer.write(&command_long(to, MavCmd::MAV_CMD_REQUEST_MESSAGE, parameters))
-            }
+            Self::Request { to, message } => writer.write(&request_message(to, message.id())),
             Self::SetInterval { to, message, interval } => {
                 writer.write(&set_interval(to, message.id(), interval))
             }

@@ -23,6 +23,12 @@ pub(super) fn command_long(to: Address, command: MavCmd, parameters: [f32; 7]) -
     }
 }
 
+/// MAV_CMD_REQUEST_MESSAGE (512): once.
+pub(super) fn request_message(to: Address, message: u32) -> COMMAND_LONG_DATA {
+    let parameters = [message as f32, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
+    command_long(to, MavCmd::MAV_CMD_REQUEST_MESSAGE, parameters)
+}
+
 /// MAV_CMD_SET_MESSAGE_INTERVAL (511).
 pub(super) fn set_interval(to: Address, message: u32, interval: Duration) -> COMMAND_LONG_DATA {
     let parameters = [message as f32, interval.as_micros() as f32, 0.0, 0.0, 0.0, 0.0, 0.0];

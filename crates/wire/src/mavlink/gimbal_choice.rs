@@ -59,6 +59,16 @@ impl GimbalChoice {
         }
     }
 
+    /// The device that was chosen is no more. `wanted`: the device of the configuration.
+    pub fn begin_anew(&mut self, wanted: Option<u8>) {
+        *self = Self::new(wanted);
+    }
+
+    /// From now on the device counts that the configuration wants.
+    pub const fn no_longer_want(&mut self, wanted: Option<u8>) {
+        self.wanted = wanted;
+    }
+
     /// The vehicle has started anew.
     pub fn forget(&mut self) {
         self.devices.clear();

@@ -20,15 +20,16 @@ use mavlink::dialects::common::{
     MavResult,
 };
 
-use super::command::{CONTINUOUS_ZOOM, Wanted};
+use super::command::Wanted;
 use super::frame::{Frame, FrameReader, FrameWriter};
 use super::signing::Signing;
 
+mod camera;
 mod reports;
 
 /// The address of the gimbal manager.
 pub const MANAGER: Address = Address::new(1, 1);
-/// The address of the camera that zooms.
+/// The address of the camera.
 pub const CAMERA: Address = Address::new(1, 100);
 /// Another commander: a ground station.
 pub const OTHER_COMMANDER: Address = Address::new(255, 190);
@@ -49,6 +50,18 @@ pub enum Habits {
     Px4,
 }
 
+/// What the vehicle's camera is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
+pub enum CameraKind {
+    /// It zooms.
+    #[default]
+    Zooming,
+    /// It does not zoom.
+    Fixed,
+    /// It says nothing of itself.
+    Silent,
+}
+
 /// Settings of a gimbal manager.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct GimbalManagerSettings {
@@ -64,6 +77,8 @@ pub struct GimbalManagerSettings {
     pub denies_claims: bool,
     /// Number of claims that get lost.
     pub dropped_claims: u32,
+    /// What the vehicle's camera is.
+    pub camera: CameraKind,
     /// How packets are signed; without it, they are not.
     pub signing: Option<Signing>,
 }
@@ -98,6 +113,8 @@ pub struct GimbalManager {
     field_of_view: Option<Angle>,
     field_of_view_stream: Stream,
     claims_lost: u32,
+    /// The address of the camera's video; `None`: it names none.
+    video: Option<String>,
 }
 
 /// A message that is sent again and again.
@@ -136,6 +153,7 @@ impl GimbalManager {
             field_of_view_stream: stream(None),
             status: stream((settings.habits == Habits::Px4).then_some(PX4_STATUS_INTERVAL)),
             claims_lost: 0,
+            video: None,
         }
     }
 
@@ -147,6 +165,11 @@ impl GimbalManager {
     /// The camera has this horizontal field of view.
     pub const fn set_field_of_view(&mut self, field_of_view: Option<Angle>) {
         self.field_of_view = field_of_view;
+    }
+
+    /// The camera names this address of its video.
+    pub fn set_video(&mut self, uri: Option<String>) {
+        self.video = uri;
     }
 
     /// Changes how the manager answers from now on.
@@ -189,7 +212,14 @@ impl GimbalManager {
         }
         if let Some(command) = frame.read::<COMMAND_LONG_DATA>() {
             let to = Address::new(command.target_system, command.target_component);
-            let result = if is_for_manager(to) { self.on_command(from, &command, now, out) } else { None };
+            let is_for_camera = is_for_manager(to) && to.component == CAMERA.component;
+            let result = if is_for_camera && self.settings.camera != CameraKind::Silent {
+                Some(self.on_camera_command(&command, now, out))
+            } else if is_for_manager(to) {
+                self.on_command(from, &command, now, out)
+            } else {
+                None
+            };
             let mut text = format!(
                 "COMMAND {} from {from} to {to} parameters {} {} {}",
                 command.command as u32, command.param1, command.param2, command.param7
@@ -277,19 +307,8 @@ impl GimbalManager {
                 self.vehicle_attitude = stream_of(command.param2, now);
                 MavResult::MAV_RESULT_ACCEPTED
             }
-            MavCmd::MAV_CMD_SET_MESSAGE_INTERVAL if wanted(Wanted::FieldOfView) => {
-                self.field_of_view_stream = stream_of(command.param2, now);
-                MavResult::MAV_RESULT_ACCEPTED
-            }
             MavCmd::MAV_CMD_REQUEST_MESSAGE | MavCmd::MAV_CMD_SET_MESSAGE_INTERVAL => {
                 MavResult::MAV_RESULT_FAILED
-            }
-            MavCmd::MAV_CMD_SET_CAMERA_ZOOM
-                if command.param1 == CONTINUOUS_ZOOM && command.param2.is_finite() =>
-            {
-                // The speed is kept until the next one.
-                self.rates.zoom = f64::from(command.param2.clamp(-1.0, 1.0));
-                MavResult::MAV_RESULT_ACCEPTED
             }
             MavCmd::MAV_CMD_DO_GIMBAL_MANAGER_CONFIGURE => return self.on_configure(from, command, now, out),
             _ => MavResult::MAV_RESULT_UNSUPPORTED,

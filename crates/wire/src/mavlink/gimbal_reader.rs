@@ -7,12 +7,12 @@ use barrelman_vocab::Angle;
 use barrelman_vocab::mavlink::{Address, MavlinkPeers, SystemId};
 use barrelman_vocab::telemetry::{ControlState, Quaternion, Report};
 use mavlink::dialects::common::{
-    CAMERA_FOV_STATUS_DATA, COMMAND_ACK_DATA, GIMBAL_DEVICE_ATTITUDE_STATUS_DATA,
-    GIMBAL_MANAGER_INFORMATION_DATA, GIMBAL_MANAGER_STATUS_DATA, GimbalManagerCapFlags, HEARTBEAT_DATA,
-    MavCmd, MavType,
+    COMMAND_ACK_DATA, GIMBAL_DEVICE_ATTITUDE_STATUS_DATA, GIMBAL_MANAGER_INFORMATION_DATA,
+    GIMBAL_MANAGER_STATUS_DATA, GimbalManagerCapFlags, HEARTBEAT_DATA, MavCmd, MavType,
 };
 
 use super::autopilot_reports::AutopilotReports;
+use super::camera_information::{CameraInformation, StreamInformation};
 use super::command::Gimbal;
 use super::frame::{Frame, FrameReader};
 use super::gimbal_choice::GimbalChoice;
@@ -20,7 +20,9 @@ pub use super::gimbal_information::Information;
 use super::signing::Signing;
 
 mod attitude;
+mod camera;
 mod control;
+mod exchange;
 
 /// The uptime may be reported this much earlier than before without a restart, seconds: packets overtake each other.
 const UPTIME_TOLERANCE_S: f64 = 1.0;
@@ -28,7 +30,7 @@ const UPTIME_TOLERANCE_S: f64 = 1.0;
 const LEAST_COMPONENT_DEVICE: u8 = 7;
 
 /// What was received.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub enum Received {
     /// A component is there; whether it is a ground station.
     Heartbeat(Address, bool),
@@ -44,7 +46,8 @@ pub enum Received {
     ClaimAnswered(Claim),
     /// The gimbal's attitude.
     Attitude(Quaternion),
-    /// The vehicle's clock begins anew.
+    /// The vehicle's clock begins anew, or its gimbal manager has other devices than the one that was chosen: a gimbal is
+    /// chosen anew.
     Restarted,
     /// Anything else of the gimbal manager.
     Other,
@@ -52,6 +55,10 @@ pub enum Received {
     ZoomAnswered,
     /// The horizontal field of view of the camera that zooms.
     FieldOfView(Angle),
+    /// What a camera says of itself.
+    Camera(CameraInformation),
+    /// What a camera says of a stream.
+    Stream(StreamInformation),
     /// A report for the pilot.
     Report(Report),
     /// The autopilot's position, or its attitude, was heard.
@@ -91,9 +98,13 @@ struct Facts {
     gimbal: Option<Gimbal>,
     choice: GimbalChoice,
     autopilot: AutopilotReports,
+    /// What the camera that zooms says of itself.
+    camera_information: Option<CameraInformation>,
     /// The newest time since boot in the messages of each kind: parts of a vehicle may have clocks of their own.
     uptimes: [Option<f64>; 3],
     uptime_s: Option<f64>,
+    /// When the gimbal manager spoke of the chosen device last.
+    device_heard_s: f64,
     /// Whether a claim of this program was accepted, and no other commander has the control since.
     is_claimed: bool,
     /// Whether the status has named this program since.
@@ -119,8 +130,10 @@ impl GimbalReader {
             gimbal: None,
             choice: GimbalChoice::new(peers.device),
             autopilot: AutopilotReports::default(),
+            camera_information: None,
             uptimes: [None; 3],
             uptime_s: None,
+            device_heard_s: 0.0,
             is_claimed: false,
             is_named: false,
             control: None,
@@ -163,21 +176,21 @@ impl Facts {
             let gimbal = Gimbal { manager: frame.from, device: information.gimbal_device_id };
             let described = described(gimbal, &information);
             each(Received::Device(described));
+            let chosen = self.choice.on_information(described, uptime_s(information.time_boot_ms));
             if self.gimbal.is_none() {
-                let chosen = self.choice.on_information(described, uptime_s(information.time_boot_ms));
                 self.choose(chosen, each);
             }
-            if let Some(gimbal) = self.known(gimbal, each) {
+            if let Some(gimbal) = self.spoken_of(gimbal, uptime_s(information.time_boot_ms), each) {
                 self.on_uptime(Timed::Information, information.time_boot_ms, each);
                 each(Received::Information(Information { gimbal, ..described }));
             }
         } else if let Some(status) = frame.read::<GIMBAL_MANAGER_STATUS_DATA>() {
             let gimbal = Gimbal { manager: frame.from, device: status.gimbal_device_id };
+            let chosen = self.choice.on_status(gimbal, uptime_s(status.time_boot_ms));
             if self.gimbal.is_none() {
-                let chosen = self.choice.on_status(gimbal, uptime_s(status.time_boot_ms));
                 self.choose(chosen, each);
             }
-            if self.known(gimbal, each).is_some() {
+            if self.spoken_of(gimbal, uptime_s(status.time_boot_ms), each).is_some() {
                 // An older status may name a commander who has the control no more.
                 if self.on_uptime(Timed::Status, status.time_boot_ms, each) {
                     self.on_status(&status, each);
@@ -186,6 +199,9 @@ impl Facts {
         } else if let Some(attitude) = frame.read::<GIMBAL_DEVICE_ATTITUDE_STATUS_DATA>() {
             if self.is_of_gimbal(frame.from, attitude.gimbal_device_id) {
                 self.on_uptime(Timed::Attitude, attitude.time_boot_ms, each);
+                if attitude.gimbal_device_id != 0 {
+                    self.device_heard_s = uptime_s(attitude.time_boot_ms);
+                }
                 self.on_attitude(&attitude, each);
                 self.report_control_again(each);
             }
@@ -205,20 +221,17 @@ impl Facts {
                 each(Received::Report(report));
             }
         }
-        if let Some(angle) = self.field_of_view(frame) {
-            each(Received::FieldOfView(angle));
+        if self.camera() == Some(frame.from) {
+            self.on_camera(frame, each);
+        }
+        if let Some(information) = CameraInformation::of(frame) {
+            self.on_camera_information(information, each);
+        } else if let Some(stream) = StreamInformation::of(frame) {
+            each(Received::Stream(stream));
         }
         if self.is_manager(frame.from) {
             each(Received::Other);
         }
-    }
-
-    /// The horizontal field of view of the camera that zooms. An angle that is not known is NaN.
-    fn field_of_view(&self, frame: &Frame<'_>) -> Option<Angle> {
-        let system = self.gimbal?.manager.system;
-        let camera = Address { system, component: self.peers.camera? };
-        let told = (frame.from == camera).then(|| frame.read::<CAMERA_FOV_STATUS_DATA>()).flatten()?;
-        (0.0 < told.hfov && told.hfov < 180.0).then(|| Angle::from_degrees(f64::from(told.hfov)))
     }
 
     fn is_manager(&self, from: Address) -> bool {
@@ -233,7 +246,9 @@ impl Facts {
         self.peers.vehicle = Some(gimbal.manager.system);
         self.choice.want(gimbal.device);
         each(Received::Gimbal(gimbal));
-        each(Received::Report(Report::GimbalDevice(gimbal.device)));
+        if let Some(used) = gimbal.equipment() {
+            each(Received::Report(Report::Equipment(used)));
+        }
     }
 
     /// The gimbal, if the message of a manager is about it.
@@ -274,6 +289,7 @@ impl Facts {
             // No commander has the control of a vehicle that has just started.
             self.lose_control();
             (self.uptimes, self.uptime_s, self.gimbal) = ([None; 3], Some(uptime_s), None);
+            self.device_heard_s = uptime_s;
             self.autopilot = AutopilotReports::default();
             self.choice.forget();
             each(Received::Restarted);

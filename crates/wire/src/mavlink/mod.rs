@@ -8,6 +8,7 @@ pub mod frame;
 pub mod signing;
 
 mod autopilot_reports;
+pub mod camera_information;
 mod heartbeat;
 
 pub mod command;

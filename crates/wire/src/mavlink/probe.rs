@@ -3,6 +3,7 @@
 use barrelman_vocab::Timestamp;
 use barrelman_vocab::mavlink::{Address, MavlinkPeers};
 
+use super::camera_information::{CameraInformation, StreamInformation};
 use super::command::{Command, Gimbal, Wanted};
 use super::frame::FrameWriter;
 use super::gimbal_choice::GimbalChoice;
@@ -25,6 +26,10 @@ pub struct Findings {
     pub holder: Option<Holder>,
     /// Whether the gimbal's attitude is reported.
     pub has_attitude: bool,
+    /// The cameras that say what they are.
+    pub cameras: Vec<CameraInformation>,
+    /// The video streams that cameras name.
+    pub streams: Vec<StreamInformation>,
 }
 
 impl Findings {
@@ -65,6 +70,15 @@ impl Probe {
         self.writer.set_time(now);
         let mut send = |command: Command| out.push(command.encode(&mut self.writer));
         send(Command::Heartbeat);
+        for to in &self.findings.components {
+            let to = *to;
+            if !self.findings.cameras.iter().any(|camera| camera.camera == to) {
+                send(Command::Request { to, message: Wanted::CameraInformation });
+            }
+            if !self.findings.streams.iter().any(|stream| stream.camera == to) {
+                send(Command::Request { to, message: Wanted::StreamInformation });
+            }
+        }
         match self.findings.gimbal {
             None => {
                 for to in &self.findings.components {
@@ -100,7 +114,28 @@ impl Probe {
             Received::Information(information) => findings.information = Some(information),
             Received::Holder(holder) => findings.holder = Some(holder),
             Received::Attitude(_) => findings.has_attitude = true,
-            _ => {}
+            Received::Camera(camera) => {
+                let is_new = findings.cameras.iter().all(|known| known.camera != camera.camera);
+                if is_new && findings.cameras.len() < MAX_CANDIDATES {
+                    findings.cameras.push(camera);
+                }
+            }
+            Received::Stream(stream) => {
+                let key = |stream: &StreamInformation| (stream.camera, stream.number);
+                let is_new = findings.streams.iter().all(|known| key(known) != key(&stream));
+                if is_new && findings.streams.len() < MAX_CANDIDATES {
+                    findings.streams.push(stream);
+                }
+            }
+            Received::Heartbeat(_, true)
+            | Received::Device(_)
+            | Received::ClaimAnswered(_)
+            | Received::Restarted
+            | Received::Other
+            | Received::ZoomAnswered
+            | Received::FieldOfView(_)
+            | Received::Report(_)
+            | Received::Autopilot(_) => {}
         });
     }
 

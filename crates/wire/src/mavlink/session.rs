@@ -45,10 +45,10 @@ use crate::closing_zeros::{ZEROS_AT_REST, ZEROS_IN_MOTION};
 use crate::session::{LinkHistory, NextAction, RestEvidence, Session, WillStep};
 
 pub use super::session_times::{
-    ASK_AGAIN, ASK_SPACING, ASKS_FOR_INFORMATION, ATTITUDE_INTERVAL, CLAIM_GRACE, CLAIM_TIMEOUT,
-    DESCRIPTION_TIMEOUT, FIELD_OF_VIEW_INTERVAL, HAS_ZEROS_AFTER, HEARTBEAT_INTERVAL, LEAST_ATTITUDE_SPACING,
-    MAX_CANDIDATES, POSITION_INTERVAL, RELEASE_SPACING, RELEASES, SEARCH_TIMEOUT, SILENCE, STATUS_INTERVAL,
-    STATUS_TIMEOUT, VEHICLE_ATTITUDE_INTERVAL,
+    ASK_AGAIN, ASK_SPACING, ASKS_FOR_INFORMATION, ATTITUDE_INTERVAL, CAMERA_INTERVAL, CLAIM_GRACE,
+    CLAIM_TIMEOUT, DESCRIPTION_TIMEOUT, FIELD_OF_VIEW_INTERVAL, HAS_ZEROS_AFTER, HEARTBEAT_INTERVAL,
+    LEAST_ATTITUDE_SPACING, MAX_CANDIDATES, POSITION_INTERVAL, RELEASE_SPACING, RELEASES, SEARCH_TIMEOUT,
+    SILENCE, STATUS_INTERVAL, STATUS_TIMEOUT, VEHICLE_ATTITUDE_INTERVAL,
 };
 
 mod due;
@@ -105,8 +105,6 @@ pub struct GimbalSession {
     reader: GimbalReader,
     pacing: Pacing,
     zooming: Zooming,
-    /// The field of view of the camera that zooms.
-    field_of_view: Subscription,
     gimbal: Option<Gimbal>,
     /// Whether the gimbal manager has described its gimbal.
     has_information: bool,
@@ -153,7 +151,6 @@ impl GimbalSession {
             reader: GimbalReader::new(peers, signing),
             pacing: Pacing::default(),
             zooming: Zooming::new(peers.camera),
-            field_of_view: Subscription::new(Wanted::FieldOfView.id(), FIELD_OF_VIEW_INTERVAL),
             gimbal: None,
             has_information: false,
             holder: None,

@@ -32,6 +32,8 @@ pub const DESCRIPTION_TIMEOUT: Duration = Duration::from_secs(3);
 pub const STATUS_INTERVAL: Duration = Duration::from_millis(200);
 /// Interval of the camera's field of view that is asked for, where the camera zooms.
 pub const FIELD_OF_VIEW_INTERVAL: Duration = Duration::from_millis(200);
+/// Interval at which the camera is asked what it is.
+pub const CAMERA_INTERVAL: Duration = Duration::from_secs(5);
 /// Reports that are missing for this time are asked for again.
 pub const ASK_AGAIN: Duration = Duration::from_secs(1);
 /// The link counts as lost if the gimbal manager is silent for this time.

@@ -147,7 +147,10 @@ pub struct Profile {
     pub token: String,
     /// Its name for people.
     #[serde(rename = "Name")]
-    name: Option<String>,
+    pub name: Option<String>,
+    /// Where its picture comes from, as version 1 states it.
+    #[serde(rename = "VideoSourceConfiguration")]
+    source: Option<SourceConfiguration>,
     /// Its motion, as version 1 states it.
     #[serde(rename = "PTZConfiguration")]
     ptz: Option<Configuration>,
@@ -158,6 +161,8 @@ pub struct Profile {
 
 #[derive(Debug, Deserialize)]
 struct Configurations {
+    #[serde(rename = "VideoSource")]
+    source: Option<SourceConfiguration>,
     #[serde(rename = "PTZ")]
     ptz: Option<Configuration>,
 }
@@ -168,10 +173,22 @@ struct Configuration {
     token: String,
 }
 
+#[derive(Debug, Deserialize)]
+struct SourceConfiguration {
+    #[serde(rename = "SourceToken")]
+    token: String,
+}
+
 impl Profile {
     /// Whether it is called so, by its token or by its name.
     pub fn is_called(&self, text: &str) -> bool {
         self.token == text || self.name.as_deref() == Some(text)
+    }
+
+    /// The video source; `None`: the camera does not state it.
+    pub fn source(&self) -> Option<&str> {
+        let of_two = self.configurations.as_ref().and_then(|all| all.source.as_ref());
+        self.source.as_ref().or(of_two).map(|source| source.token.as_str())
     }
 
     /// The configuration of its motion; `None`: it has none.

@@ -2,8 +2,8 @@
 
 use core::time::Duration;
 
-use barrelman_vocab::Timestamp;
 use barrelman_vocab::acceptance::Acceptance;
+use barrelman_vocab::{Equipment, EquipmentKind, Timestamp};
 
 use super::answers::{
     CapabilitiesBody, DateAndTimeBody, MoveOptions, MoveOptionsBody, Profile, ProfilesBody, ServiceAddress,
@@ -112,15 +112,40 @@ impl core::fmt::Display for JoiningError {
 
 impl core::error::Error for JoiningError {}
 
+/// A media profile that moves.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct MovingProfile {
+    /// Its name in requests.
+    pub token: String,
+    /// Its name for people.
+    pub name: Option<String>,
+    /// The token of the video source; `None`: not stated.
+    pub source: Option<String>,
+}
+
+impl MovingProfile {
+    fn of(profile: &Profile) -> Self {
+        let source = profile.source().map(str::to_owned);
+        Self { token: profile.token.clone(), name: profile.name.clone(), source }
+    }
+
+    /// The profile and its source, as what is used.
+    pub fn equipment(&self) -> Equipment {
+        let source = self.source.as_ref().map(|source| format!(" of video source {source}"));
+        let name = format!("{}{}", self.token, source.unwrap_or_default());
+        Equipment::new(EquipmentKind::Stream, &name)
+    }
+}
+
 /// What is known of a camera that can be moved.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Joined {
     /// The media service.
     pub media: Media,
-    /// The media profile.
+    /// The media profile, by its token.
     pub profile: String,
     /// All that move, in the camera's order.
-    pub moving: Vec<String>,
+    pub moving: Vec<MovingProfile>,
     /// The ends of its ranges.
     pub full: FullSpeeds,
     /// When it ends a motion by itself.
@@ -128,6 +153,11 @@ pub struct Joined {
 }
 
 impl Joined {
+    /// What is used of the camera.
+    pub fn equipment(&self) -> Option<Equipment> {
+        self.moving.iter().find(|moving| moving.token == self.profile).map(MovingProfile::equipment)
+    }
+
     /// The question for the address of the video.
     pub fn stream_uri(&self) -> Ask {
         Ask::StreamUri { media: self.media, profile: self.profile.clone() }
@@ -149,7 +179,7 @@ enum Step {
 pub struct Joining {
     /// The media profile that the operator has chosen; `None`: the first that moves.
     chosen: Option<String>,
-    moving: Vec<String>,
+    moving: Vec<MovingProfile>,
     step: Step,
     paths: Paths,
     time: Option<CameraTime>,
@@ -246,12 +276,13 @@ impl Joining {
     fn take_profiles(&mut self, media: Media, profiles: &[Profile]) -> Result<Step, JoiningError> {
         let moving =
             || profiles.iter().filter_map(|profile| profile.motion().map(|motion| (profile, motion)));
-        self.moving = moving().map(|(profile, _)| profile.token.clone()).collect();
+        self.moving = moving().map(|(profile, _)| MovingProfile::of(profile)).collect();
         let is_chosen = |profile: &Profile| self.chosen.as_deref().is_none_or(|text| profile.is_called(text));
         let used = moving().find(|(profile, _)| is_chosen(profile));
         let (profile, motion) = used.ok_or_else(|| match &self.chosen {
             Some(chosen) if !self.moving.is_empty() => {
-                JoiningError::NoProfile { chosen: chosen.clone(), moving: self.moving.clone() }
+                let moving = self.moving.iter().map(|moving| moving.token.clone()).collect();
+                JoiningError::NoProfile { chosen: chosen.clone(), moving }
             }
             _ => JoiningError::NoMotion,
         })?;

@@ -22,7 +22,7 @@ pub mod ptz_camera;
 
 pub use ask::Ask;
 pub use call::Call;
-pub use joining::{Joined, Joining, JoiningError};
+pub use joining::{Joined, Joining, JoiningError, MovingProfile};
 pub use login::Login;
 pub use ptz_camera::{CameraFaults, CameraSettings, PtzCamera};
 

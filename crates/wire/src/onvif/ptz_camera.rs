@@ -17,8 +17,7 @@ mod requests;
 
 /// A message older or newer than this on the camera's clock is refused.
 const MAX_SKEW: Duration = Duration::from_secs(30);
-/// Tokens and names of the media profiles that move, the main stream first, and the configuration of their motion.
-const PROFILES: [(&str, &str); 2] = [("Profile_1", "main"), ("Profile_2", "sub")];
+/// The configuration of the motion of all profiles.
 const CONFIGURATION: &str = "PTZ_1";
 
 /// What an emulated camera is like.
@@ -30,6 +29,10 @@ pub struct CameraSettings {
     pub base: String,
     /// The address of its video.
     pub video: String,
+    /// Tokens and names of the media profiles that move, the main stream first.
+    pub profiles: Vec<(String, String)>,
+    /// The token of their video source.
+    pub source: String,
     /// The range of the time-outs that it takes.
     pub timeouts: (Duration, Duration),
     /// The ends of its ranges.
@@ -49,6 +52,10 @@ impl CameraSettings {
             login: None,
             base: "http://127.0.0.1".to_owned(),
             video: "rtsp://127.0.0.1/stream1".to_owned(),
+            profiles: [("Profile_1", "main"), ("Profile_2", "sub")]
+                .map(|(token, name)| (token.to_owned(), name.to_owned()))
+                .into(),
+            source: "Source_1".to_owned(),
             timeouts: (Duration::from_millis(100), Duration::from_secs(60)),
             full: FullSpeeds { zoom: Some(1.0), ..FullSpeeds::GENERIC },
             tells_position: true,
@@ -106,6 +113,11 @@ impl PtzCamera {
     /// Sets what the camera does wrong from now on.
     pub const fn set_faults(&mut self, faults: CameraFaults) {
         self.faults = faults;
+    }
+
+    /// The camera is another one from now on.
+    pub fn set_settings(&mut self, settings: CameraSettings) {
+        self.settings = settings;
     }
 
     /// What it does wrong.
@@ -185,15 +197,24 @@ impl PtzCamera {
     }
 
     fn reply(&mut self, asked: &Asked, position: (f64, f64), now: Timestamp) -> Result<Answer, Answer> {
-        let CameraSettings { base, video, timeouts, full, tells_position, knows_services, .. } =
-            &self.settings;
+        let CameraSettings {
+            base,
+            video,
+            profiles,
+            source,
+            timeouts,
+            full,
+            tells_position,
+            knows_services,
+            ..
+        } = &self.settings;
         Ok(match asked {
             Asked::DateAndTime => replies::date_and_time(self.clock(now)),
             Asked::Services if *knows_services => replies::services(base),
             Asked::Capabilities => replies::capabilities(base),
-            Asked::Profiles => replies::profiles(&PROFILES, CONFIGURATION),
+            Asked::Profiles => replies::profiles(profiles, source, CONFIGURATION),
             Asked::StreamUri { profile } => {
-                known_profile(profile)?;
+                self.known_profile(profile)?;
                 replies::stream_uri(video)
             }
             Asked::MoveOptions { configuration } => {
@@ -201,17 +222,17 @@ impl PtzCamera {
                 replies::move_options(*full, *timeouts)
             }
             Asked::Status { profile } => {
-                known_profile(profile)?;
+                self.known_profile(profile)?;
                 let is_moving = self.velocity(now) != SpeedShares::default();
                 replies::status(tells_position.then_some(position), is_moving, self.clock(now))
             }
             Asked::Move { profile, velocity, timeout } => {
-                known_profile(profile)?;
+                self.known_profile(profile)?;
                 self.start_moving(*velocity, *timeout, now)?;
                 replies::done("ContinuousMoveResponse")
             }
             Asked::Stop { profile } => {
-                known_profile(profile)?;
+                self.known_profile(profile)?;
                 self.stops += 1;
                 if !self.faults.ignores_stops {
                     self.moving = None;
@@ -226,6 +247,10 @@ impl PtzCamera {
                 ));
             }
         })
+    }
+
+    fn known_profile(&self, token: &str) -> Result<(), Answer> {
+        known(self.settings.profiles.iter().any(|(known, _)| known == token))
     }
 
     fn start_moving(
@@ -258,10 +283,6 @@ impl PtzCamera {
         }
         Ok(())
     }
-}
-
-fn known_profile(token: &str) -> Result<(), Answer> {
-    known(PROFILES.iter().any(|(known, _)| *known == token))
 }
 
 fn known(is_known: bool) -> Result<(), Answer> {

@@ -12,6 +12,8 @@ pub struct Refusal {
     pub said: Acceptance,
     /// Whether the camera does not know the question.
     pub is_unknown: bool,
+    /// Whether the camera has no such media profile any more.
+    pub lacks_profile: bool,
     /// The camera's words, as far as it has any.
     pub words: String,
 }
@@ -37,7 +39,7 @@ impl Refusal {
             Acceptance::Fault
         };
         let words = fault.as_ref().map_or_else(|| format!("status {status}"), words);
-        Some(Self { said, is_unknown, words })
+        Some(Self { said, is_unknown, lacks_profile: names("NoProfile"), words })
     }
 }
 

@@ -2,9 +2,9 @@
 
 use std::time::Duration;
 
-use barrelman_vocab::VehicleRates;
 use barrelman_vocab::acceptance::Acceptance;
-use barrelman_vocab::telemetry::LinkState;
+use barrelman_vocab::telemetry::{LinkState, Report};
+use barrelman_vocab::{VehicleRates, ZoomAbility};
 use barrelman_wire::http::Received;
 use barrelman_wire::onvif::{
     Ask, CameraFaults, CameraSettings, FullSpeeds, Login, OnvifSession, OnvifSettings, PtzCamera,
@@ -92,6 +92,35 @@ fn a_camera_that_states_no_zoom_is_not_sent_any() {
     talk.session.request(rates(0.3, 0.0).zooming(1.0), Some(at(60_000)));
     talk.run_for(50);
     assert_eq!((talk.camera.velocity(talk.now), talk.camera.refusals()), (SpeedShares::turning(0.3, 0.0), 0));
+    assert_eq!(talk.zoom(), ZoomAbility::Absent);
+    assert_eq!(OnvifConversation::up(camera()).zoom(), ZoomAbility::Present);
+}
+
+#[test]
+fn a_camera_that_loses_its_profile_is_left_and_joined_anew_with_what_it_has_then() {
+    let one = |token: &str| vec![(token.to_owned(), "main".to_owned())];
+    let mut talk = OnvifConversation::up(CameraSettings { profiles: one("old"), ..camera() });
+    let used = |talk: &OnvifConversation| {
+        let used = talk.reports().iter().rev().find_map(|report| match report {
+            Report::Equipment(used) => Some(used.name.to_string()),
+            _ => None,
+        });
+        used.unwrap()
+    };
+    assert_eq!(used(&talk), "old of video source Source_1");
+    talk.session.request(rates(0.3, 0.0), Some(at(60_000)));
+    talk.run_for(500);
+    let exchanged = CameraSettings { profiles: one("new"), source: "Source_2".to_owned(), ..camera() };
+    talk.camera.set_settings(exchanged);
+    talk.run_for(500);
+    assert_eq!(talk.session.link_state(), LinkState::Starting);
+    assert!(talk.session.failure().unwrap().contains("no such token"), "{:?}", talk.session.failure());
+    talk.run_for(6_000);
+    assert!(!talk.is_turning());
+    assert_eq!(
+        (used(&talk), talk.session.link_state()),
+        ("new of video source Source_2".to_owned(), LinkState::Up)
+    );
 }
 
 #[test]

@@ -4,8 +4,8 @@ use std::time::Duration;
 
 use barrelman_vocab::acceptance::Acceptance;
 use barrelman_vocab::telemetry::{FlightState, LinkState, Report};
-use barrelman_vocab::{Angle, VehicleRates};
-use barrelman_wire::fotokite_sigma::Call;
+use barrelman_vocab::{Angle, VehicleRates, ZoomAbility, ZoomRate};
+use barrelman_wire::fotokite_sigma::{Call, FotokiteSigmaSession};
 use barrelman_wire::http::motion::Speeds as _;
 use barrelman_wire::http::{HttpCall as _, Lane, Received};
 use barrelman_wire::{NextAction, RestEvidence, Session as _};
@@ -305,4 +305,15 @@ fn a_zoom_goes_on_in_small_steps_while_it_is_wanted_and_ends_with_the_last_one()
     talk.run_for(2_000);
     assert_eq!((speed(&talk), steps(&talk)), (0.0, sent), "another client has the control");
     assert_eq!(talk.sigma.refusals(), 0);
+}
+
+#[test]
+fn whether_the_stream_zooms_is_reported() {
+    assert_eq!(Conversation::up().zoom(), ZoomAbility::Present);
+    let full_zoom = ZoomRate::from_per_second(0.3);
+    let mut talk = Conversation::new();
+    talk.session = FotokiteSigmaSession::open(Some("thermal".to_owned()), full_zoom, at(0));
+    assert_eq!(talk.zoom(), ZoomAbility::NotKnown);
+    talk.run_for(1_500);
+    assert_eq!(talk.zoom(), ZoomAbility::Absent);
 }

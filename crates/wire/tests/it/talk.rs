@@ -1,5 +1,6 @@
 //! A session and its vehicle in virtual time, a millisecond after the other.
 
+use barrelman_vocab::ZoomAbility;
 use barrelman_vocab::acceptance::Acceptance;
 use barrelman_vocab::telemetry::Report;
 
@@ -17,6 +18,15 @@ pub(crate) trait Talk: Sized {
             Report::Acceptance(said) => Some(*said),
             _ => None,
         })
+    }
+
+    /// Whether the camera zooms, as reported last.
+    fn zoom(&self) -> ZoomAbility {
+        let told = self.reports().iter().rev().find_map(|report| match report {
+            Report::Zoom(told) => Some(*told),
+            _ => None,
+        });
+        told.unwrap_or_default()
     }
 
     /// Goes on for `ms` milliseconds.

@@ -5,7 +5,7 @@ use barrelman_pilot::{Mode, Notice, Outcome, Refusal, VesselMode};
 use barrelman_vocab::acceptance::Acceptance;
 use barrelman_vocab::telemetry::{LinkState, Report};
 use barrelman_vocab::vehicle_text::VehicleText;
-use barrelman_vocab::{Named as _, Telemetry, Timestamp, Track};
+use barrelman_vocab::{Named as _, Telemetry, Timestamp, Track, UsedEquipment};
 
 use super::super::event_log::Level;
 use super::super::vehicle::{LinkStatus, VehicleSnapshot};
@@ -58,10 +58,11 @@ impl Publisher {
         }
     }
 
-    pub(super) fn log_gimbal(&self, telemetry: &Telemetry) {
-        if let Report::GimbalDevice(device) = telemetry.report {
-            let text = format!("the camera is on gimbal device {device}");
-            self.events.add(telemetry.at, Level::Info, "gimbal", text);
+    pub(super) fn log_equipment(&self, mut before: UsedEquipment, telemetry: &Telemetry) {
+        let Report::Equipment(used) = telemetry.report else { return };
+        if let Some(change) = before.on_used(used) {
+            let level = if change.before.is_some() { Level::Warning } else { Level::Info };
+            self.events.add(telemetry.at, level, used.kind.key(), change.to_string());
         }
     }
 

@@ -8,7 +8,9 @@ use barrelman_pilot::{Notice, Refusal, VesselOutcome};
 use barrelman_vocab::acceptance::Acceptance;
 use barrelman_vocab::telemetry::Report;
 use barrelman_vocab::vehicle_text::VehicleText;
-use barrelman_vocab::{Angle, AngularRate, HoldCause, StopCause, Telemetry, VideoNumber};
+use barrelman_vocab::{
+    Angle, AngularRate, Equipment, EquipmentKind, HoldCause, StopCause, Telemetry, VideoNumber,
+};
 
 use super::*;
 use crate::test_scenes::{PICTURE, at, command, frame, idle, localisation};
@@ -398,6 +400,20 @@ fn changes_of_the_link_are_logged_once() {
         (Level::Warning, "link closing".to_owned()),
     ];
     assert_eq!(logged, expected);
+}
+
+#[test]
+fn what_is_used_is_logged_once_and_an_exchange_as_a_warning_with_both_names() {
+    let mut publisher = publisher_with(LinkStatus::Link(LinkState::Up));
+    for name in ["device 1", "device 1", "device 2", "device 2"] {
+        report(&mut publisher, Report::Equipment(Equipment::new(EquipmentKind::Gimbal, name)));
+        report(&mut publisher, Report::Link(LinkState::Starting));
+    }
+    let logged = |(level, key, text): (Level, String, String)| (key == "gimbal").then_some((level, text));
+    let logged: Vec<_> = events(&publisher).into_iter().filter_map(logged).collect();
+    let first = (Level::Info, "the gimbal is device 1".to_owned());
+    let then = (Level::Warning, "the gimbal is another one: device 2 instead of device 1".to_owned());
+    assert_eq!(logged, [first, then]);
 }
 
 #[test]

@@ -2,6 +2,7 @@
 
 use barrelman_console_server::snapshot::link_state_text;
 use barrelman_pilot::Input;
+use barrelman_vocab::EquipmentChange;
 use barrelman_vocab::telemetry::{LinkState, Report};
 
 use super::{Ending, LoopState, RunLoop, failed};
@@ -14,8 +15,13 @@ impl RunLoop<'_> {
                 if let Report::Link(link) = telemetry.report {
                     tracing::info!("{}", link_state_text(link));
                 }
-                if let Report::GimbalDevice(device) = telemetry.report {
-                    tracing::info!("the camera is on gimbal device {device}");
+                if let Report::Equipment(used) = telemetry.report {
+                    let mut known = self.publisher.newest().vehicle.equipment;
+                    match known.on_used(used) {
+                        None => {}
+                        Some(change @ EquipmentChange { before: None, .. }) => tracing::info!("{change}"),
+                        Some(change) => tracing::warn!("{change}"),
+                    }
                 }
                 self.step(state, Input::Telemetry(telemetry));
             }

@@ -5,7 +5,7 @@ use barrelman_pilot::CommandPath;
 use barrelman_vocab::acceptance::Acceptance;
 use barrelman_vocab::telemetry::LinkState;
 use barrelman_vocab::video::{CaptureQuality, ColourMatrix, SampleRange};
-use barrelman_vocab::{HoldCause, MarkKind, StopCause};
+use barrelman_vocab::{EquipmentKind, HoldCause, MarkKind, StopCause, ZoomAbility};
 
 use super::malformed::{Malformed, missing};
 use crate::records::stored;
@@ -55,9 +55,20 @@ variants!(StopCause, StopCause, "stop_cause", [
     StopCause::Landing => Landing,
     StopCause::BatteryLow => BatteryLow,
     StopCause::VehicleSilent => VehicleSilent,
+    StopCause::Exchanged => Exchanged,
     StopCause::Suspended => Suspended,
     StopCause::PanOpposed => PanOpposed,
     StopCause::TiltOpposed => TiltOpposed,
+]);
+variants!(EquipmentKind, EquipmentKind, "equipment", [
+    EquipmentKind::Gimbal => Gimbal,
+    EquipmentKind::Camera => Camera,
+    EquipmentKind::Stream => Stream,
+]);
+variants!(ZoomAbility, ZoomAbility, "zoom", [
+    ZoomAbility::NotKnown => NotKnown,
+    ZoomAbility::Absent => Absent,
+    ZoomAbility::Present => Present,
 ]);
 variants!(LinkState, LinkState, "link", [
     LinkState::Opening => Opening,

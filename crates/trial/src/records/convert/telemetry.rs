@@ -3,7 +3,7 @@
 use barrelman_vocab::drive_mode::DriveMode;
 use barrelman_vocab::telemetry::{ControlState, FlightState, Quaternion, Report};
 use barrelman_vocab::vehicle_text::VehicleText;
-use barrelman_vocab::{Angle, Telemetry, Timestamp};
+use barrelman_vocab::{Angle, Equipment, Telemetry, Timestamp};
 
 use super::malformed::{Malformed, missing};
 use crate::records::stored;
@@ -67,7 +67,11 @@ impl From<&Telemetry> for stored::TelemetryInput {
                 severity: text.severity().into(),
                 text: text.as_str().to_owned(),
             }),
-            Report::GimbalDevice(device) => Stored::GimbalDevice(device.into()),
+            Report::Equipment(Equipment { kind, name }) => Stored::Equipment(stored::Equipment {
+                kind: stored::EquipmentKind::from(kind) as i32,
+                name: name.as_str().to_owned(),
+            }),
+            Report::Zoom(told) => Stored::Zoom(stored::ZoomAbility::from(told) as i32),
             Report::FieldOfView(angle) => Stored::FieldOfViewRad(angle.radians()),
             Report::FlightState { state, is_battery_low } => {
                 let (state, mode) = stored_flight_state(state);
@@ -134,8 +138,12 @@ impl TryFrom<stored::TelemetryInput> for Telemetry {
                 let severity = u8::try_from(text.severity).map_err(|_| missing("severity"))?;
                 Report::Text(VehicleText::of(severity, text.text.as_bytes()))
             }
-            Stored::GimbalDevice(device) => {
-                Report::GimbalDevice(u8::try_from(device).map_err(|_| missing("gimbal_device"))?)
+            Stored::Equipment(used) => {
+                let kind = stored::EquipmentKind::try_from(used.kind).map_err(|_| missing("equipment"))?;
+                Report::Equipment(Equipment::new(kind.try_into()?, &used.name))
+            }
+            Stored::Zoom(told) => {
+                Report::Zoom(stored::ZoomAbility::try_from(told).map_err(|_| missing("zoom"))?.try_into()?)
             }
             Stored::FieldOfViewRad(angle) => Report::FieldOfView(Angle::from_radians(angle)),
             Stored::FlightState(flight) => Report::FlightState {

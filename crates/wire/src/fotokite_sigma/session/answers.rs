@@ -2,7 +2,7 @@
 
 use barrelman_vocab::acceptance::Acceptance;
 use barrelman_vocab::telemetry::Report;
-use barrelman_vocab::{Telemetry, Timestamp};
+use barrelman_vocab::{Equipment, EquipmentKind, Telemetry, Timestamp};
 
 use super::{FotokiteSigmaSession, INFO_RETRY, State, TOKEN_RETRY};
 use crate::fotokite_sigma::call::{Call, StreamId};
@@ -53,7 +53,7 @@ impl FotokiteSigmaSession {
             }
             Call::Subscribe if status == Some(101) => {}
             Call::Subscribe => self.schedule.on_socket_end(now),
-            Call::VideoStreams => self.on_video_streams(body),
+            Call::VideoStreams => self.on_video_streams(body, now, report),
             Call::VideoStreamState { .. } => {
                 let state: Option<json::VideoStreamState> = body.and_then(json::read);
                 if let Some(level) = state.and_then(|state| state.zoom_level) {
@@ -96,11 +96,16 @@ impl FotokiteSigmaSession {
         }
     }
 
-    fn on_video_streams(&mut self, body: Option<&[u8]>) {
+    fn on_video_streams(&mut self, body: Option<&[u8]>, now: Timestamp, report: ReportSink<'_>) {
         let streams: Vec<json::VideoStream> = body.and_then(json::read).unwrap_or_default();
         let main = json::main_stream(&streams, self.stream.as_deref());
         self.zoom.set_stream(main);
         self.schedule.set_stream(main.and_then(|stream| StreamId::new(&stream.stream_id)));
+        if let Some(main) = main {
+            let used = Equipment::new(EquipmentKind::Stream, &main.stream_id);
+            tell(Some(Report::Equipment(used)), now, report);
+            tell(Some(Report::Zoom(self.zoom.ability())), now, report);
+        }
     }
 
     fn on_info(&mut self, status: Option<u16>, body: Option<&[u8]>, now: Timestamp) {

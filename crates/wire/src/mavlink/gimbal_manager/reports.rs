@@ -12,7 +12,7 @@ use mavlink::dialects::common::{
 use super::{DEVICE, GimbalAngles, GimbalManager, HEARTBEAT_INTERVAL, Habits};
 
 impl GimbalManager {
-    fn time_boot_ms(&self, now: Timestamp) -> u32 {
+    pub(super) fn time_boot_ms(&self, now: Timestamp) -> u32 {
         now.since(self.booted).as_millis() as u32
     }
 
@@ -67,6 +67,7 @@ impl GimbalManager {
                 system_status: MavState::MAV_STATE_ACTIVE,
                 mavlink_version: 3,
             }));
+            self.send_camera_heartbeat(now, out);
         }
         if self.status.is_due(now) {
             self.send_status(now, out);

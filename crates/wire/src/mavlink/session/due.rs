@@ -195,14 +195,13 @@ impl GimbalSession {
         NextAction::WaitUntil(self.pacing.wake_at().min(now.plus(HEARTBEAT_INTERVAL)))
     }
 
-    /// Asks for the position and the attitude of the vehicle, and the field of view, where they do not come.
+    /// Asks for the position and the attitude of the vehicle, and what its camera is, where they do not come.
     fn ask_autopilot(&mut self, now: Timestamp, out: &mut Vec<Vec<u8>>) {
         let to = Address { component: AUTOPILOT, ..self.target().manager };
         let requests = self.autopilot.each_mut().map(|subscription| subscription.due(to, now));
         out.extend(requests.iter().flatten().map(|request| self.writer.write(request)));
-        let camera = self.zooming.camera_of(self.target().manager.system);
-        let request = camera.and_then(|camera| self.field_of_view.due(camera, now));
-        out.extend(request.map(|request| self.writer.write(&request)));
+        let requests = self.zooming.requests(self.target().manager.system, now);
+        out.extend(requests.iter().flatten().map(|request| self.writer.write(request)));
     }
 
     fn end_with_zeros(

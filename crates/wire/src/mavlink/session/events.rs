@@ -50,9 +50,14 @@ impl GimbalSession {
             Received::Restarted => self.on_restarted(now),
             Received::ZoomAnswered => self.zooming.on_answer(now),
             Received::FieldOfView(angle) => {
-                self.field_of_view.on_heard(now);
+                self.zooming.on_field_of_view(now);
                 report(Telemetry { at: now, report: Report::FieldOfView(angle) });
             }
+            Received::Camera(information) => {
+                let system = self.target().manager.system;
+                self.zooming.on_information(information, system, now);
+            }
+            Received::Stream(_) => {}
             Received::Other => self.on_heard(now),
             Received::Report(content) => report(Telemetry { at: now, report: content }),
         }

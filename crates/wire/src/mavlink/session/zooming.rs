@@ -1,14 +1,19 @@
 //! The zoom of the vehicle's camera: what is sent of it beside the rates of the gimbal.
 //!
-//! A speed is sent with each message of rates. A camera keeps the last speed, as the gimbal does: zeros are sent until enough
-//! of them have been answered. Afterwards nothing is sent, since another client may zoom.
+//! A camera that has told that it zooms is sent a speed with each message of rates. A camera keeps the last speed, as the gimbal
+//! does: zeros are sent until enough of them have been answered. Afterwards nothing is sent, since another client may zoom. A
+//! camera that has not told anything is sent zeros where everything is stopped, as a session before may have left it zooming.
 
 use core::time::Duration;
 
-use barrelman_vocab::Timestamp;
 use barrelman_vocab::mavlink::{Address, ComponentId, SystemId};
+use barrelman_vocab::{Timestamp, ZoomAbility};
+use mavlink::dialects::common::COMMAND_LONG_DATA;
 
-use crate::mavlink::command::Command;
+use crate::mavlink::camera_information::CameraInformation;
+use crate::mavlink::command::{Command, Wanted};
+use crate::mavlink::session_times::{CAMERA_INTERVAL, FIELD_OF_VIEW_INTERVAL};
+use crate::mavlink::subscription::Subscription;
 
 /// Zeros that have to be answered.
 const ANSWERS: u8 = 3;
@@ -19,6 +24,10 @@ const ANSWER_AFTER: Duration = Duration::from_secs(1);
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Zooming {
     camera: Option<ComponentId>,
+    ability: ZoomAbility,
+    /// What the camera is.
+    information: Subscription,
+    field_of_view: Subscription,
     /// When a speed other than zero was sent last.
     moved_at: Option<Timestamp>,
     /// Zeros that have not been answered yet.
@@ -28,12 +37,44 @@ pub(super) struct Zooming {
 impl Zooming {
     /// What moves the zoom is not known.
     pub(super) const fn new(camera: Option<ComponentId>) -> Self {
-        Self { camera, moved_at: None, unanswered: ANSWERS }
+        Self {
+            camera,
+            ability: ZoomAbility::NotKnown,
+            information: Subscription::by_requests(Wanted::CameraInformation.id(), CAMERA_INTERVAL),
+            field_of_view: Subscription::new(Wanted::FieldOfView.id(), FIELD_OF_VIEW_INTERVAL),
+            moved_at: None,
+            unanswered: ANSWERS,
+        }
     }
 
-    /// The camera of a vehicle.
-    pub(super) fn camera_of(self, system: SystemId) -> Option<Address> {
+    fn camera_of(&self, system: SystemId) -> Option<Address> {
         self.camera.map(|component| Address { system, component })
+    }
+
+    /// The requests to the camera of a vehicle that are due: what it is, and its field of view.
+    pub(super) fn requests(&mut self, system: SystemId, now: Timestamp) -> [Option<COMMAND_LONG_DATA>; 2] {
+        let Some(camera) = self.camera_of(system) else { return [None, None] };
+        let zooms = self.ability == ZoomAbility::Present;
+        let field_of_view = zooms.then(|| self.field_of_view.due(camera, now)).flatten();
+        [self.information.due(camera, now), field_of_view]
+    }
+
+    /// A camera says what it is: the one of this system, or another one.
+    pub(super) fn on_information(
+        &mut self,
+        information: CameraInformation,
+        system: SystemId,
+        now: Timestamp,
+    ) {
+        if self.camera_of(system) == Some(information.camera) {
+            self.information.on_heard(now);
+            self.ability = information.zoom;
+        }
+    }
+
+    /// The camera says how much it sees.
+    pub(super) fn on_field_of_view(&mut self, now: Timestamp) {
+        self.field_of_view.on_heard(now);
     }
 
     /// The control begins: zeros first.
@@ -43,6 +84,9 @@ impl Zooming {
 
     /// The command beside rates whose zoom has this speed.
     pub(super) fn due(&mut self, system: SystemId, speed: f64, now: Timestamp) -> Option<Command> {
+        if self.ability != ZoomAbility::Present {
+            return None;
+        }
         if speed != 0.0 {
             (self.moved_at, self.unanswered) = (Some(now), ANSWERS);
         }
@@ -56,12 +100,12 @@ impl Zooming {
         }
     }
 
-    /// A zero.
-    pub(super) fn zero(self, system: SystemId) -> Option<Command> {
-        self.command(system, 0.0)
+    /// A zero, to a camera that may zoom.
+    pub(super) fn zero(&self, system: SystemId) -> Option<Command> {
+        self.command(system, 0.0).filter(|_| self.ability != ZoomAbility::Absent)
     }
 
-    fn command(self, system: SystemId, speed: f64) -> Option<Command> {
+    fn command(&self, system: SystemId, speed: f64) -> Option<Command> {
         self.camera_of(system).map(|camera| Command::Zoom { camera, speed })
     }
 }

@@ -104,13 +104,16 @@ pub(super) fn capabilities(base: &str) -> Answer {
     )
 }
 
-/// The media profiles: the first one cannot be moved.
-pub(super) fn profiles(moving: &[(&str, &str)], configuration: &str) -> Answer {
+/// The media profiles, of one video source: the first one cannot be moved.
+pub(super) fn profiles(moving: &[(String, String)], source: &str, configuration: &str) -> Answer {
     let moving: String = moving
         .iter()
         .map(|(token, name)| {
             format!(
                 "<trt:Profiles token=\"{token}\" fixed=\"true\"><tt:Name>{name}</tt:Name>\
+                 <tt:VideoSourceConfiguration token=\"Video_1\"><tt:Name>picture</tt:Name><tt:UseCount>2</tt:UseCount>\
+                 <tt:SourceToken>{source}</tt:SourceToken><tt:Bounds x=\"0\" y=\"0\" width=\"1280\" height=\"720\"/>\
+                 </tt:VideoSourceConfiguration>\
                  <tt:PTZConfiguration token=\"{configuration}\"><tt:Name>motion</tt:Name>\
                  <tt:UseCount>2</tt:UseCount><tt:NodeToken>Node_1</tt:NodeToken></tt:PTZConfiguration></trt:Profiles>"
             )

@@ -1,7 +1,8 @@
 //! What an answer changes in a session, and what it reports.
 
 use barrelman_vocab::acceptance::Acceptance;
-use barrelman_vocab::{Telemetry, Timestamp};
+use barrelman_vocab::telemetry::Report;
+use barrelman_vocab::{Telemetry, Timestamp, ZoomAbility};
 
 use super::{OnvifSession, RETRY, State};
 use crate::http::motion::Speeds as _;
@@ -36,11 +37,16 @@ impl OnvifSession {
                 self.on_command("ContinuousMove", answer, now);
             }
             Ask::Stop { .. } => self.on_command("Stop", answer, now),
-            _ => self.on_joining(answer, now),
+            Ask::DateAndTime
+            | Ask::Services
+            | Ask::Capabilities
+            | Ask::Profiles(_)
+            | Ask::MoveOptions { .. }
+            | Ask::StreamUri { .. } => self.on_joining(answer, now, report),
         }
     }
 
-    fn on_joining(&mut self, answer: Option<(u16, &[u8])>, now: Timestamp) {
+    fn on_joining(&mut self, answer: Option<(u16, &[u8])>, now: Timestamp, report: ReportSink<'_>) {
         // A question without an answer is asked again, until the camera counts as silent.
         let Some((status, body)) = answer.filter(|_| self.state == State::Joining) else { return };
         match self.joining.on_answer(status, body, now) {
@@ -49,7 +55,12 @@ impl OnvifSession {
                 if let Some(time) = self.joining.time() {
                     self.caller.set_time(time);
                 }
-                if self.joining.joined().is_some() {
+                if let Some(joined) = self.joining.joined() {
+                    let zoom = ZoomAbility::told(joined.full.zoom.is_some());
+                    let used = joined.equipment().map(Report::Equipment);
+                    for content in used.into_iter().chain([Report::Zoom(zoom)]) {
+                        report(Telemetry { at: now, report: content });
+                    }
                     // What turns the camera is not known.
                     self.motion.stop(now);
                     self.state = State::Up;
@@ -72,7 +83,8 @@ impl OnvifSession {
         let Some((status, body)) = answer else { return self.commands.on_no_answer(now) };
         self.commands.on_answer();
         match Refusal::of(status, body) {
-            Some(refusal) if refusal.said == Acceptance::LoginRefused => {
+            // The next conversation finds what the camera has now.
+            Some(refusal) if refusal.said == Acceptance::LoginRefused || refusal.lacks_profile => {
                 self.fail(JoiningError::Refused { question, refusal }, now);
             }
             // A camera that knows no Stop is stopped by the other kind of zero.
@@ -84,7 +96,11 @@ impl OnvifSession {
 
     fn on_status(&mut self, answer: Option<(u16, &[u8])>, now: Timestamp, report: ReportSink<'_>) {
         let Some((status, body)) = answer else { return };
-        let told = Refusal::of(status, body).map_or_else(|| soap::read::<StatusBody>(body), |_| None);
+        let refusal = Refusal::of(status, body);
+        if let Some(refusal) = refusal.clone().filter(|refusal| refusal.lacks_profile) {
+            return self.fail(JoiningError::Refused { question: "GetStatus", refusal }, now);
+        }
+        let told = refusal.map_or_else(|| soap::read::<StatusBody>(body), |_| None);
         self.schedule.on_answer(told.is_none());
         if let Some(told) = told {
             self.on_motion(&told.answer.status, now);

@@ -1,6 +1,7 @@
 //! The MAVLink gimbal protocol.
 
 mod bench;
+mod exchange;
 
 mod frames;
 mod hostile;

@@ -1,14 +1,15 @@
 //! What a gimbal manager's messages mean.
 
 use barrelman_vocab::Angle;
-use barrelman_vocab::mavlink::{Address, MavlinkPeers};
+use barrelman_vocab::mavlink::{Address, ComponentId, MavlinkPeers};
 use barrelman_vocab::telemetry::Report;
 use barrelman_wire::mavlink::frame::FrameWriter;
 use barrelman_wire::mavlink::gimbal_reader::{Holder, Received};
 use barrelman_wire::mavlink::{Gimbal, GimbalReader};
 use mavlink::dialects::common::{
-    ATTITUDE_DATA, GIMBAL_DEVICE_ATTITUDE_STATUS_DATA, GIMBAL_MANAGER_INFORMATION_DATA,
-    GIMBAL_MANAGER_STATUS_DATA, GLOBAL_POSITION_INT_DATA, GimbalDeviceFlags, GimbalManagerCapFlags,
+    ATTITUDE_DATA, CAMERA_INFORMATION_DATA, GIMBAL_DEVICE_ATTITUDE_STATUS_DATA,
+    GIMBAL_MANAGER_INFORMATION_DATA, GIMBAL_MANAGER_STATUS_DATA, GLOBAL_POSITION_INT_DATA, GimbalDeviceFlags,
+    GimbalManagerCapFlags,
 };
 
 const AUTOPILOT: Address = Address::new(1, 1);
@@ -421,4 +422,76 @@ fn the_pan_is_told_in_the_frame_in_which_the_gimbal_holds_it() {
     ] {
         assert_eq!(told(flags, delta, attitude_ms), expected, "{flags:?} {delta} {attitude_ms:?}");
     }
+}
+
+/// The names of the gimbals that are reported.
+fn used(received: &[Received]) -> Vec<String> {
+    let name = |received: &Received| match received {
+        Received::Report(Report::Equipment(used)) => Some(used.name.to_string()),
+        _ => None,
+    };
+    received.iter().filter_map(name).collect()
+}
+
+/// The status of device 2 at these times, ms; whether the gimbal is chosen anew.
+fn is_exchanged(vehicle: &mut Vehicle, times: &[u32]) -> bool {
+    let mut heard = Vec::new();
+    for ms in times {
+        heard.extend(vehicle.status(*ms, 2, Address::EVERYONE));
+    }
+    heard.contains(&Received::Restarted)
+}
+
+#[test]
+fn a_device_whose_manager_speaks_of_others_alone_for_three_seconds_is_exchanged() {
+    let mut vehicle = Vehicle::known(1);
+    assert!(!is_exchanged(&mut vehicle, &[1_000, 2_000, 3_000, 3_800]));
+    vehicle.status(3_900, 1, Address::EVERYONE);
+    assert!(!is_exchanged(&mut vehicle, &[4_000, 5_000, 6_000, 6_800]));
+    vehicle.attitude(AUTOPILOT, 6_800, 1);
+    assert!(!is_exchanged(&mut vehicle, &[7_000, 8_000, 9_000, 9_700]));
+    assert!(is_exchanged(&mut vehicle, &[9_900]));
+    vehicle.describe(2, BOTH, 10_000);
+    assert_eq!(used(&vehicle.describe(2, BOTH, 10_500)), ["device 2 of 1/1"]);
+}
+
+#[test]
+fn the_device_of_the_configuration_is_not_replaced_by_another_one() {
+    let peers = MavlinkPeers { device: Some(1), ..MavlinkPeers::DEFAULT };
+    let mut vehicle = Vehicle { reader: GimbalReader::new(peers, None) };
+    assert_eq!(used(&vehicle.describe(1, BOTH, 900)), ["device 1 of 1/1"]);
+    assert!(is_exchanged(&mut vehicle, &[1_000, 4_000]));
+    for ms in [5_000, 6_000, 7_000] {
+        assert_eq!(used(&vehicle.describe(2, BOTH, ms)), [""; 0]);
+    }
+    assert_eq!(used(&vehicle.describe(1, BOTH, 8_000)), ["device 1 of 1/1"]);
+}
+
+#[test]
+fn a_vehicle_that_restarts_with_another_device_is_moved_by_that_one() {
+    let mut vehicle = Vehicle::known(1);
+    vehicle.status(9_000, 1, Address::EVERYONE);
+    vehicle.attitude(AUTOPILOT, 9_100, 1);
+    assert!(vehicle.attitude(AUTOPILOT, 100, 1).contains(&Received::Restarted));
+    let mut found = Vec::new();
+    for ms in (1_000..8_000).step_by(500) {
+        found.extend(used(&vehicle.describe(2, BOTH, ms)));
+    }
+    assert_eq!(found, ["device 2 of 1/1"]);
+}
+
+#[test]
+fn another_camera_at_the_same_component_is_reported() {
+    let peers = MavlinkPeers { camera: Some(ComponentId(100)), ..MavlinkPeers::DEFAULT };
+    let mut vehicle = Vehicle { reader: GimbalReader::new(peers, None) };
+    vehicle.describe(1, BOTH, 900);
+    let mut named = |component, model: &[u8; 6]| {
+        let mut information = CAMERA_INFORMATION_DATA::DEFAULT;
+        information.vendor_name[..4].copy_from_slice(b"Acme");
+        information.model_name[..6].copy_from_slice(model);
+        used(&vehicle.says(Address::new(1, component), &information))
+    };
+    assert_eq!(named(100, b"Zoom30"), ["1/100 Acme Zoom30"]);
+    assert_eq!((named(100, b"Zoom30"), named(101, b"Zoom20")), (vec![], vec![]));
+    assert_eq!(named(100, b"Zoom20"), ["1/100 Acme Zoom20"]);
 }

@@ -6,7 +6,9 @@ use barrelman_vocab::VehicleRates;
 use barrelman_vocab::mavlink::{Address, MavlinkPeers, SystemId};
 use barrelman_vocab::telemetry::{ControlState, LinkState, Report};
 use barrelman_wire::mavlink::Gimbal;
-use barrelman_wire::mavlink::gimbal_manager::{GimbalManagerSettings, Habits, MANAGER, OTHER_COMMANDER};
+use barrelman_wire::mavlink::gimbal_manager::{
+    CameraKind, GimbalManagerSettings, Habits, MANAGER, OTHER_COMMANDER,
+};
 use barrelman_wire::{LinkHistory, NextAction, RestEvidence, Session as _};
 
 use super::bench::{Bench, Sent, at, rates, sent};
@@ -18,6 +20,7 @@ const ARDUPILOT: GimbalManagerSettings = GimbalManagerSettings {
     withholds_status: false,
     names_nobody: false,
     dropped_claims: 0,
+    camera: CameraKind::Zooming,
     signing: None,
 };
 const PX4: GimbalManagerSettings = GimbalManagerSettings { habits: Habits::Px4, ..ARDUPILOT };

@@ -4,8 +4,8 @@ use core::time::Duration;
 
 use barrelman_vocab::mavlink::{Address, ComponentId, MavlinkPeers};
 use barrelman_vocab::telemetry::{LinkState, Report};
-use barrelman_vocab::{Angle, VehicleRates};
-use barrelman_wire::mavlink::gimbal_manager::GimbalManagerSettings;
+use barrelman_vocab::{Angle, VehicleRates, ZoomAbility};
+use barrelman_wire::mavlink::gimbal_manager::{CameraKind, GimbalManagerSettings};
 use barrelman_wire::{LinkHistory, NextAction, Session as _};
 
 use super::bench::{Bench, Sent, at, rates, sent};
@@ -121,4 +121,55 @@ fn the_field_of_view_is_asked_for_and_reported() {
     });
     let told: Vec<f64> = told.collect();
     assert!(told.len() >= 4 && told.iter().all(|degrees| (degrees - 40.0).abs() < 1e-4), "{told:?}");
+}
+
+/// A session that is up, with a camera of this kind; it is told to zoom for this time.
+fn told_to_zoom(camera: CameraKind, time: Duration) -> Bench {
+    let mut bench = Bench::with_peers(GimbalManagerSettings { camera, ..Default::default() }, peers());
+    bench.run_until("the link is up", |bench| bench.session.link_state() == LinkState::Up);
+    bench.session.request(VehicleRates::REST.zooming(1.0), None);
+    bench.run(time);
+    bench
+}
+
+/// What the session has reported of the zoom.
+fn told(bench: &Bench) -> Vec<ZoomAbility> {
+    let told = |(_, report): &(u64, Report)| match report {
+        Report::Zoom(told) => Some(*told),
+        _ => None,
+    };
+    bench.reports.iter().filter_map(told).collect()
+}
+
+/// How often the camera was asked what it is.
+fn questions(bench: &Bench) -> usize {
+    bench.sent.iter().filter(|(_, sent)| *sent == Sent::Command(512, CAMERA, 259.0, 0.0)).count()
+}
+
+#[test]
+fn a_camera_that_says_that_it_zooms_is_told_to_and_asked_again_every_five_seconds() {
+    let bench = told_to_zoom(CameraKind::Zooming, Duration::from_secs(20));
+    assert_eq!((told(&bench), bench.manager.rates().zoom), (vec![ZoomAbility::Present], 1.0));
+    assert!((4..=6).contains(&questions(&bench)), "{}", questions(&bench));
+}
+
+#[test]
+fn a_camera_that_says_that_it_does_not_zoom_is_never_told_to() {
+    let mut bench = told_to_zoom(CameraKind::Fixed, Duration::from_secs(10));
+    assert_eq!(told(&bench), [ZoomAbility::Absent]);
+    bench.session.close(at(bench.now_ms));
+    bench.run_until("the session has ended", |bench| bench.last == NextAction::Closed);
+    assert_eq!(speeds(&bench, 0), [0.0; 0]);
+}
+
+#[test]
+fn a_camera_that_says_nothing_is_asked_ever_more_rarely_and_is_not_zoomed() {
+    let mut bench = told_to_zoom(CameraKind::Silent, Duration::from_secs(60));
+    assert_eq!((told(&bench), speeds(&bench, 0)), (vec![], vec![]));
+    assert!((13..=16).contains(&questions(&bench)), "{}", questions(&bench));
+    let closed = bench.now_ms;
+    bench.session.close(at(closed));
+    bench.run_until("the session has ended", |bench| bench.last == NextAction::Closed);
+    let zeros = speeds(&bench, closed);
+    assert!(zeros.len() >= 3 && zeros.iter().all(|speed| *speed == 0.0), "an earlier session: {zeros:?}");
 }
