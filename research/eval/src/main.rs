@@ -3,7 +3,7 @@
 //!
 //! ```text
 //! cargo run --release -p barrelman-eval --
-//! tracker|selection|training-samples|detector-scenes|simulator|calibration|search|guidance|held-marks|law|views|fit|closed-loop|faults|link-latency|zoom
+//! tracker|selection|training-samples|detector|detector-scenes|simulator|calibration|search|guidance|held-marks|law|views|fit|closed-loop|faults|link-latency|zoom
 //! ```
 //! The exit status is 1 if a requirement is missed or a command fails.
 //!
@@ -57,6 +57,8 @@ enum Command {
     Selection(tracker::past_selection::SelectionOptions),
     /// Write samples for fitting the tracker's refinement network.
     TrainingSamples(tracker::training_samples::TrainingOptions),
+    /// Measure an object detector on real clips, rendered scenes and empty water.
+    Detector(detector::Options),
     /// Render pictures to train a detector on, with the boxes of all people and boats.
     DetectorScenes(detector::ScenesOptions),
     /// Compare simulated trials with recorded ones.
@@ -93,6 +95,7 @@ fn main() -> ExitCode {
         Command::TrainingSamples(options) => {
             ("training-samples", tracker::training_samples::run(&options).map(|()| true))
         }
+        Command::Detector(options) => ("detector", detector::run(&options).map(|()| true)),
         Command::DetectorScenes(options) => {
             ("detector-scenes", detector::write_scenes(&options).map(|()| true))
         }
