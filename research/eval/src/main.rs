@@ -3,13 +3,15 @@
 //!
 //! ```text
 //! cargo run --release -p barrelman-eval --
-//! tracker|selection|training-samples|simulator|calibration|search|guidance|held-marks|law|views|fit|closed-loop|faults|link-latency|zoom
+//! tracker|selection|training-samples|detector|detector-scenes|simulator|calibration|search|guidance|held-marks|law|views|fit|closed-loop|faults|link-latency|zoom
 //! ```
 //! The exit status is 1 if a requirement is missed or a command fails.
 //!
 //! The recorded clips and trials may not be redistributed. They are read from a folder beside the repository.
 
 mod tracker;
+
+mod detector;
 
 mod simulator;
 
@@ -55,6 +57,10 @@ enum Command {
     Selection(tracker::past_selection::SelectionOptions),
     /// Write samples for fitting the tracker's refinement network.
     TrainingSamples(tracker::training_samples::TrainingOptions),
+    /// Measure an object detector on real clips, rendered scenes and empty water.
+    Detector(detector::Options),
+    /// Render pictures to train a detector on, with the boxes of all people and boats.
+    DetectorScenes(detector::ScenesOptions),
     /// Compare simulated trials with recorded ones.
     Simulator(simulator::Options),
     /// Calibrate drawn cameras in the simulator, and compare with the truth.
@@ -88,6 +94,10 @@ fn main() -> ExitCode {
         Command::Selection(options) => ("selection", tracker::past_selection::run(&options)),
         Command::TrainingSamples(options) => {
             ("training-samples", tracker::training_samples::run(&options).map(|()| true))
+        }
+        Command::Detector(options) => ("detector", detector::run(&options).map(|()| true)),
+        Command::DetectorScenes(options) => {
+            ("detector-scenes", detector::write_scenes(&options).map(|()| true))
         }
         Command::Simulator(options) => ("simulator", simulator::run(&options)),
         Command::Calibration(options) => ("calibration", calibration::run(&options)),

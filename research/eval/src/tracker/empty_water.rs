@@ -1,4 +1,4 @@
-//! Candidates on empty water: each is false. A pilot that follows nothing watches rendered seas without boat, people
+//! Empty water: whatever is found there is false. A pilot that follows nothing watches rendered seas without boat, people
 //! and buoys, through the swaying camera of a scenario, at sea states 0 to 3.
 
 use std::sync::Arc;
@@ -20,10 +20,10 @@ use crate::parallel;
 
 /// A scenario of the kite's camera above open water.
 const SCENARIO: &str = "first-drive";
-const SEA_STATES: u8 = 4;
+pub(crate) const SEA_STATES: u8 = 4;
 /// Pictures a second.
 const PICTURES: u32 = 30;
-const SECONDS: u32 = 20;
+pub(crate) const SECONDS: u32 = 20;
 /// Out of sight of the camera: the renderer wants a boat.
 const FAR_M: f64 = -20_000.0;
 
@@ -61,6 +61,32 @@ pub(super) fn run(seas: usize) -> Result<bool> {
 }
 
 fn watch(sea_state: u8, seed: u64) -> Result<Shown> {
+    let settings = PilotSettings { profile: VehicleProfile::fotokite_pro(), law: LawSettings::MotorSchema };
+    let mut pilot = Pilot::new(settings, TrackerSettings::new(TrackerName::Fused).build()?).keeping_frames();
+    let (mut shown, mut before) = (Shown::default(), Vec::new());
+    for_frames(sea_state, seed, PICTURES, |frame| {
+        let outcome = pilot.step(Input::Frame(frame), frame.capture.at);
+        let numbers: Vec<u32> =
+            outcome.candidates.iter().flatten().map(|candidate| candidate.number).collect();
+        shown.pictures += 1;
+        shown.candidates += numbers.len();
+        shown.appeared += numbers.iter().filter(|number| !before.contains(*number)).count();
+        before = numbers;
+        Ok(())
+    })?;
+    Ok(shown)
+}
+
+/// Shows [`SECONDS`] of an empty sea, so many pictures a second.
+///
+/// # Errors
+/// If the scenario cannot be loaded or simulated, or `show` fails.
+pub(crate) fn for_frames(
+    sea_state: u8,
+    seed: u64,
+    pictures: u32,
+    mut show: impl FnMut(&VideoFrame) -> Result<()>,
+) -> Result<()> {
     let overrides = ScenarioOverrides { sea_state: Some(sea_state), ..ScenarioOverrides::default() };
     let scenario = scenario::load(SCENARIO, &overrides)?.scenario;
     let mut world = World::new(&scenario, seed)
@@ -72,11 +98,8 @@ fn watch(sea_state: u8, seed: u64) -> Result<Shown> {
         readout_s: scenario.camera.rolling_shutter_s,
         ..RenderSettings::new(optics, world.sea().cloned(), seed)
     });
-    let settings = PilotSettings { profile: VehicleProfile::fotokite_pro(), law: LawSettings::MotorSchema };
-    let mut pilot = Pilot::new(settings, TrackerSettings::new(TrackerName::Fused).build()?).keeping_frames();
     let mut snapshot = world.snapshot();
-    let (mut shown, mut before) = (Shown::default(), Vec::new());
-    for sequence in 0..u64::from(PICTURES * SECONDS) {
+    for sequence in 0..u64::from(pictures * SECONDS) {
         world.write_snapshot(&mut snapshot);
         snapshot.objects.clear();
         if let Target::Boat(boat) = &mut snapshot.target {
@@ -84,19 +107,11 @@ fn watch(sea_state: u8, seed: u64) -> Result<Shown> {
         }
         let mut picture = Picture::black(optics.picture, ENCODING);
         renderer.render(&snapshot, &mut picture, &Serial);
-        let now = world.now();
-        let capture = Capture { at: now, quality: CaptureQuality::Sensor };
-        let frame = VideoFrame { sequence, capture, picture: Arc::new(picture) };
-        let outcome = pilot.step(Input::Frame(&frame), now);
-        let numbers: Vec<u32> =
-            outcome.candidates.iter().flatten().map(|candidate| candidate.number).collect();
-        shown.pictures += 1;
-        shown.candidates += numbers.len();
-        shown.appeared += numbers.iter().filter(|number| !before.contains(*number)).count();
-        before = numbers;
-        for _ in 0..TICKS_PER_SECOND / PICTURES {
+        let capture = Capture { at: world.now(), quality: CaptureQuality::Sensor };
+        show(&VideoFrame { sequence, capture, picture: Arc::new(picture) })?;
+        for _ in 0..TICKS_PER_SECOND / pictures {
             world.advance();
         }
     }
-    Ok(shown)
+    Ok(())
 }

@@ -23,7 +23,7 @@ const BOATS_PX: [f64; 4] = [20.0, 45.0, 90.0, 180.0];
 ///
 /// # Errors
 /// If a folder cannot be read, or has no clip of a name.
-pub(super) fn chosen_clips(folder: Option<&Path>, names: &[String]) -> Result<Vec<ClipFolder>> {
+pub(crate) fn chosen_clips(folder: Option<&Path>, names: &[String]) -> Result<Vec<ClipFolder>> {
     let folders = match folder {
         Some(folder) => vec![folder.to_owned()],
         None => {
@@ -35,7 +35,7 @@ pub(super) fn chosen_clips(folder: Option<&Path>, names: &[String]) -> Result<Ve
 }
 
 /// So many labelled frames of a clip, evenly spread, with the label.
-pub(super) fn labelled_pictures(clip: &Clip, frames: usize) -> impl Iterator<Item = (&Picture, PixelBox)> {
+pub(crate) fn labelled_pictures(clip: &Clip, frames: usize) -> impl Iterator<Item = (&Picture, PixelBox)> {
     let hidden = hidden_frames(&clip.name);
     let labelled: Vec<(usize, PixelBox)> = clip
         .labels

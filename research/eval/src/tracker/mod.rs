@@ -31,25 +31,25 @@ mod orientation;
 mod leave_one_out;
 
 mod candidates;
-mod empty_water;
-mod labelled_pictures;
+pub(crate) mod empty_water;
+pub(crate) mod labelled_pictures;
 pub(crate) mod past_selection;
 mod taps;
 pub(crate) mod training_samples;
 
 mod opencv;
 mod synthetic_scenes;
-mod tracker_run;
+pub(crate) mod tracker_run;
 mod tracker_under_test;
 mod tuned_settings;
 
-mod clip_sets;
-mod clips;
+pub(crate) mod clip_sets;
+pub(crate) mod clips;
 mod cropped_picture;
 mod scoring;
 
 mod requirements;
-mod text_table;
+pub(crate) mod text_table;
 
 mod options;
 

@@ -57,7 +57,7 @@ pub(crate) fn run_tracker(tracker: &mut dyn Tracker, clip: &Clip, selection: Pix
 }
 
 /// CPU time of all threads of this process: no other thread works while a tracker is timed.
-fn process_cpu_time() -> Duration {
+pub(crate) fn process_cpu_time() -> Duration {
     let time = clock_gettime(ClockId::ProcessCPUTime);
     // CPU time counts from zero: neither part is ever negative.
     Duration::new(time.tv_sec as u64, time.tv_nsec as u32)
