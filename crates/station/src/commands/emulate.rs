@@ -300,7 +300,10 @@ impl ServedWorld {
                 bail!("--world takes a simulated world, as in sim:arena1; {url} is a video")
             }
         };
-        let world = LiveWorld::load(&url.world)?.with_encoding(true).with_profile(profile);
+        let world = LiveWorld::load(&url.world)?.with_encoding(true);
+        // The zoom of the emulated camera is the world's.
+        let zoom = world.scenario().mount.zoom;
+        let world = world.with_profile(&VehicleProfile { zoom, ..profile.clone() });
         let camera = &world.scenario().camera;
         let half_width = f64::from(camera.frame.width) / 2.0;
         let field_of_view_deg = 2.0 * (half_width / camera.optics.focal_px).atan().to_degrees();

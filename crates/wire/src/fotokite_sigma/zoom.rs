@@ -47,10 +47,13 @@ impl ZoomSteps {
         }
     }
 
-    /// A step was answered, or not. The level is not known after one that was refused.
-    pub fn on_answer(&mut self, is_accepted: bool) {
+    /// A step was answered, or not. The level is not known after one that was refused. The vehicle begins a step that was held
+    /// up when it answers: the next step waits from then on, as the motion would otherwise go on after the last one.
+    pub fn on_answer(&mut self, is_accepted: bool, now: Timestamp) {
         if !is_accepted {
             self.level = None;
+        } else if self.stepped.is_some_and(|at| now.since(at) > STEP) {
+            self.stepped = Some(now);
         }
     }
 
@@ -118,10 +121,22 @@ mod tests {
         let first = steps.due(1.0, at(0)).unwrap();
         steps.on_level(4.0, at(100));
         assert!(steps.due(1.0, at(150)).unwrap() > first, "the report is older than the step");
-        steps.on_answer(false);
+        steps.on_answer(false, at(290));
         assert_eq!(steps.due(1.0, at(300)), None);
         steps.on_level(9.0, at(400));
         assert!(steps.due(1.0, at(450)).unwrap() > 9.0);
+    }
+
+    #[test]
+    fn a_step_that_was_held_up_delays_the_next_one() {
+        let mut steps = steps();
+        steps.on_level(4.0, at(0));
+        assert!(steps.due(1.0, at(0)).is_some());
+        steps.on_answer(true, at(20));
+        assert!(steps.due(1.0, at(150)).is_some(), "an answer in time changes nothing");
+        steps.on_answer(true, at(600));
+        assert_eq!(steps.due(1.0, at(740)), None);
+        assert!(steps.due(1.0, at(750)).is_some());
     }
 
     #[test]

@@ -79,7 +79,7 @@ impl FotokiteSigmaSession {
                     tell(self.flight.report(), now, report);
                 }
             }
-            Call::Zoom { .. } => self.zoom.on_answer(body.is_some()),
+            Call::Zoom { .. } => self.zoom.on_answer(body.is_some(), now),
             Call::ReleaseControl | Call::ShowStatus { .. } => {}
         }
     }

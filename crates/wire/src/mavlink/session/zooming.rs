@@ -1,8 +1,8 @@
 //! The zoom of the vehicle's camera: what is sent of it beside the rates of the gimbal.
 //!
-//! A camera that has told that it zooms is sent a speed with each message of rates. A camera keeps the last speed, as the gimbal
-//! does: zeros are sent until enough of them have been answered. Afterwards nothing is sent, since another client may zoom. A
-//! camera that has not told anything is sent zeros where everything is stopped, as a session before may have left it zooming.
+//! A camera that has told that it zooms is sent a speed with each message of rates, and one that has not told anything zeros
+//! alone. A camera keeps the last speed, as the gimbal does, also that of a session before: zeros are sent until enough of them
+//! have been answered. Afterwards nothing is sent, since another client may zoom.
 
 use core::time::Duration;
 
@@ -84,9 +84,12 @@ impl Zooming {
 
     /// The command beside rates whose zoom has this speed.
     pub(super) fn due(&mut self, system: SystemId, speed: f64, now: Timestamp) -> Option<Command> {
-        if self.ability != ZoomAbility::Present {
-            return None;
-        }
+        let speed = match self.ability {
+            ZoomAbility::Absent => return None,
+            // Zeros alone: a session before may have left the camera zooming.
+            ZoomAbility::NotKnown => 0.0,
+            ZoomAbility::Present => speed,
+        };
         if speed != 0.0 {
             (self.moved_at, self.unanswered) = (Some(now), ANSWERS);
         }

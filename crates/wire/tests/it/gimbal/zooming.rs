@@ -159,13 +159,16 @@ fn a_camera_that_says_that_it_does_not_zoom_is_never_told_to() {
     assert_eq!(told(&bench), [ZoomAbility::Absent]);
     bench.session.close(at(bench.now_ms));
     bench.run_until("the session has ended", |bench| bench.last == NextAction::Closed);
-    assert_eq!(speeds(&bench, 0), [0.0; 0]);
+    let speeds = speeds(&bench, 0);
+    assert!(speeds.len() <= 1 && speeds.iter().all(|speed| *speed == 0.0), "before it told: {speeds:?}");
 }
 
 #[test]
 fn a_camera_that_says_nothing_is_asked_ever_more_rarely_and_is_not_zoomed() {
     let mut bench = told_to_zoom(CameraKind::Silent, Duration::from_secs(60));
-    assert_eq!((told(&bench), speeds(&bench, 0)), (vec![], vec![]));
+    let before = speeds(&bench, 0);
+    assert!(told(&bench).is_empty() && !before.is_empty(), "it may have been left zooming");
+    assert!(before.iter().all(|speed| *speed == 0.0), "{before:?}");
     assert!((13..=16).contains(&questions(&bench)), "{}", questions(&bench));
     let closed = bench.now_ms;
     bench.session.close(at(closed));
