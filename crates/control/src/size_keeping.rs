@@ -9,7 +9,8 @@
 //!      +---- well within, or not all is well --------> ^ <------ well within ----------+
 //! ```
 //!
-//! All is well while the target is measured for a while with confidence, well within the region, which it has not left lately.
+//! A boat that is seen from its stern looks shorter than it is. So the target is too small where the largest size lately is, and
+//! too large where the present size is. All is well while the target is measured for a while with confidence, well within the region, which it has not left lately.
 //! In doubt about a target near the region's border, and where the target leaves the region, the view widens at once. A
 //! destination that is to be shown, too, widens the view while the target is larger than the smallest size.
 //!
@@ -45,6 +46,9 @@ const DESTINATION_SHARES: (f64, f64) = (0.8, 0.95);
 const GOAL: f64 = 1.5;
 /// Time constant of the smoothed size, seconds: longer than the boat rolls, shorter than it approaches.
 const SMOOTHING_S: f64 = 0.5;
+/// Decay of the logarithm of the largest size lately, per second: slower than a boat that turns looks shorter, faster than one
+/// that goes away.
+const DECAY_PER_S: f64 = 0.07;
 
 /// What was measured of the target in a frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -84,8 +88,24 @@ pub struct SizeKeeper {
     sure_since: Option<Timestamp>,
     /// When the target was outside of the region last.
     outside_at: Option<Timestamp>,
-    /// Logarithm of the smoothed size of the target at a focal length of 1, and when it was measured.
-    size: Option<(f64, Timestamp)>,
+    size: Option<MeasuredSize>,
+}
+
+/// The size of the target at a focal length of 1: logarithms.
+#[derive(Debug, Clone, Copy)]
+struct MeasuredSize {
+    smoothed: f64,
+    /// The largest one lately.
+    largest: f64,
+    /// When it was measured.
+    at: Timestamp,
+}
+
+/// The size of the target at the present focal length.
+#[derive(Debug, Clone, Copy)]
+struct PresentSize {
+    smoothed: f64,
+    largest: f64,
 }
 
 impl SizeKeeper {
@@ -118,7 +138,9 @@ impl SizeKeeper {
             self.movement = Movement::Resting;
             return self.wider_than(-self.zoom.max_rate, input);
         }
-        let Some(size) = self.smoothed(input) else { return ZoomRate::ZERO };
+        let Some(PresentSize { smoothed: size, largest }) = self.measured(input) else {
+            return ZoomRate::ZERO;
+        };
         let (least, most) = (GOAL * self.range.smallest, self.range.largest / GOAL);
         let was_outside = self.outside_at.is_some_and(|at| input.captured.since(at) < AFTER_OUTSIDE);
         let (inside, border) = DESTINATION_SHARES;
@@ -132,8 +154,8 @@ impl SizeKeeper {
             _ if shows_more && input.destination_share > border => Movement::Wider,
             Movement::Wider if size > most => Movement::Wider,
             Movement::Wider if shows_more && input.destination_share > inside => Movement::Wider,
-            Movement::Closer if size < least && is_well(CLOSER_P.1) => Movement::Closer,
-            _ if size < self.range.smallest && has_been_sure && is_well(CLOSER_P.0) => Movement::Closer,
+            Movement::Closer if largest < least && is_well(CLOSER_P.1) => Movement::Closer,
+            _ if largest < self.range.smallest && has_been_sure && is_well(CLOSER_P.0) => Movement::Closer,
             Movement::Resting | Movement::Wider | Movement::Closer => Movement::Resting,
         };
         match self.movement {
@@ -149,17 +171,21 @@ impl SizeKeeper {
         if input.focal_shares.1 > self.widest_share { rate } else { ZoomRate::ZERO }
     }
 
-    /// The smoothed size of the target at the present focal length; `None`: it was never measured.
-    fn smoothed(&mut self, input: &SizeInput) -> Option<f64> {
+    /// The size of the target at the present focal length; `None`: it was never measured.
+    fn measured(&mut self, input: &SizeInput) -> Option<PresentSize> {
         let (then, now) = input.focal_shares;
         if input.is_measured && input.size > 0.0 {
             let measured = libm::log(input.size / then);
-            let smoothed = self.size.map_or(measured, |(before, at)| {
-                let interval_s = input.captured.since(at).as_secs_f64();
-                before + (1.0 - libm::exp(-interval_s / SMOOTHING_S)) * (measured - before)
-            });
-            self.size = Some((smoothed, input.captured));
+            let first = MeasuredSize { smoothed: measured, largest: measured, at: input.captured };
+            self.size = Some(self.size.map_or(first, |before| {
+                let interval_s = input.captured.since(before.at).as_secs_f64();
+                let share = 1.0 - libm::exp(-interval_s / SMOOTHING_S);
+                let smoothed = before.smoothed + share * (measured - before.smoothed);
+                let largest = (before.largest - DECAY_PER_S * interval_s).max(smoothed);
+                MeasuredSize { smoothed, largest, at: input.captured }
+            }));
         }
-        self.size.map(|(size, _)| now * libm::exp(size))
+        let size = self.size?;
+        Some(PresentSize { smoothed: now * libm::exp(size.smoothed), largest: now * libm::exp(size.largest) })
     }
 }

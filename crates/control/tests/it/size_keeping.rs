@@ -139,3 +139,16 @@ fn a_destination_that_is_to_be_shown_widens_the_view_as_far_as_the_target_stays_
     let closer = |share: f64| Scene::new().after(3.0, far_m, |input| input.destination_share = share) > 0.0;
     assert!(closer(0.7) && !closer(0.85));
 }
+
+#[test]
+fn a_boat_that_turns_away_for_some_seconds_is_no_reason_to_zoom() {
+    // 0.027 of the picture's height from the side, 0.011 from the stern.
+    let range_m = 80.0;
+    let from_astern = |input: &mut SizeInput| input.size *= 0.4;
+    let mut scene = Scene::new();
+    for _ in 0..4 {
+        assert_eq!(scene.after(6.0, range_m, |_| {}), 0.0);
+        assert_eq!(scene.after(4.0, range_m, from_astern), 0.0);
+    }
+    assert!(scene.after(6.0, range_m, from_astern) > 0.0, "one that stays so is too small");
+}
