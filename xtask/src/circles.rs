@@ -1,8 +1,10 @@
-//! Finds circles (dependency cycles) of files: file A uses file B, and file B uses file A, directly or through others.
+//! Finds circles (dependency cycles) of files: file A uses file B, and file B uses file A, directly or
+//! through others.
 //!
-//! The edges of the graph are the paths in the code of a crate (`use` declarations, calls, types; not the paths in
-//! macros), resolved to the file of the module that they name. A re-export (`pub use`) resolves to the file that it
-//! re-exports and is not an edge of its own file: a folder's `mod.rs` may name its parts. Unit tests do not count.
+//! The edges of the graph are the paths in the code of a crate (`use` declarations, calls, types; not the
+//! paths in macros), resolved to the file of the module that they name. A re-export (`pub use`) resolves to
+//! the file that it re-exports and is not an edge of its own file: a folder's `mod.rs` may name its parts.
+//! Unit tests do not count.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};

@@ -23,9 +23,9 @@ struct Package {
 /// The folder of what measures the product and is no part of it.
 const RESEARCH: &str = "research/";
 
-/// The findings: each dependency that the table does not allow (dev-dependencies excepted), each allowed dependency that
-/// is not used, each crate that is missing in the table or in the workspace, and each dependency of the
-/// product on research, dev-dependencies included.
+/// The findings: each dependency that the table does not allow (dev-dependencies excepted), each allowed
+/// dependency that is not used, each crate that is missing in the table or in the workspace, and each
+/// dependency of the product on research, dev-dependencies included.
 pub(crate) fn check(root: &Path) -> Result<Vec<String>> {
     let allowed = table(root)?;
     let packages = packages(root)?;

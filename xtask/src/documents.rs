@@ -6,8 +6,8 @@ use anyhow::Result;
 
 use crate::tracked_files::tracked_files;
 
-/// The findings: each relative link in a tracked Markdown file whose target does not exist, and each line of a tracked
-/// text file with an absolute path of a machine.
+/// The findings: each relative link in a tracked Markdown file whose target does not exist, and each line of
+/// a tracked text file with an absolute path of a machine.
 pub(crate) fn check(root: &Path) -> Result<Vec<String>> {
     let mut findings = Vec::new();
     for file in tracked_files(root)? {

@@ -1,5 +1,5 @@
-//! Checks that the guard links neither decoder nor renderer: its source names one crate of ours, and that crate reaches
-//! none of the heavy ones.
+//! Checks that the guard links neither decoder nor renderer: its source names one crate of ours, and that
+//! crate reaches none of the heavy ones.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;

@@ -1,7 +1,8 @@
-//! Checks the rules of the repository that a program can check: `cargo run -p xtask -- tidy`. Prints the licences of what
-//! programs consist of: `cargo run -p xtask -- licences PACKAGE...`.
+//! Checks the rules of the repository that a program can check: `cargo run -p xtask -- tidy`. Prints the
+//! licences of what programs consist of: `cargo run -p xtask -- licences PACKAGE...`.
 //!
-//! `xtask` depends on no crate of the workspace, so that it runs in seconds, also while the code does not compile.
+//! `xtask` depends on no crate of the workspace, so that it runs in seconds, also while the code does not
+//! compile.
 
 mod circles;
 mod dependencies;

@@ -1,7 +1,8 @@
 //! Who may use the console: tokens, and the cookies that a page gets for its token.
 //!
-//! There are two tokens, one for control and one for watching. A page exchanges the token of its link for a cookie; a
-//! program sends the token with each request (`Authorization: Bearer`). Tokens and cookies are never logged.
+//! There are two tokens, one for control and one for watching. A page exchanges the token of its link for a
+//! cookie; a program sends the token with each request (`Authorization: Bearer`). Tokens and cookies are
+//! never logged.
 
 use std::collections::BTreeMap;
 use std::io;
@@ -14,8 +15,8 @@ use super::limits::{REQUESTS, RateLimit};
 use super::origin::{Origin, Scheme};
 use super::tokens::{Tokens, TokensInForce, is_equal, secret};
 
-/// Largest number of cookies of each role. A further one takes the place of the oldest of its role: a watcher cannot log
-/// a controller out.
+/// Largest number of cookies of each role. A further one takes the place of the oldest of its role: a watcher
+/// cannot log a controller out.
 const MAX_COOKIES: usize = 256;
 
 /// What a token permits.
@@ -58,8 +59,8 @@ pub struct Access {
     is_encrypted: bool,
     secrets: Mutex<Secrets>,
     clock: Clock,
-    /// Requests over HTTP with the watch token, and with the control token. A watcher who opens many connections has one
-    /// limit, which is not the operator's.
+    /// Requests over HTTP with the watch token, and with the control token. A watcher who opens many
+    /// connections has one limit, which is not the operator's.
     requests: Mutex<[RateLimit; 2]>,
 }
 
@@ -86,7 +87,8 @@ impl Access {
         }
     }
 
-    /// Whether a request over HTTP is within the limit of all requests with this role. `weight`: what it counts as.
+    /// Whether a request over HTTP is within the limit of all requests with this role. `weight`: what it
+    /// counts as.
     pub fn permits_request(&self, role: Role, weight: f64, now: Timestamp) -> bool {
         let mut limits = self.requests.lock().unwrap_or_else(PoisonError::into_inner);
         let limit = match role {
@@ -106,7 +108,8 @@ impl Access {
         self.pass(authorization, cookies).map(|pass| pass.role)
     }
 
-    /// What a request shows, by its `Authorization` and `Cookie` headers. `None`: nothing that permits anything.
+    /// What a request shows, by its `Authorization` and `Cookie` headers. `None`: nothing that permits
+    /// anything.
     pub(super) fn pass(&self, authorization: Option<&str>, cookies: Option<&str>) -> Option<Pass> {
         let secrets = self.secrets();
         let role = match &*secrets.tokens.in_force() {
@@ -154,8 +157,8 @@ impl Access {
         }
     }
 
-    /// Replaces the tokens. Of the cookies, those of `kept` stay. The old tokens open nothing any more; sockets that
-    /// were opened with them stay where `kept` names one.
+    /// Replaces the tokens. Of the cookies, those of `kept` stay. The old tokens open nothing any more;
+    /// sockets that were opened with them stay where `kept` names one.
     pub(super) fn renew(&self, tokens: Tokens, kept: &[Pass]) {
         let mut secrets = self.secrets();
         secrets.tokens.replace(tokens);

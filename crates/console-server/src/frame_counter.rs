@@ -1,5 +1,6 @@
-//! Counts the frames of a WebSocket in the bytes that a client sends: each message, each part of a message, each ping, pong
-//! and close (RFC 6455, section 5.2). The library that reads the messages tells neither of empty parts nor of their number.
+//! Counts the frames of a WebSocket in the bytes that a client sends: each message, each part of a message,
+//! each ping, pong and close (RFC 6455, section 5.2). The library that reads the messages tells neither of
+//! empty parts nor of their number.
 
 use super::limited_stream::Counter;
 

@@ -1,8 +1,10 @@
-//! Which requests are answered at all: those for a name of this server, and from its own page or from no page.
+//! Which requests are answered at all: those for a name of this server, and from its own page or from no
+//! page.
 //!
-//! A foreign web site can point its own name at this server's address (DNS rebinding), or make a browser send requests
-//! here. Both show in the headers `Host`, `Origin` and `Sec-Fetch-Site`. An address in numbers cannot be a foreign name,
-//! so that a server for other machines answers to its addresses, and to the names of its configuration.
+//! A foreign web site can point its own name at this server's address (DNS rebinding), or make a browser send
+//! requests here. Both show in the headers `Host`, `Origin` and `Sec-Fetch-Site`. An address in numbers
+//! cannot be a foreign name, so that a server for other machines answers to its addresses, and to the names
+//! of its configuration.
 
 use std::net::IpAddr;
 

@@ -1,5 +1,5 @@
-//! A console without sockets, threads and a run loop, for tests. The test is the session: it takes the stops and the
-//! requests that reach the gateway, and publishes the snapshots.
+//! A console without sockets, threads and a run loop, for tests. The test is the session: it takes the stops
+//! and the requests that reach the gateway, and publishes the snapshots.
 
 use std::future::Future as _;
 use std::pin::pin;

@@ -78,8 +78,8 @@ impl IssuedLinks {
     /// Replaces the tokens, in their file first. Of the cookies, those of `pages` stay.
     ///
     /// # Errors
-    /// If there are no random numbers, or the tokens cannot be kept: then the old ones stay. If the links cannot be
-    /// published: then the new ones hold.
+    /// If there are no random numbers, or the tokens cannot be kept: then the old ones stay. If the links
+    /// cannot be published: then the new ones hold.
     pub(super) fn renew(&self, access: &Access, pages: &[Pass]) -> Result<()> {
         let now = access.clock().now();
         self.state().renew_at = self.kept.max_age.map(|_| now.plus(RETRY));

@@ -6,8 +6,8 @@
 //!                 |       Snapshot <- watch   EventLog <- broadcast   VideoRelay <- broadcast
 //!                 +--- requests -> seats (who controls?) -> Gateway -> loop
 //! ```
-//! The server reads what the loop publishes and submits requests to the gateway. Nothing here decides about the camera
-//! or can delay the loop: each queue is bounded, and a reader that is slow loses frames.
+//! The server reads what the loop publishes and submits requests to the gateway. Nothing here decides about
+//! the camera or can delay the loop: each queue is bounded, and a reader that is slow loses frames.
 //!
 //! Off loopback the connections are encrypted ([`https`]). What a request must pass: [`guard`] (host,
 //! origin), [`access`] (token), [`seats`] (control). A stop needs a token of either kind, and nothing else.

@@ -1,8 +1,9 @@
 //! A connection of which everything that is read is counted, and that gives the others their turn.
 //!
-//! All connections share one thread. Each read takes [`READ_BYTES`] at most, and the next one lets the tasks that are ready
-//! run first: a client that sends without end delays a Stop by the work for one such piece. What comes beyond a limit ends
-//! the connection at the next read, so that a Stop in the last piece is still taken.
+//! All connections share one thread. Each read takes [`READ_BYTES`] at most, and the next one lets the tasks
+//! that are ready run first: a client that sends without end delays a Stop by the work for one such piece.
+//! What comes beyond a limit ends the connection at the next read, so that a Stop in the last piece is still
+//! taken.
 
 use std::io;
 use std::pin::Pin;

@@ -10,8 +10,8 @@ pub(super) const MAX_MESSAGE_BYTES: usize = 4096;
 pub(super) const MAX_CONNECTIONS: usize = 64;
 /// Of these, those that may only watch: the others are for the operator.
 pub(super) const MAX_CONNECTIONS_OF_WATCHERS: usize = 32;
-/// Largest number of connections at a time that have shown no token. Each further one closes the oldest: so many must come
-/// before the operator's first request is read, to keep the operator out.
+/// Largest number of connections at a time that have shown no token. Each further one closes the oldest: so
+/// many must come before the operator's first request is read, to keep the operator out.
 pub(super) const MAX_STRANGERS: usize = 256;
 /// Of these, those of one address.
 pub(super) const MAX_STRANGERS_OF_ADDRESS: usize = 192;

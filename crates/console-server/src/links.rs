@@ -1,5 +1,5 @@
-//! Where the console is: links with their tokens, and QR codes of them on a terminal. Tokens that last longer than the program,
-//! those of a file, are not printed: an output may be kept in a log.
+//! Where the console is: links with their tokens, and QR codes of them on a terminal. Tokens that last longer
+//! than the program, those of a file, are not printed: an output may be kept in a log.
 
 use std::io::{IsTerminal as _, Write as _, stdout};
 use std::net::{IpAddr, SocketAddr};
@@ -14,8 +14,8 @@ use super::links_file::{self, ServedConsole};
 use super::origin::Origin;
 use super::tokens::Tokens;
 
-/// Prints the links of a console. Scripts wait for the first line, which ends with the control link, or with the page's
-/// address where there are no tokens to print.
+/// Prints the links of a console. Scripts wait for the first line, which ends with the control link, or with
+/// the page's address where there are no tokens to print.
 ///
 /// # Errors
 /// If the standard output cannot be written.
@@ -44,8 +44,8 @@ pub(super) fn announce(
     Ok(out.flush()?)
 }
 
-/// Prints the links of the console that is served with this links file, and a QR code of the one for control where another
-/// device can open it.
+/// Prints the links of the console that is served with this links file, and a QR code of the one for control
+/// where another device can open it.
 ///
 /// # Errors
 /// If no such console is served, the file may not be read, or the standard output not be written.

@@ -1,7 +1,8 @@
-//! The address and the tokens of a served console in a file, for `barrelman links`: who may read the file may control.
+//! The address and the tokens of a served console in a file, for `barrelman links`: who may read the file may
+//! control.
 //!
-//! The file belongs to its owner alone and is locked while the console is served. A file that is not locked was left by a
-//! program that was killed.
+//! The file belongs to its owner alone and is locked while the console is served. A file that is not locked
+//! was left by a program that was killed.
 
 use std::io::Write as _;
 use std::path::{Path, PathBuf};

@@ -1,7 +1,8 @@
 //! The operator's manual, `/help`: `docs/console.md` with its pictures, embedded in the program.
 //!
-//! Every heading has an anchor, as on a page of the repository; so has the first cell of each row of a table, and the
-//! row of an alarm also `alarm-KEY`. Links to other documents are left as their text: they are not in the program.
+//! Every heading has an anchor, as on a page of the repository; so has the first cell of each row of a table,
+//! and the row of an alarm also `alarm-KEY`. Links to other documents are left as their text: they are not in
+//! the program.
 
 use std::fmt::Write as _;
 use std::sync::LazyLock;
@@ -76,7 +77,8 @@ fn page_of(markdown: &str) -> String {
     page
 }
 
-/// Whether an event begins a link to another document. The ends of links are left out with those of [`own_ends`].
+/// Whether an event begins a link to another document. The ends of links are left out with those of
+/// [`own_ends`].
 fn is_foreign_link(event: &Event<'_>) -> bool {
     matches!(event, Event::Start(Tag::Link { dest_url, .. }) if !is_own(dest_url))
 }

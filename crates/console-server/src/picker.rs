@@ -1,4 +1,5 @@
-//! Lets the operator draw a box in one stored picture: a small server with the page `pick.html`, which ends with the box.
+//! Lets the operator draw a box in one stored picture: a small server with the page `pick.html`, which ends
+//! with the box.
 //!
 //! | request | answer |
 //! |---|---|
@@ -64,8 +65,8 @@ pub enum AfterPicking {
     Console,
 }
 
-/// Serves the picture until a box is drawn. `announce` gets the page's address once the page can be opened: with the token,
-/// unless the token is from a file.
+/// Serves the picture until a box is drawn. `announce` gets the page's address once the page can be opened:
+/// with the token, unless the token is from a file.
 ///
 /// # Errors
 /// If the picture cannot be encoded, or the server not be started.

@@ -1,5 +1,5 @@
-//! Connections at a time. Who has shown no token gives way to anyone who comes, and who watches to the operator, so that no other
-//! client keeps the operator out.
+//! Connections at a time. Who has shown no token gives way to anyone who comes, and who watches to the
+//! operator, so that no other client keeps the operator out.
 //!
 //! ```text
 //! one connects, and too many have shown no token -> the oldest of these closes

@@ -1,5 +1,5 @@
-//! From a request of a page or a program to an answer: who may request it, whether its values make sense, and what the
-//! loop makes of it.
+//! From a request of a page or a program to an answer: who may request it, whether its values make sense, and
+//! what the loop makes of it.
 
 use std::time::Duration;
 
@@ -16,7 +16,8 @@ use super::shared::Console;
 use crate::operator::{Answer, SessionRequest};
 use crate::snapshot::Level;
 
-/// How long a stop may take until the pilot has taken it. Beyond that the loop hangs, and the page raises an alarm.
+/// How long a stop may take until the pilot has taken it. Beyond that the loop hangs, and the page raises an
+/// alarm.
 const STOP_TIMEOUT: Duration = Duration::from_secs(2);
 /// How long the answer to a request may take. A selection is confirmed or given up much earlier.
 const ANSWER_TIMEOUT: Duration = Duration::from_secs(10);

@@ -16,9 +16,9 @@
 //! | `GET /api/v1/socket` | the socket of a page ([`super::socket`]) | token |
 //! | `GET /metrics` | metrics for Prometheus | token |
 //!
-//! Those of the recordings are in [`super::library::routes`], those of the links in
-//! [`super::link_routes`], those of the map in [`super::map::routes`]. Each request is judged by [`super::guard`]. No
-//! other file is served. A test compares the routes with the OpenAPI document (`super::api::schema`).
+//! Those of the recordings are in [`super::library::routes`], those of the links in [`super::link_routes`],
+//! those of the map in [`super::map::routes`]. Each request is judged by [`super::guard`]. No other file is
+//! served. A test compares the routes with the OpenAPI document (`super::api::schema`).
 
 use std::sync::Arc;
 use std::time::Duration;

@@ -1,11 +1,11 @@
 //! Who controls: one page at a time; the others watch.
 //!
-//! A page that may control takes the empty seat when it connects. Otherwise control is taken or given by an explicit
-//! request. The seat of a page that was lost is kept for [`GRACE`], so that a reload keeps the control. A page that sends
-//! nothing for [`MAX_SILENCE`] counts as lost.
+//! A page that may control takes the empty seat when it connects. Otherwise control is taken or given by an
+//! explicit request. The seat of a page that was lost is kept for [`GRACE`], so that a reload keeps the
+//! control. A page that sends nothing for [`MAX_SILENCE`] counts as lost.
 //!
-//! Programs without a socket are one client together. They join by asking for the control or taking it, and are gone after
-//! [`MAX_SILENCE`] without a request.
+//! Programs without a socket are one client together. They join by asking for the control or taking it, and
+//! are gone after [`MAX_SILENCE`] without a request.
 
 use std::time::Duration;
 
@@ -20,8 +20,8 @@ pub(super) const GRACE: Duration = Duration::from_secs(2);
 /// How long the page in control may be silent. A page sends something each second.
 pub(super) const MAX_SILENCE: Duration = Duration::from_secs(3);
 
-/// How long the page in control may be gone or silent before the boat is stopped. A page that commands a boat sends something
-/// four times a second. With the interval of the check, the boat is neutral after a second.
+/// How long the page in control may be gone or silent before the boat is stopped. A page that commands a boat
+/// sends something four times a second. With the interval of the check, the boat is neutral after a second.
 pub(super) const BOAT_SILENCE: Duration = Duration::from_millis(900);
 
 /// The largest number of pages at a time.
@@ -85,7 +85,8 @@ pub(super) struct Joined {
 }
 
 impl Seats {
-    /// A page connects. With too many pages, the one goes that was silent longest, one that may only watch before the others.
+    /// A page connects. With too many pages, the one goes that was silent longest, one that may only watch
+    /// before the others.
     pub(super) fn join(&mut self, name: &str, role: Role, now: Timestamp) -> Joined {
         let id = self.next_id;
         self.next_id += 1;
@@ -150,8 +151,8 @@ impl Seats {
         }
     }
 
-    /// Frees the seat of a page that was lost for longer than [`GRACE`], or silent for longer than [`MAX_SILENCE`]. A page
-    /// that asks for the control gets it. Returns whether the seat was freed now.
+    /// Frees the seat of a page that was lost for longer than [`GRACE`], or silent for longer than
+    /// [`MAX_SILENCE`]. A page that asks for the control gets it. Returns whether the seat was freed now.
     pub(super) fn expire(&mut self, now: Timestamp) -> bool {
         self.clients.retain(|client| !client.is_program() || now.since(client.heard) <= MAX_SILENCE);
         let Some(holder) = &self.holder else { return false };
@@ -175,7 +176,8 @@ impl Seats {
         asking.into_iter().for_each(|id| self.seat(id));
     }
 
-    /// Whether no page watches over the boat: the page in control is gone, or was silent for [`BOAT_SILENCE`].
+    /// Whether no page watches over the boat: the page in control is gone, or was silent for
+    /// [`BOAT_SILENCE`].
     pub(super) fn is_vessel_left(&self, now: Timestamp) -> bool {
         let Some(holder) = self.holder.as_ref().filter(|_| !self.program_controls()) else { return true };
         let heard = match holder.lost {
@@ -285,7 +287,8 @@ impl Seats {
         self.clients.iter_mut().find(|client| client.id == id)
     }
 
-    /// The page that was silent longest: of those that may only watch, then of the others, the page in control last.
+    /// The page that was silent longest: of those that may only watch, then of the others, the page in
+    /// control last.
     fn idlest(&self) -> Option<ClientId> {
         let pages = self.clients.iter().filter(|client| !client.is_program());
         let idlest = pages.min_by_key(|client| (self.controls(client.id), client.role, client.heard));

@@ -38,11 +38,13 @@ const SEAT_INTERVAL: Duration = Duration::from_millis(100);
 const SEND_BUFFER_BYTES: usize = 256 << 10;
 /// Bytes of a request's head, at most.
 const HEAD_BYTES: usize = 16 << 10;
-/// Connections that wait to be accepted. A flood of connections that fills this queue delays the operator's by a second.
+/// Connections that wait to be accepted. A flood of connections that fills this queue delays the operator's
+/// by a second.
 const BACKLOG: i32 = 4096;
 /// Connections that are accepted before the others have their turn.
 const ACCEPTED_IN_A_TURN: u64 = 4;
-/// Tasks that run before the sockets are looked at again: a Stop that arrives during a flood waits for no more.
+/// Tasks that run before the sockets are looked at again: a Stop that arrives during a flood waits for no
+/// more.
 const TASKS_BETWEEN_LOOKS: u32 = 8;
 
 /// A running console. Dropping it ends the server and all its connections.
@@ -182,7 +184,8 @@ pub(super) async fn serve(listener: TcpListener, answering: Answering) -> std::i
     Ok(())
 }
 
-/// Answers the requests of one connection, until it ends or has to give way. A socket takes the connection's place over.
+/// Answers the requests of one connection, until it ends or has to give way. A socket takes the connection's
+/// place over.
 async fn serve_connection(stream: TcpStream, place: Place, answering: Answering) {
     prepare(&stream);
     let place = Arc::new(place);

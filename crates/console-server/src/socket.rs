@@ -200,8 +200,8 @@ impl Writer {
         dismiss(self, CloseCode::Again, "too many pages are open").await
     }
 
-    /// Sends what waited in the outbox. How much was sent before a pong is known only now: snapshots and video
-    /// overtake what waits.
+    /// Sends what waited in the outbox. How much was sent before a pong is known only now: snapshots and
+    /// video overtake what waits.
     async fn send_answer(&mut self, mut message: ServerMessage, in_flight: &InFlight) -> Result<(), Closed> {
         if let ServerMessage::Pong { sent, .. } = &mut message {
             *sent = in_flight.sent();

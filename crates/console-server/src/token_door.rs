@@ -29,7 +29,8 @@ use super::tokens::TokensInForce;
 const HEAD_BYTES: usize = 8 << 10;
 /// How often a connection's token is looked at.
 const TOKEN_INTERVAL: Duration = Duration::from_secs(1);
-/// Pause after a connection that failed before it was accepted: too many open files stay too many for a while.
+/// Pause after a connection that failed before it was accepted: too many open files stay too many for a
+/// while.
 const ACCEPT_PAUSE: Duration = Duration::from_millis(50);
 
 /// A door that is open, and leads nowhere yet.
@@ -72,7 +73,8 @@ impl TokenDoor {
         format!("{scheme}://{}", self.address)
     }
 
-    /// Lets connections through to a server of this machine, on a thread of this name, until the program ends.
+    /// Lets connections through to a server of this machine, on a thread of this name, until the program
+    /// ends.
     ///
     /// # Errors
     /// If the system has no more threads or descriptors.

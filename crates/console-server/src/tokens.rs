@@ -32,7 +32,8 @@ impl KeptTokens {
     /// The tokens of the file, or new ones.
     ///
     /// # Errors
-    /// If the tokens cannot be read or made, or would be renewed without a file in which the new ones can be found.
+    /// If the tokens cannot be read or made, or would be renewed without a file in which the new ones can be
+    /// found.
     pub fn take(&self) -> Result<Tokens> {
         match &self.file {
             Some(path) => Tokens::kept_in(path, self.max_age),
@@ -64,8 +65,8 @@ impl Tokens {
         Ok(Self { control: secret()?, watch: secret()? })
     }
 
-    /// The tokens of a file. Where it is missing, or its tokens are older than `max_age`, it is made with new tokens, for
-    /// its owner alone.
+    /// The tokens of a file. Where it is missing, or its tokens are older than `max_age`, it is made with new
+    /// tokens, for its owner alone.
     ///
     /// # Errors
     /// As [`Self::read`], and if the file cannot be made.

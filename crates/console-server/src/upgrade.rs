@@ -1,5 +1,5 @@
-//! The handshake of a WebSocket (RFC 6455, section 4.2). Not the framework's own, which passes the library's socket on and
-//! not the bytes: their frames could not be counted.
+//! The handshake of a WebSocket (RFC 6455, section 4.2). Not the framework's own, which passes the library's
+//! socket on and not the bytes: their frames could not be counted.
 
 use std::future::Future;
 

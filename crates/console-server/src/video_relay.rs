@@ -1,4 +1,5 @@
-//! Received H.264 and H.265 for the pages, unchanged, with the group of pictures that a new page needs to begin.
+//! Received H.264 and H.265 for the pages, unchanged, with the group of pictures that a new page needs to
+//! begin.
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
@@ -11,7 +12,8 @@ use super::api::{EncodedVideo, VideoHead, VideoKind};
 
 /// Units that a page may be behind before it loses some: about one second.
 const BACKLOG: usize = 32;
-/// Largest group of pictures that is kept for new pages. With a longer one, a new page waits for the next key frame.
+/// Largest group of pictures that is kept for new pages. With a longer one, a new page waits for the next key
+/// frame.
 const MAX_GROUP_UNITS: usize = 600;
 const MAX_GROUP_BYTES: usize = 16 << 20;
 

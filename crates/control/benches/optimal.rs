@@ -13,7 +13,8 @@ fn main() {
 /// Steps of one period of the target's motion.
 const SWING: u32 = 240;
 
-/// One step, including the camera model, with a target that oscillates with this amplitude: the mean over a period.
+/// One step, including the camera model, with a target that oscillates with this amplitude: the mean over a
+/// period.
 #[divan::bench(args = [60.0, 200.0, 300.0], sample_count = 500, sample_size = SWING)]
 fn intermittent(bencher: Bencher<'_, '_>, reach_px: f64) {
     step(bencher, reach_px, OptimalMode::Intermittent);

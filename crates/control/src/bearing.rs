@@ -1,12 +1,13 @@
-//! The bearing filter: the direction of the target and its rate, in a frame that does not turn with the camera.
+//! The bearing filter: the direction of the target and its rate, in a frame that does not turn with the
+//! camera.
 //!
-//! A Kalman filter on the sphere, with equal variances in both directions across the line of sight. The bearing's rate
-//! is an Ornstein-Uhlenbeck process with the time constant [`BearingNoise::rate_time_constant_s`] and the standard
-//! deviation [`BearingNoise::rate_std_dev`] in each of the two directions; the bearing is its integral. The sway of the
-//! kite, which no command contains, is a second Ornstein-Uhlenbeck process that is added to the bearing. The filter
-//! estimates the sway's variance from the innovations. The step length is the time between two pictures. A repeated
-//! picture is not a measurement. Without measurements the covariance grows accordingly. Work per step: O(1), no
-//! allocation.
+//! A Kalman filter on the sphere, with equal variances in both directions across the line of sight. The
+//! bearing's rate is an Ornstein-Uhlenbeck process with the time constant
+//! [`BearingNoise::rate_time_constant_s`] and the standard deviation [`BearingNoise::rate_std_dev`] in each
+//! of the two directions; the bearing is its integral. The sway of the kite, which no command contains, is a
+//! second Ornstein-Uhlenbeck process that is added to the bearing. The filter estimates the sway's variance
+//! from the innovations. The step length is the time between two pictures. A repeated picture is not a
+//! measurement. Without measurements the covariance grows accordingly. Work per step: O(1), no allocation.
 
 use barrelman_vocab::Timestamp;
 
@@ -16,8 +17,8 @@ use crate::view::View;
 
 pub use crate::view::Direction;
 
-/// Noise parameters of the target's motion and of its measurement. Standard deviations are per direction, in each of
-/// the two directions across the line of sight.
+/// Noise parameters of the target's motion and of its measurement. Standard deviations are per direction, in
+/// each of the two directions across the line of sight.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BearingNoise {
     /// Standard deviation of the bearing's rate, rad/s.
@@ -115,8 +116,8 @@ impl Bearing {
         self.direction
     }
 
-    /// The predicted apparent direction: `rate_gain_s` is the change of the bearing per unit of rate, in seconds, and
-    /// `sway_decay` the decay of the sway. The result is slightly longer than a unit vector.
+    /// The predicted apparent direction: `rate_gain_s` is the change of the bearing per unit of rate, in
+    /// seconds, and `sway_decay` the decay of the sway. The result is slightly longer than a unit vector.
     pub(crate) fn apparent_direction_after(&self, rate_gain_s: f64, sway_decay: f64) -> Direction {
         [0, 1, 2].map(|i| self.direction[i] + rate_gain_s * self.rate[i] + sway_decay * self.sway[i])
     }
@@ -248,8 +249,8 @@ impl BearingFilter {
         bearing.propagated(&Propagation::new(duration_s, &self.noise), &self.noise, self.sway_variance)
     }
 
-    /// Updates the sway variance from an innovation, given the predicted variance of the apparent direction. The
-    /// squared innovation is the sum of two directions.
+    /// Updates the sway variance from an innovation, given the predicted variance of the apparent direction.
+    /// The squared innovation is the sum of two directions.
     fn update_sway_variance(
         &mut self,
         innovation_squared: f64,
@@ -268,8 +269,8 @@ impl BearingFilter {
             (self.sway_variance + share * (sample - self.sway_variance)).clamp(0.0, max_variance);
     }
 
-    /// Processes the input of a law and returns the camera's view at the time of capture. The filter is updated if the
-    /// target was measured. It restarts after a gap of more than 0.6 s.
+    /// Processes the input of a law and returns the camera's view at the time of capture. The filter is
+    /// updated if the target was measured. It restarts after a gap of more than 0.6 s.
     pub fn observe(&mut self, input: &LawInput<'_>, camera: &CameraModel) -> View {
         let (captured, last) = (input.captured, self.estimate.map_or(input.captured, |(last, _)| last));
         if captured.since(last).max(last.since(captured)).as_secs_f64() > MAX_GAP_S {
@@ -283,8 +284,8 @@ impl BearingFilter {
         view
     }
 
-    /// Updates the filter with a direction that was measured at `captured`. The filter ignores a measurement that is
-    /// not later than the last one, and a vector whose length is not close to 1.
+    /// Updates the filter with a direction that was measured at `captured`. The filter ignores a measurement
+    /// that is not later than the last one, and a vector whose length is not close to 1.
     pub fn update(&mut self, direction: Direction, captured: Timestamp) {
         if !(0.9..=1.1).contains(&dot(direction, direction)) {
             return;

@@ -1,16 +1,17 @@
-//! A model of the camera: its pointing at the time of capture of a picture, and its predicted pointing under the
-//! commands that are in force.
+//! A model of the camera: its pointing at the time of capture of a picture, and its predicted pointing under
+//! the commands that are in force.
 //!
-//! Each axis responds to a command after a dead time, with a first-order lag: `w' = (u - w)/lag`, `angle' = w`. The
-//! dead time of a zero command may be longer than that of a non-zero command, as it is on the recorded vehicle. A later
-//! command overrides an earlier one that has not taken effect by then. The model therefore keeps the state at *now +
-//! start dead time*: it contains every command so far, except for one zero command that may still be pending (the
-//! predictor of Smith, 1957). The pointing of a picture is looked up in the history by the time of capture, so that
-//! neither frame counts nor the video latency enter.
+//! Each axis responds to a command after a dead time, with a first-order lag: `w' = (u - w)/lag`,
+//! `angle' = w`. The dead time of a zero command may be longer than that of a non-zero command, as it is on
+//! the recorded vehicle. A later command overrides an earlier one that has not taken effect by then. The
+//! model therefore keeps the state at *now + start dead time*: it contains every command so far, except for
+//! one zero command that may still be pending (the predictor of Smith, 1957). The pointing of a picture is
+//! looked up in the history by the time of capture, so that neither frame counts nor the video latency enter.
 //!
-//! The inputs are commands. If the vehicle reports the gimbal's attitude, [`CameraModel::correct_tilt`] corrects the
-//! tilt; if it reports a field of view, [`CameraModel::set_field_of_view`] sets the focal length, which follows the commands to
-//! zoom in between. The model does not contain the sway of the kite. The laws take the camera for a pinhole; points on the water are computed with its lens
+//! The inputs are commands. If the vehicle reports the gimbal's attitude, [`CameraModel::correct_tilt`]
+//! corrects the tilt; if it reports a field of view, [`CameraModel::set_field_of_view`] sets the focal
+//! length, which follows the commands to zoom in between. The model does not contain the sway of the kite.
+//! The laws take the camera for a pinhole; points on the water are computed with its lens
 //! ([`CameraModel::lens_at`]). Work: O(1) per command and query, no allocation after construction.
 
 mod axis;
@@ -28,8 +29,8 @@ use self::focal_length::FocalLength;
 pub use self::focal_length::UnreportedZoom;
 use crate::view::View;
 
-/// Standard deviation of a kite's sway in wind, radians per square root of a second: 3 degrees with a time constant of
-/// 2 s.
+/// Standard deviation of a kite's sway in wind, radians per square root of a second: 3 degrees with a time
+/// constant of 2 s.
 const SWAY_RAD_PER_ROOT_S: f64 = 0.05;
 /// Relative error of a predicted shift, because dead times and lags differ from the profile.
 const SHIFT_ERROR: f64 = 0.5;
@@ -37,11 +38,13 @@ const SHIFT_ERROR: f64 = 0.5;
 const REPORT_SHARE: f64 = 0.2;
 /// Valid focal lengths, as shares of the picture's width.
 const FOCAL_SHARES: core::ops::RangeInclusive<f64> = 0.1..=20.0;
-/// A reported focal length that differs by no more than this share from the calibrated one is that of the calibrated lens: a
-/// vehicle states a nominal field of view. More is a zoom, with which the calibration does not hold.
+/// A reported focal length that differs by no more than this share from the calibrated one is that of the
+/// calibrated lens: a vehicle states a nominal field of view. More is a zoom, with which the calibration does
+/// not hold.
 const MAX_CALIBRATED_CHANGE: f64 = 0.05;
 
-/// The focal length of a horizontal field of view, as a share of the picture's width; `None`: no camera has it.
+/// The focal length of a horizontal field of view, as a share of the picture's width; `None`: no camera has
+/// it.
 pub fn focal_share_of(field_of_view: Angle) -> Option<f64> {
     let angle = field_of_view.radians();
     let share = 0.5 / libm::tan(0.5 * angle);
@@ -49,8 +52,9 @@ pub fn focal_share_of(field_of_view: Angle) -> Option<f64> {
     is_valid.then_some(share)
 }
 
-/// The lens of a camera whose present focal length is this share of the picture's width: the calibrated one, or a pinhole where
-/// there is none, where the camera has zoomed since, or where the picture has another aspect ratio than the calibration.
+/// The lens of a camera whose present focal length is this share of the picture's width: the calibrated one,
+/// or a pinhole where there is none, where the camera has zoomed since, or where the picture has another
+/// aspect ratio than the calibration.
 pub fn lens_in_force(dynamics: &CameraDynamics, focal_share: f64, picture: PictureSize) -> Lens {
     let has_zoomed =
         (focal_share - dynamics.focal_share).abs() > MAX_CALIBRATED_CHANGE * dynamics.focal_share;
@@ -113,8 +117,8 @@ impl CameraModel {
         self.approach_tilt(tilt, at, REPORT_SHARE);
     }
 
-    /// Takes over a tilt that the gimbal reports for the time `at`: the tilt so far was that of the profile. A value that is not
-    /// finite is ignored.
+    /// Takes over a tilt that the gimbal reports for the time `at`: the tilt so far was that of the profile.
+    /// A value that is not finite is ignored.
     pub fn set_tilt(&mut self, tilt: Angle, at: Timestamp) {
         self.approach_tilt(tilt, at, 1.0);
     }
@@ -158,8 +162,8 @@ impl CameraModel {
         lens_in_force(&self.dynamics, self.focal_length.at(at), picture)
     }
 
-    /// Pan (relative to the initial direction; unbounded) and tilt at a time, radians. The history covers at least 1.5
-    /// s; later times are predicted.
+    /// Pan (relative to the initial direction; unbounded) and tilt at a time, radians. The history covers at
+    /// least 1.5 s; later times are predicted.
     pub fn angles_at(&self, at: Timestamp) -> (f64, f64) {
         let at_s = at.as_secs_f64();
         (self.pan.at(at_s).angle, self.tilt.at(at_s).angle)
@@ -171,8 +175,9 @@ impl CameraModel {
         (self.pan.at(at_s).rate, self.tilt.at(at_s).rate)
     }
 
-    /// Shift of a stationary object at the picture's centre between two pictures due to camera motion, and the zoom, with
-    /// the shift's standard deviation. The deviation covers the kite's sway and differences between vehicle and profile.
+    /// Shift of a stationary object at the picture's centre between two pictures due to camera motion, and
+    /// the zoom, with the shift's standard deviation. The deviation covers the kite's sway and differences
+    /// between vehicle and profile.
     pub fn motion_prior(&self, from: Timestamp, to: Timestamp, picture: PictureSize) -> MotionPrior {
         let (focal_px, focal_px_before) = (self.focal_px(to, picture), self.focal_px(from, picture));
         let interval = to.since(from);
@@ -195,8 +200,8 @@ impl CameraModel {
         }
     }
 
-    /// Displacement `[x, y]` of a stationary object at an image point between two pictures, pixels: by the pan alone, and by
-    /// the tilt alone. `None`: the camera zoomed in between.
+    /// Displacement `[x, y]` of a stationary object at an image point between two pictures, pixels: by the
+    /// pan alone, and by the tilt alone. `None`: the camera zoomed in between.
     pub fn shifts_by_axis(
         &self,
         point: ImagePoint,

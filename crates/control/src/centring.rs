@@ -1,12 +1,12 @@
 //! Centring: a PID controller on the target's position in the picture, which keeps the camera in motion.
 //!
-//! The paper argues against this law (`biswas2017`, section I): a camera that follows every motion of the target works
-//! all the time. It is included for comparison.
+//! The paper argues against this law (`biswas2017`, section I): a camera that follows every motion of the
+//! target works all the time. It is included for comparison.
 //!
-//! With the error e (the target's image coordinates in half widths of the picture), each axis has `rate = gain e +
-//! integral ∫e dt + derivative de/dt`, clipped to the profile's limits. The derivative is low-pass filtered. The
-//! integral is held while the rate is clipped (anti-windup). Both restart after a gap. Work per step: O(1), no
-//! allocation.
+//! With the error e (the target's image coordinates in half widths of the picture), each axis has
+//! `rate = gain e + integral ∫e dt + derivative de/dt`, clipped to the profile's limits. The derivative is
+//! low-pass filtered. The integral is held while the rate is clipped (anti-windup). Both restart after a gap.
+//! Work per step: O(1), no allocation.
 
 use barrelman_vocab::profile::AxisRates;
 use barrelman_vocab::{AngularRate, CameraCommand, PictureSize, Timestamp};
@@ -27,8 +27,8 @@ pub struct CentringGains {
 }
 
 impl CentringGains {
-    /// Tuned by hand for about the same integral of the squared rate as the motor schema in the two laboratory
-    /// scenarios, so that laws of equal energy are compared.
+    /// Tuned by hand for about the same integral of the squared rate as the motor schema in the two
+    /// laboratory scenarios, so that laws of equal energy are compared.
     pub const HAND_TUNED: Self = Self { gain: 0.42, integral: 0.0, derivative: 0.12, filter_s: 0.1 };
 }
 

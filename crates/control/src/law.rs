@@ -17,7 +17,8 @@ pub trait Law: Send {
     /// Computes the command of one step.
     fn command(&mut self, input: &LawInput<'_>, camera: &CameraModel) -> CameraCommand;
 
-    /// Notes that `command` is in force from `now` on: the law's own command, or what the safety rule made of it.
+    /// Notes that `command` is in force from `now` on: the law's own command, or what the safety rule made of
+    /// it.
     fn on_command_applied(&mut self, _command: CameraCommand, _now: Timestamp) {}
 
     /// Discards the observations of the target: another target was selected.
@@ -162,7 +163,8 @@ impl CameraLaw {
         self.camera.correct_tilt(tilt, at);
     }
 
-    /// Processes the first report of the camera's tilt, at the time `at`: it takes the place of the profile's.
+    /// Processes the first report of the camera's tilt, at the time `at`: it takes the place of the
+    /// profile's.
     pub fn on_first_tilt_report(&mut self, tilt: Angle, at: Timestamp) {
         self.camera.set_tilt(tilt, at);
     }

@@ -12,13 +12,15 @@ pub struct LawInput<'a> {
     pub percept: &'a Percept,
     /// The region that the target may roam in.
     pub region: Region,
-    /// Where the destination of the target is, also outside of the picture; `None`: there is none, or it is behind the camera.
+    /// Where the destination of the target is, also outside of the picture; `None`: there is none, or it is
+    /// behind the camera.
     pub destination: Option<ImagePoint>,
     /// Size of the picture.
     pub picture: PictureSize,
     /// Time of capture of the picture.
     pub captured: Timestamp,
-    /// Whether the tracker measured the target in this picture; otherwise `percept` is the tracker's prediction.
+    /// Whether the tracker measured the target in this picture; otherwise `percept` is the tracker's
+    /// prediction.
     pub is_measured: bool,
     /// The current time: the command of this step is in force from here on.
     pub now: Timestamp,

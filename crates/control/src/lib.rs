@@ -1,11 +1,12 @@
 //! Camera laws: from a localisation to a camera command.
 //!
-//! A [`percept::Percept`] describes how far and in which direction the target is out of the region. A law computes
-//! [`barrelman_vocab::CameraCommand`]s from percepts: [`motor_schema::MotorSchema`] is the paper's law,
-//! [`optimal::OptimalLaw`] needs the least energy, and [`law::CameraLaw`] holds the chosen law.
+//! A [`percept::Percept`] describes how far and in which direction the target is out of the region. A law
+//! computes [`barrelman_vocab::CameraCommand`]s from percepts: [`motor_schema::MotorSchema`] is the paper's
+//! law, [`optimal::OptimalLaw`] needs the least energy, and [`law::CameraLaw`] holds the chosen law.
 //!
-//! What must not be here: pixel data, clocks, randomness, allocation per step, vehicle signs (they are applied at the
-//! vehicle boundary), and any decision whether the camera may move at all (`barrelman-pilot` decides it).
+//! What must not be here: pixel data, clocks, randomness, allocation per step, vehicle signs (they are
+//! applied at the vehicle boundary), and any decision whether the camera may move at all (`barrelman-pilot`
+//! decides it).
 #![forbid(unsafe_code)]
 
 pub mod region;

@@ -1,16 +1,16 @@
 //! The paper's motor schema: outside the region, turn one axis at a fixed rate (`biswas2017`, algorithm 1).
 //!
-//! The releaser fires when P > 1; at P = 1 the camera rests. The picture's diagonals, |x| = |y| in pixels (not scaled
-//! by the ellipse), divide it into four sectors. In the right and left sectors the camera pans towards the target, in
-//! the top and bottom sectors it tilts. On a diagonal, the right half tilts and the left half pans, as in the authors'
-//! program (verified on all nine such rows of their 71,914).
+//! The releaser fires when P > 1; at P = 1 the camera rests. The picture's diagonals, |x| = |y| in pixels
+//! (not scaled by the ellipse), divide it into four sectors. In the right and left sectors the camera pans
+//! towards the target, in the top and bottom sectors it tilts. On a diagonal, the right half tilts and the
+//! left half pans, as in the authors' program (verified on all nine such rows of their 71,914).
 //!
-//! The rate of the other axis is always zero; inside the region both rates are zero. When the sector changes, the
-//! previous axis is set to zero. The authors' program let the previous axis continue until re-entry, while their logs
-//! contain the intended zero.
+//! The rate of the other axis is always zero; inside the region both rates are zero. When the sector changes,
+//! the previous axis is set to zero. The authors' program let the previous axis continue until re-entry,
+//! while their logs contain the intended zero.
 //!
-//! The motor schema has no state. Work: O(1), no allocation. It does not decide whether the camera may move, and it
-//! knows neither the age of the percept nor the vehicle's signs. `docs/law.md` shows it as a diagram.
+//! The motor schema has no state. Work: O(1), no allocation. It does not decide whether the camera may move,
+//! and it knows neither the age of the percept nor the vehicle's signs. `docs/law.md` shows it as a diagram.
 
 use barrelman_vocab::profile::AxisRates;
 use barrelman_vocab::{AngularRate, CameraCommand, ImagePoint};

@@ -1,11 +1,11 @@
 //! The optimal law: both axes at once, started by a prediction.
 //!
-//! Two controllers share the prediction, the bearing filter and the camera model: [`RecedingHorizonLaw`] computes the
-//! rates anew at each step, [`IntermittentLaw`] makes one movement for each excursion. `docs/optimal-law.md` derives
-//! both.
+//! Two controllers share the prediction, the bearing filter and the camera model: [`RecedingHorizonLaw`]
+//! computes the rates anew at each step, [`IntermittentLaw`] makes one movement for each excursion.
+//! `docs/optimal-law.md` derives both.
 //!
-//! What must not be here: the decision whether the camera may move at all (`barrelman-pilot`'s safety), and the
-//! vehicle's signs. Work per step: O(1), no allocation.
+//! What must not be here: the decision whether the camera may move at all (`barrelman-pilot`'s safety), and
+//! the vehicle's signs. Work per step: O(1), no allocation.
 
 mod framing;
 mod mean_bearing;

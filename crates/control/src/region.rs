@@ -1,7 +1,7 @@
 //! The elliptical region in which the target may roam without camera motion.
 //!
-//! P = x²/a² + y²/b² (`biswas2017`, equation 1), with x and y in image coordinates (pixels from the picture's centre, x
-//! right, y up) and the semi-axes a and b in pixels. P is 0 at the centre and 1 on the ellipse.
+//! P = x²/a² + y²/b² (`biswas2017`, equation 1), with x and y in image coordinates (pixels from the picture's
+//! centre, x right, y up) and the semi-axes a and b in pixels. P is 0 at the centre and 1 on the ellipse.
 
 use barrelman_vocab::profile::RegionShares;
 use barrelman_vocab::{ImagePoint, PictureSize};

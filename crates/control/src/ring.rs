@@ -1,7 +1,7 @@
 //! A ring buffer of values in the order of their times.
 //!
-//! What must not be here: the meaning of the values, and the interval at which they are kept. Work: O(1) per value; the
-//! only allocation is that of the buffer.
+//! What must not be here: the meaning of the values, and the interval at which they are kept. Work: O(1) per
+//! value; the only allocation is that of the buffer.
 
 /// The newest `CAPACITY` values.
 #[derive(Debug, Clone)]

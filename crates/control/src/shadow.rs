@@ -1,9 +1,10 @@
-//! The shadow controller: the motor schema, simulated on the same target bearings with a simulated camera, as a
-//! reference for another law.
+//! The shadow controller: the motor schema, simulated on the same target bearings with a simulated camera, as
+//! a reference for another law.
 //!
-//! The measured image point and the camera's pointing give the target's bearing. The shadow controller projects that
-//! bearing into the view of a second camera model, which only the motor schema commands. While the target is outside of
-//! the second camera's picture, the shadow controller commands rest. Work per step: O(1), no allocation.
+//! The measured image point and the camera's pointing give the target's bearing. The shadow controller
+//! projects that bearing into the view of a second camera model, which only the motor schema commands. While
+//! the target is outside of the second camera's picture, the shadow controller commands rest. Work per step:
+//! O(1), no allocation.
 
 use core::time::Duration;
 

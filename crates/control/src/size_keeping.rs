@@ -1,7 +1,8 @@
 //! The zoom that keeps the target's size in the picture within a range.
 //!
-//! The size is the longer side of the target's box as a share of the picture's height. The zoom rests while the size is within
-//! the range. A movement goes on until the size is well within the range, so that each excursion is one movement:
+//! The size is the longer side of the target's box as a share of the picture's height. The zoom rests while
+//! the size is within the range. A movement goes on until the size is well within the range, so that each
+//! excursion is one movement:
 //!
 //! ```text
 //!              below the range, and all is well                 above the range
@@ -9,10 +10,11 @@
 //!      +---- well within, or not all is well --------> ^ <------ well within ----------+
 //! ```
 //!
-//! A boat that is seen from its stern looks shorter than it is. So the target is too small where the largest size lately is, and
-//! too large where the present size is. All is well while the target is measured for a while with confidence, well within the region, which it has not left lately.
-//! In doubt about a target near the region's border, and where the target leaves the region, the view widens at once. A
-//! destination that is to be shown, too, widens the view while the target is larger than the smallest size.
+//! A boat that is seen from its stern looks shorter than it is. So the target is too small where the largest
+//! size lately is, and too large where the present size is. All is well while the target is measured for a
+//! while with confidence, well within the region, which it has not left lately. In doubt about a target near
+//! the region's border, and where the target leaves the region, the view widens at once. A destination that
+//! is to be shown, too, widens the view while the target is larger than the smallest size.
 //!
 //! Input: what was measured of the target in a frame. Must not be here: whether the camera may move.
 
@@ -31,7 +33,8 @@ const SURE_FOR: Duration = Duration::from_secs(1);
 const SURE: f64 = 0.7;
 /// Below this confidence there is doubt.
 const DOUBT: f64 = 0.5;
-/// The view begins to become closer up to this P, and goes on up to the other one: a closer view moves the target outwards.
+/// The view begins to become closer up to this P, and goes on up to the other one: a closer view moves the
+/// target outwards.
 const CLOSER_P: (f64, f64) = (0.7, 0.85);
 /// From this P on the target is near the border of the region.
 const BORDER_P: f64 = 0.5;
@@ -39,15 +42,15 @@ const BORDER_P: f64 = 0.5;
 const OUTSIDE_P: f64 = 1.05;
 /// The view becomes closer only this long after the target was outside of the region.
 const AFTER_OUTSIDE: Duration = Duration::from_secs(8);
-/// A destination that is to be shown widens the view from the second of these shares of half the picture on until it is
-/// within the first; only within the first does the view become closer.
+/// A destination that is to be shown widens the view from the second of these shares of half the picture on
+/// until it is within the first; only within the first does the view become closer.
 const DESTINATION_SHARES: (f64, f64) = (0.8, 0.95);
 /// A movement goes on until the size is this factor within the range.
 const GOAL: f64 = 1.5;
 /// Time constant of the smoothed size, seconds: longer than the boat rolls, shorter than it approaches.
 const SMOOTHING_S: f64 = 0.5;
-/// Decay of the logarithm of the largest size lately, per second: slower than a boat that turns looks shorter, faster than one
-/// that goes away.
+/// Decay of the logarithm of the largest size lately, per second: slower than a boat that turns looks
+/// shorter, faster than one that goes away.
 const DECAY_PER_S: f64 = 0.07;
 
 /// What was measured of the target in a frame.
@@ -57,8 +60,8 @@ pub struct SizeInput {
     pub size: f64,
     /// P of the target's position.
     pub p: f64,
-    /// How far from the middle of the picture the destination is that is to be shown, too: the larger share of half its width
-    /// or height, above 1 outside of the picture. 0: none is to be shown.
+    /// How far from the middle of the picture the destination is that is to be shown, too: the larger share
+    /// of half its width or height, above 1 outside of the picture. 0: none is to be shown.
     pub destination_share: f64,
     /// Whether the target was measured in this frame; otherwise its position is predicted.
     pub is_measured: bool,

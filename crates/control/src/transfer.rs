@@ -1,20 +1,23 @@
-//! The rates with the least energy that move the target into the aim ellipse: a small problem with an exact solution.
+//! The rates with the least energy that move the target into the aim ellipse: a small problem with an exact
+//! solution.
 //!
 //! ```text
 //! minimise |u|²   subject to   |c + H u| <= aim   and   min_i <= u_i <= max_i
 //! ```
-//! u are the rates of both axes, c is the target's position without them, in semi-axes of the region, and H is the
-//! displacement per unit of rate. There are three cases, each solved in closed form except for one root:
+//! u are the rates of both axes, c is the target's position without them, in semi-axes of the region, and H
+//! is the displacement per unit of rate. There are three cases, each solved in closed form except for one
+//! root:
 //!
-//! 1. No limit is active. With the Lagrange multiplier λ >= 0 of the ellipse, the remaining offset is `r(λ) = (I + λ H
-//!    Hᵀ)^-1 c`, and `u = -λ Hᵀ r`. For two axes the inverse is written out: `r(λ) = (c + λ adj(H Hᵀ) c) / (1 + λ tr +
-//!    λ² det)`, and `|r(λ)| = aim` is the secular equation of trust regions (Moré and Sorensen, 1983). Newton's method
-//!    on 1/|r|, started at λ = 0, increases monotonically to the root and converges quadratically. All sums have
-//!    non-negative terms, and there is no division by a gain: a gain close to zero (a camera that looks steeply down)
-//!    makes its axis ineffective, and its rate does not become infinite.
-//! 2. A limit is active. The solution lies on one of the sides of the rectangle of rates that case 1's solution
-//!    exceeds: elsewhere, a step towards that solution would take less energy. On each such side, the ellipse leaves an
-//!    interval of the other rate. The solution is the best of at most two candidates.
+//! 1. No limit is active. With the Lagrange multiplier λ >= 0 of the ellipse, the remaining offset is
+//!    `r(λ) = (I + λ H Hᵀ)^-1 c`, and `u = -λ Hᵀ r`. For two axes the inverse is written out:
+//!    `r(λ) = (c + λ adj(H Hᵀ) c) / (1 + λ tr + λ² det)`, and `|r(λ)| = aim` is the secular equation of trust
+//!    regions (Moré and Sorensen, 1983). Newton's method on 1/|r|, started at λ = 0, increases monotonically
+//!    to the root and converges quadratically. All sums have non-negative terms, and there is no division by
+//!    a gain: a gain close to zero (a camera that looks steeply down) makes its axis ineffective, and its
+//!    rate does not become infinite.
+//! 2. A limit is active. The solution lies on one of the sides of the rectangle of rates that case 1's
+//!    solution exceeds: elsewhere, a step towards that solution would take less energy. On each such side,
+//!    the ellipse leaves an interval of the other rate. The solution is the best of at most two candidates.
 //! 3. No rates within the limits reach the ellipse. The solution is the closest approach to its centre.
 //!
 //! Work: at most 60 Newton steps, no allocation.
@@ -48,10 +51,11 @@ pub struct TransferSolution {
     pub reaches_aim: bool,
 }
 
-/// Largest number of Newton steps. About five are usual; more than twelve occur only if the gains differ by many orders
-/// of magnitude.
+/// Largest number of Newton steps. About five are usual; more than twelve occur only if the gains differ by
+/// many orders of magnitude.
 const MAX_NEWTON_STEPS: usize = 60;
-/// Relative error of the distance below which the next Newton step is the last one: its error is about the square.
+/// Relative error of the distance below which the next Newton step is the last one: its error is about the
+/// square.
 const LAST_STEP_TOLERANCE: f64 = 1e-7;
 /// Relative tolerance for rounding errors.
 const ROUNDING_TOLERANCE: f64 = 1e-12;
@@ -79,7 +83,8 @@ impl Transfer {
         }
     }
 
-    /// The smallest distance from the centre on the way of a movement with these constant rates within the horizon.
+    /// The smallest distance from the centre on the way of a movement with these constant rates within the
+    /// horizon.
     pub(crate) fn closest_passage(&self, rates: Pair) -> f64 {
         let way = [0, 1].map(|i| self.pan[i] * rates[0] + self.tilt[i] * rates[1]);
         let length_squared = square(way);
@@ -140,8 +145,8 @@ impl Transfer {
         rates.iter().all(|rate| rate.is_finite()).then_some(rates)
     }
 
-    /// Case 2: the best solution on the sides of the rectangle that `beyond` exceeds. `None` if no such side reaches
-    /// the ellipse.
+    /// Case 2: the best solution on the sides of the rectangle that `beyond` exceeds. `None` if no such side
+    /// reaches the ellipse.
     fn solve_at_limit(&self, beyond: Pair) -> Option<TransferSolution> {
         let mut best: Option<(f64, Pair)> = None;
         for axis in [0, 1] {
@@ -162,8 +167,8 @@ impl Transfer {
         best.map(|(_, rates)| TransferSolution { rates, reaches_aim: true })
     }
 
-    /// Case 3: the rates within the limits that come closest to the centre; of equally good ones, those with the least
-    /// energy.
+    /// Case 3: the rates within the limits that come closest to the centre; of equally good ones, those with
+    /// the least energy.
     fn closest_approach(&self) -> TransferSolution {
         let (pan, tilt) = (self.pan, self.tilt);
         let (pp, tt, pt) = (square(pan), square(tilt), dot(pan, tilt));
@@ -206,8 +211,8 @@ impl Transfer {
     }
 }
 
-/// The rate closest to zero, within a range, that moves a point into the circle of radius `aim` around the origin.
-/// `None` if there is no such rate.
+/// The rate closest to zero, within a range, that moves a point into the circle of radius `aim` around the
+/// origin. `None` if there is no such rate.
 fn min_rate_into_circle(start: Pair, gain: Pair, aim: f64, (min, max): (f64, f64)) -> Option<f64> {
     let outside = square(start) - aim * aim;
     if outside <= 0.0 {

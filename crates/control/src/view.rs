@@ -1,10 +1,10 @@
 //! The pinhole projection of a camera that pans and tilts, its inverse, and its Jacobian.
 //!
-//! A direction is a unit vector (right, ahead, up) in a frame that does not turn with the camera; *ahead* is the
-//! initial pan direction. Unit vectors have no pole: a target may pass directly below the camera. With an image point
-//! (x, y) and the focal length f, the ray has the components x/f (right), y/f (up) and 1 (along the optical axis). A
-//! direction behind the camera is projected to a point far outside of the picture; the distance grows with the angle.
-//! Lens distortion is not modelled.
+//! A direction is a unit vector (right, ahead, up) in a frame that does not turn with the camera; *ahead* is
+//! the initial pan direction. Unit vectors have no pole: a target may pass directly below the camera. With an
+//! image point (x, y) and the focal length f, the ray has the components x/f (right), y/f (up) and 1 (along
+//! the optical axis). A direction behind the camera is projected to a point far outside of the picture; the
+//! distance grows with the angle. Lens distortion is not modelled.
 
 use barrelman_vocab::ImagePoint;
 
@@ -42,7 +42,8 @@ impl TurnAngle {
     }
 }
 
-/// The image Jacobian: displacement `[x, y]` of an image point in pixels per radian of pan (right) and tilt (up).
+/// The image Jacobian: displacement `[x, y]` of an image point in pixels per radian of pan (right) and tilt
+/// (up).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ImageJacobian {
     /// Displacement per radian of pan.
@@ -94,8 +95,8 @@ impl View {
         ImagePoint { x: scale * right, y: scale * across }
     }
 
-    /// The image point of a direction behind the camera: far outside, in the direction of the offset from the optical
-    /// axis. The exact opposite of the optical axis is projected below.
+    /// The image point of a direction behind the camera: far outside, in the direction of the offset from the
+    /// optical axis. The exact opposite of the optical axis is projected below.
     fn project_behind(&self, depth: f64, right: f64, across: f64) -> ImagePoint {
         let off_squared = right * right + across * across;
         let off = libm::sqrt(off_squared);

@@ -3,9 +3,10 @@
 //! ```text
 //! picture -> preparation (size, colours, scale) -> model -> decoding -> non-maximum suppression -> objects
 //! ```
-//! [`Settings`] say what the model takes and answers. A model that does not fit them is refused as it is loaded,
-//! with one inference of zeros. Numbers that a model answers later are bounded: what is not finite is
-//! left out and counted. Not handled: several inputs, weights outside of the file, masks, key points, tracking.
+//! [`Settings`] say what the model takes and answers. A model that does not fit them is refused as it is
+//! loaded, with one inference of zeros. Numbers that a model answers later are bounded: what is not finite is
+//! left out and counted. Not handled: several inputs, weights outside of the file, masks, key points,
+//! tracking.
 
 mod decode;
 mod error;

@@ -40,7 +40,8 @@ impl Helm {
         }
     }
 
-    /// An ArduPilot boat in MANUAL, whose remote control's switch chooses MANUAL again at a time, or HOLD where the boat is in MANUAL.
+    /// An ArduPilot boat in MANUAL, whose remote control's switch chooses MANUAL again at a time, or HOLD
+    /// where the boat is in MANUAL.
     pub fn rover(is_armed: bool, sticks_at: Option<Timestamp>, now: Timestamp) -> Self {
         let settings = RoverBoatSettings { is_armed, ..RoverBoatSettings::default() };
         Self::Rover(Box::new(RoverBoat::new(settings, now)), sticks_at)

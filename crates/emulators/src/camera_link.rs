@@ -76,7 +76,8 @@ impl CameraLink {
         self.state().requested = RequestedRates { command: rates, renew_by };
     }
 
-    /// Requests latched rates: they last until the next request, as those of a vehicle that keeps its last rate.
+    /// Requests latched rates: they last until the next request, as those of a vehicle that keeps its last
+    /// rate.
     pub fn send_latched(&self, rates: VehicleRates) {
         self.send(rates, Some(Timestamp::from_nanos(u64::MAX)));
     }
@@ -86,7 +87,8 @@ impl CameraLink {
         self.state().pointing
     }
 
-    /// Reports where the camera is and points, at 10 Hz; the callback must not block. Only the first callback is used.
+    /// Reports where the camera is and points, at 10 Hz; the callback must not block. Only the first callback
+    /// is used.
     pub fn on_pose_report(&self, listener: impl Fn(Pointing) + Send + Sync + 'static) {
         let _ = self.0.pose_listener.set(Box::new(listener));
     }

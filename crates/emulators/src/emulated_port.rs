@@ -55,8 +55,8 @@ pub struct Pty {
 }
 
 impl EmulatedPort {
-    /// Creates a pseudo-terminal and a symbolic link to it at `link`. A link to a pseudo-terminal that no longer exists is
-    /// replaced; with `force`, any symbolic link.
+    /// Creates a pseudo-terminal and a symbolic link to it at `link`. A link to a pseudo-terminal that no
+    /// longer exists is replaced; with `force`, any symbolic link.
     ///
     /// # Errors
     /// If something else lies at `link`, or the system has no pseudo-terminal left.
@@ -145,8 +145,8 @@ impl EmulatedPort {
         }
     }
 
-    /// Reconnects after `unplug`, with a new pseudo-terminal, as for a device that is plugged in again. Connections that were
-    /// made meanwhile are closed: nobody was there.
+    /// Reconnects after `unplug`, with a new pseudo-terminal, as for a device that is plugged in again.
+    /// Connections that were made meanwhile are closed: nobody was there.
     ///
     /// # Errors
     /// If the system has no pseudo-terminal left, or something else lies at the link's path.

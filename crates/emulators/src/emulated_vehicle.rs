@@ -19,8 +19,8 @@ pub trait EmulatedVehicle {
     /// Another commander takes the control.
     fn take_over(&mut self, now: Timestamp, out: &mut Vec<Vec<u8>>);
 
-    /// Takes received bytes, appends the answers to `out`, and passes the text of each message to `on_message`, with the state
-    /// after it.
+    /// Takes received bytes, appends the answers to `out`, and passes the text of each message to
+    /// `on_message`, with the state after it.
     fn receive(
         &mut self,
         bytes: &[u8],

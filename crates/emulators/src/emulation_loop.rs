@@ -191,8 +191,8 @@ impl<V: EmulatedVehicle> Emulator<V> {
         self.send(&answers, now)
     }
 
-    /// Applies changed rates to the camera mount, and logs the received message with the state after it. A change without a
-    /// message (rates that timed out) is logged too.
+    /// Applies changed rates to the camera mount, and logs the received message with the state after it. A
+    /// change without a message (rates that timed out) is logged too.
     fn apply_rates(&mut self, now: Timestamp, message: Option<(&str, VehicleState)>) -> Result<()> {
         let rates = message.map_or_else(|| self.vehicle.rates(), |(_, state)| state.rates);
         let is_changed = rates != self.commanded;

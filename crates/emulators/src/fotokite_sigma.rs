@@ -1,4 +1,5 @@
-//! The emulated Fotokite Sigma: wire's [`Sigma`] behind a server of HTTP, a simulated camera mount, and the faults.
+//! The emulated Fotokite Sigma: wire's [`Sigma`] behind a server of HTTP, a simulated camera mount, and the
+//! faults.
 //!
 //! ```text
 //! request -> fault -> Sigma (wire) -> answer

@@ -1,4 +1,5 @@
-//! The emulated ONVIF camera: wire's [`PtzCamera`] behind a server of HTTP, a simulated camera mount, and the faults.
+//! The emulated ONVIF camera: wire's [`PtzCamera`] behind a server of HTTP, a simulated camera mount, and the
+//! faults.
 //!
 //! ```text
 //! request -> fault -> PtzCamera (wire) -> answer

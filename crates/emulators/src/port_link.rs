@@ -1,8 +1,8 @@
 //! The symbolic link to a pseudo-terminal.
 //!
-//! Creating the link never removes what belongs to others. Whatever lies at the path is kept and causes an error, with
-//! two exceptions: a link to a pseudo-terminal that no longer exists, as a killed emulator leaves it, and with `--force`
-//! any symbolic link. A file, a folder or a device is never replaced.
+//! Creating the link never removes what belongs to others. Whatever lies at the path is kept and causes an
+//! error, with two exceptions: a link to a pseudo-terminal that no longer exists, as a killed emulator leaves
+//! it, and with `--force` any symbolic link. A file, a folder or a device is never replaced.
 
 use std::io;
 use std::os::unix::fs::symlink;
@@ -80,8 +80,8 @@ impl PortLink {
         }
     }
 
-    /// Replaces the link to `target` by this one, atomically. Returns whether the link to `target` was replaced: anything
-    /// else that appeared in the meantime is put back.
+    /// Replaces the link to `target` by this one, atomically. Returns whether the link to `target` was
+    /// replaced: anything else that appeared in the meantime is put back.
     fn replace(&self, target: &Path, attempt: u32) -> io::Result<bool> {
         let mut name = self.path.as_os_str().to_owned();
         name.push(format!(".{}-{attempt}", std::process::id()));

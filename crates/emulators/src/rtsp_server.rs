@@ -5,9 +5,9 @@
 //! | `rtsp` | accepts connections, at most [`MAX_VIEWERS`] at a time |
 //! | `rtsp-viewer` | answers one viewer's requests, and sends the video |
 //!
-//! The video is interleaved into the RTSP connection, from the next key frame on. A viewer that is too slow misses
-//! pictures up to the next key frame; a viewer that requests nothing for [`CLIENT_TIMEOUT`] before it plays is
-//! disconnected. Not handled: UDP, authentication, seeking, RTCP. The server is meant for loopback.
+//! The video is interleaved into the RTSP connection, from the next key frame on. A viewer that is too slow
+//! misses pictures up to the next key frame; a viewer that requests nothing for [`CLIENT_TIMEOUT`] before it
+//! plays is disconnected. Not handled: UDP, authentication, seeking, RTCP. The server is meant for loopback.
 
 use std::io::{self, Read as _, Write as _};
 use std::net::{SocketAddr, TcpListener, TcpStream};
@@ -34,8 +34,8 @@ const MAX_VIEWERS: usize = 4;
 const MAX_REQUEST_BYTES: usize = 4096;
 /// Capacity of a viewer's queue of pictures.
 const QUEUE: usize = 32;
-/// How long a viewer waits for the first picture, how long a write to a viewer may block, and how long a viewer that does
-/// not play may be silent.
+/// How long a viewer waits for the first picture, how long a write to a viewer may block, and how long a
+/// viewer that does not play may be silent.
 const CLIENT_TIMEOUT: Duration = Duration::from_secs(5);
 /// Interval at which a viewer's requests are read.
 const POLL_INTERVAL: Duration = Duration::from_millis(20);
@@ -231,7 +231,8 @@ impl Viewer {
         Ok(())
     }
 
-    /// Sends the next picture to a viewer that plays. Reads no longer wait, because waiting for the video does.
+    /// Sends the next picture to a viewer that plays. Reads no longer wait, because waiting for the video
+    /// does.
     fn play(&mut self) -> io::Result<()> {
         self.stream.set_read_timeout(Some(Duration::from_millis(1)))?;
         let Some(units) = &self.units else { return Ok(()) };
@@ -328,7 +329,8 @@ impl Viewer {
     }
 }
 
-/// Removes a complete request from the front of the received bytes. RTCP packets between requests are skipped.
+/// Removes a complete request from the front of the received bytes. RTCP packets between requests are
+/// skipped.
 fn next_request(received: &mut Vec<u8>) -> io::Result<Option<String>> {
     loop {
         if received.first() == Some(&b'$') {

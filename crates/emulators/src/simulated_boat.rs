@@ -5,8 +5,8 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use barrelman_link::{DeadMansSwitch, RequestedCommand};
 use barrelman_vocab::{Timestamp, VesselOrder};
 
-/// The boat of a simulated world: the world reads the order at each tick. Clones are the same boat. The link has the
-/// dead-man's switch of a real link.
+/// The boat of a simulated world: the world reads the order at each tick. Clones are the same boat. The link
+/// has the dead-man's switch of a real link.
 #[derive(Debug, Clone, Default)]
 pub struct SimulatedBoat(Arc<Mutex<State>>);
 

@@ -1,7 +1,7 @@
 //! Messages about mistakes in TOML files, in words for people who know the file and not the program.
 //!
-//! The parser shows the line of a mistake, and says what it expected in the types of the program (`expected f64`). This
-//! module keeps the line and puts the rest into words (`expected a number`).
+//! The parser shows the line of a mistake, and says what it expected in the types of the program
+//! (`expected f64`). This module keeps the line and puts the rest into words (`expected a number`).
 
 /// Types as the parser names them, and the words for what is to be written in the file.
 const TYPES: [(&str, &str); 14] = [

@@ -27,7 +27,8 @@ impl TrackerName {
     }
 }
 
-/// The selected tracker, and the settings of all trackers, so that a change of the selection loses no setting.
+/// The selected tracker, and the settings of all trackers, so that a change of the selection loses no
+/// setting.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct TrackerSettings {
     /// The selected tracker.

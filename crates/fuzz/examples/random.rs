@@ -1,7 +1,8 @@
-//! Random inputs without a fuzzer: `random [how many] [target] [seconds]`. The seeds of those that fail are named.
+//! Random inputs without a fuzzer: `random [how many] [target] [seconds]`. The seeds of those that fail are
+//! named.
 //!
-//! Half of the inputs are pieces of what the target knows, in any order and damaged: pure noise does not come far in a
-//! protocol of lines.
+//! Half of the inputs are pieces of what the target knows, in any order and damaged: pure noise does not come
+//! far in a protocol of lines.
 #![allow(clippy::print_stdout, reason = "it prints on a terminal")]
 
 use std::panic::catch_unwind;

@@ -13,13 +13,13 @@ use barrelman_wire::{LinkHistory, Session as _};
 
 use crate::vehicle::{check_report, goes_on, rates_of};
 
-/// The messages of the protocol, whose payloads are any bytes: heartbeat, command, its answer, information, status, attitude,
-/// rates.
+/// The messages of the protocol, whose payloads are any bytes: heartbeat, command, its answer, information,
+/// status, attitude, rates.
 const MESSAGES: [u32; 7] = [0, 76, 77, 280, 281, 285, 287];
 
-/// Any bytes and any messages at any times, to the client and to a gimbal manager that hears the client. Rates that the client
-/// sends lie within the limits, every reported number is finite, nothing moves after the end, and the session says when to call
-/// it again.
+/// Any bytes and any messages at any times, to the client and to a gimbal manager that hears the client.
+/// Rates that the client sends lie within the limits, every reported number is finite, nothing moves after
+/// the end, and the session says when to call it again.
 pub fn mavlink(bytes: &[u8]) {
     let mut rest = bytes.iter().copied();
     let settings = rest.next().unwrap_or(0);

@@ -6,8 +6,8 @@ use barrelman_link::guard::message::{FromGuard, MessageCommand, MessageError, To
 use barrelman_link::guard::{Gate, GuardedCommand};
 use barrelman_vocab::{AngularRate, Timestamp, VehicleRates, VesselCommand, VesselOrder};
 
-/// A message is read or refused. One that is read is written so that it is read again, and nothing passes the guard's gate
-/// that is above the limits.
+/// A message is read or refused. One that is read is written so that it is read again, and nothing passes the
+/// guard's gate that is above the limits.
 pub fn decode(bytes: &[u8]) {
     let limit = AngularRate::from_radians_per_second(0.3);
     let rates = VehicleRates::turning(limit, limit).zooming(1.0);
@@ -40,8 +40,8 @@ fn check_to_guard<C: GuardedCommand + MessageCommand, const N: usize>(
     }
 }
 
-/// The packet of a message that was read, read and written once more. A rate that is not a number equals no other one, so
-/// that the packets are compared.
+/// The packet of a message that was read, read and written once more. A rate that is not a number equals no
+/// other one, so that the packets are compared.
 fn check_again(
     message: &impl Debug,
     packet: Vec<u8>,

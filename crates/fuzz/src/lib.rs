@@ -1,5 +1,5 @@
-//! What the fuzz targets do with the bytes that they are given. The targets themselves, for libFuzzer, are in the folder
-//! `fuzz`; the files of its corpus are run by this crate's test.
+//! What the fuzz targets do with the bytes that they are given. The targets themselves, for libFuzzer, are in
+//! the folder `fuzz`; the files of its corpus are run by this crate's test.
 #![forbid(unsafe_code)]
 
 pub mod tracker;

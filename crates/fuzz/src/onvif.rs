@@ -16,8 +16,8 @@ use crate::vehicle::{check_report, goes_on, rates_of};
 /// Statuses of answers that the session tells apart.
 const STATUSES: [u16; 6] = [200, 400, 401, 404, 500, 503];
 
-/// Any answers and times to the client, and damaged messages to the camera. No velocity beyond the range is sent, no motion
-/// after the end, and no path leads elsewhere; every reported number is finite.
+/// Any answers and times to the client, and damaged messages to the camera. No velocity beyond the range is
+/// sent, no motion after the end, and no path leads elsewhere; every reported number is finite.
 pub fn onvif(bytes: &[u8]) {
     found(bytes);
     let mut rest = bytes.iter().copied();

@@ -16,8 +16,9 @@ const PATIENCE: Duration = Duration::from_secs(10);
 const DESCRIPTION: &str = "v=0\r\no=- 0 0 IN IP4 127.0.0.1\r\ns=-\r\nt=0 0\r\nm=video 0 RTP/AVP 96\r\n\
      a=rtpmap:96 H264/90000\r\na=fmtp:96 packetization-mode=1\r\na=control:track1\r\n";
 
-/// Receives any bytes as a stream: RTP packets, one for each 64 bytes, behind the heads that they need; where the first byte
-/// is odd, as they are. The receiver says that the stream has ended, and no thread of it panics.
+/// Receives any bytes as a stream: RTP packets, one for each 64 bytes, behind the heads that they need; where
+/// the first byte is odd, as they are. The receiver says that the stream has ended, and no thread of it
+/// panics.
 pub fn receive(bytes: &[u8]) {
     let Some((&first, rest)) = bytes.split_first() else { return };
     let stream = if first & 1 == 1 { rest.to_vec() } else { packets(rest) };
@@ -37,7 +38,8 @@ pub fn receive(bytes: &[u8]) {
     heard.expect("the receiver says that the stream has ended");
 }
 
-/// Packets of RTP, interleaved in the connection (RFC 2326, 10.12). The first byte of each names what is wrong with its head.
+/// Packets of RTP, interleaved in the connection (RFC 2326, 10.12). The first byte of each names what is
+/// wrong with its head.
 fn packets(bytes: &[u8]) -> Vec<u8> {
     let mut stream = Vec::new();
     for (number, part) in (0_u16..).zip(bytes.chunks(64)) {

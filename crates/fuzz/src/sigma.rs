@@ -19,8 +19,9 @@ const MAX_SPEED: f64 = 360.0;
 /// The camera of the emulated vehicle turns at most this fast, rad/s.
 const VEHICLE_MAX: f64 = 0.437;
 
-/// Any answers, messages and times to the client, and what the client and others ask of the vehicle. No speed beyond what was
-/// requested is sent, no motion after the end, and no path leads elsewhere; every reported number is finite.
+/// Any answers, messages and times to the client, and what the client and others ask of the vehicle. No speed
+/// beyond what was requested is sent, no motion after the end, and no path leads elsewhere; every reported
+/// number is finite.
 pub fn sigma(bytes: &[u8]) {
     let mut rest = bytes.iter().copied();
     let mut now = Timestamp::from_secs_f64(1.0);

@@ -23,7 +23,8 @@ pub fn configuration(bytes: &[u8]) {
 /// Steps of a world of an accepted scenario.
 const TICKS: u32 = 24;
 
-/// A scenario is read or refused with a reason. The world of an accepted one runs, and is printed so that it is read again.
+/// A scenario is read or refused with a reason. The world of an accepted one runs, and is printed so that it
+/// is read again.
 pub fn scenario(bytes: &[u8]) {
     let text = String::from_utf8_lossy(bytes);
     match resolve::read(&text, &ScenarioOverrides::default()) {

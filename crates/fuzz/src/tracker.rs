@@ -1,7 +1,7 @@
 //! A session in front of a tracker, told in bytes: pictures of any size, selections, times and priors.
 //!
-//! Every string of bytes is a session, so that a fuzzer needs no grammar; one that ends early goes on in zeros for the
-//! step at hand and ends. Pictures are small, so that there are many sessions a second.
+//! Every string of bytes is a session, so that a fuzzer needs no grammar; one that ends early goes on in
+//! zeros for the step at hand and ends. Pictures are small, so that there are many sessions a second.
 
 use std::sync::Arc;
 use std::time::Duration;

@@ -11,7 +11,8 @@ use barrelman_wire::mavlink::tracking_camera::{
 };
 use mavlink::dialects::common::CAMERA_TRACKING_IMAGE_STATUS_DATA;
 
-/// The messages that the camera reads, whose payloads are any bytes: heartbeat, both kinds of commands, an answer.
+/// The messages that the camera reads, whose payloads are any bytes: heartbeat, both kinds of commands, an
+/// answer.
 const MESSAGES: [u32; 4] = [0, 75, 76, 77];
 /// The commands that the camera knows.
 const COMMANDS: [u16; 8] = [511, 512, 521, 2002, 2004, 2005, 2010, 2504];
@@ -19,8 +20,9 @@ const PICTURE: PictureSize = PictureSize { width: 1280, height: 720 };
 /// Where the fields behind the parameters of a command begin.
 const COMMAND_AT: usize = 28;
 
-/// Any bytes and any messages of ground stations, and any answers of the operator gateway. What is asked for lies in the
-/// picture, every packet is one frame of the camera, a told place lies in the picture, and nothing is sent without bound.
+/// Any bytes and any messages of ground stations, and any answers of the operator gateway. What is asked for
+/// lies in the picture, every packet is one frame of the camera, a told place lies in the picture, and
+/// nothing is sent without bound.
 pub fn tracking_camera(bytes: &[u8]) {
     let mut rest = bytes.iter().copied();
     let first = rest.next().unwrap_or(0);

@@ -8,11 +8,12 @@ use barrelman_wire::fotokite_pro::GroundStation;
 use barrelman_wire::fotokite_pro::ground_station::{GroundStationSettings, SensorReadings};
 use barrelman_wire::{ByteProtocol, ByteProtocolName, Framing, NextAction, OpenSession as _};
 
-/// The bytes that stand for a time, a request or an end are followed by their arguments; every other byte is received.
+/// The bytes that stand for a time, a request or an end are followed by their arguments; every other byte is
+/// received.
 const CONTROL: u8 = 0xf8;
 
-/// The client's end: any bytes at any times. Rates that are sent lie within the protocol's limits, every reported number is
-/// finite, and the session says when to call it again.
+/// The client's end: any bytes at any times. Rates that are sent lie within the protocol's limits, every
+/// reported number is finite, and the session says when to call it again.
 pub fn session(bytes: &[u8]) {
     let framing = if bytes.first().is_some_and(|byte| byte & 1 == 1) {
         Framing::LineFeed

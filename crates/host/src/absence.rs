@@ -1,7 +1,8 @@
 //! Whether a loop was away: it made no turn for a second or more, whatever kept it from that.
 //!
-//! The machine was suspended (the monotonic clock stands still then), or the process was stopped or frozen, waited for memory
-//! or the processor, or one of its turns took too long. What the loop knew before says nothing about the present then.
+//! The machine was suspended (the monotonic clock stands still then), or the process was stopped or frozen,
+//! waited for memory or the processor, or one of its turns took too long. What the loop knew before says
+//! nothing about the present then.
 
 use std::time::Duration;
 

@@ -1,8 +1,8 @@
 //! The program's clock: the monotonic clock of the machine, counted from the program's start.
 //!
-//! `main` starts one [`Clock`] and passes a copy to every thread that needs the time. Nothing else reads `Instant::now`,
-//! so that any two timestamps of one run can be compared. The clock does not know the time of day. It stands still while
-//! the machine is suspended.
+//! `main` starts one [`Clock`] and passes a copy to every thread that needs the time. Nothing else reads
+//! `Instant::now`, so that any two timestamps of one run can be compared. The clock does not know the time of
+//! day. It stands still while the machine is suspended.
 
 use std::time::{Duration, Instant};
 
@@ -22,7 +22,8 @@ impl Clock {
         Self { start: Instant::now(), start_on_monotonic_ns }
     }
 
-    /// The clock of another program on the same machine, which started at this moment of `CLOCK_MONOTONIC`, nanoseconds.
+    /// The clock of another program on the same machine, which started at this moment of `CLOCK_MONOTONIC`,
+    /// nanoseconds.
     pub fn started_at(start_on_monotonic_ns: u64) -> Self {
         let age = Duration::from_nanos(monotonic_ns().saturating_sub(start_on_monotonic_ns));
         let now = Instant::now();
@@ -50,8 +51,8 @@ impl Clock {
         self.start + at.since(Timestamp::ZERO)
     }
 
-    /// The program's start on `CLOCK_MONOTONIC`, nanoseconds. It relates this program's timestamps to those of another
-    /// program on the same machine.
+    /// The program's start on `CLOCK_MONOTONIC`, nanoseconds. It relates this program's timestamps to those
+    /// of another program on the same machine.
     pub const fn start_on_monotonic_ns(self) -> u64 {
         self.start_on_monotonic_ns
     }

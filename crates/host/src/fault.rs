@@ -1,9 +1,10 @@
 //! Plans of deliberate faults: which fault occurs, and when.
 //!
-//! A fault is written `KIND@SECONDS[+DURATION]`, several separated by commas: `stall@12.5s,drop@3+2` stalls from 12.5 s
-//! without end, and drops what arrives between 3 s and 5 s. All times count from the program's start. Every port and video
-//! source takes a plan, so that tests, the simulator and the bench inject faults in the same way. The plan only says
-//! *whether* a fault is active. Its effect on packets or video units is implemented where they pass.
+//! A fault is written `KIND@SECONDS[+DURATION]`, several separated by commas: `stall@12.5s,drop@3+2` stalls
+//! from 12.5 s without end, and drops what arrives between 3 s and 5 s. All times count from the program's
+//! start. Every port and video source takes a plan, so that tests, the simulator and the bench inject faults
+//! in the same way. The plan only says *whether* a fault is active. Its effect on packets or video units is
+//! implemented where they pass.
 
 use std::fmt;
 use std::time::Duration;
@@ -80,7 +81,8 @@ pub struct Fault {
     pub kind: FaultKind,
     /// Its start, counted from the program's start.
     pub start: Duration,
-    /// Its duration; `None` for a fault without end. A fault that occurs once (panic, reboot) occurs at its start.
+    /// Its duration; `None` for a fault without end. A fault that occurs once (panic, reboot) occurs at its
+    /// start.
     pub duration: Option<Duration>,
 }
 
@@ -123,7 +125,8 @@ impl FaultPlan {
         Ok(Self { faults: parts.map(parse_fault).collect::<Result<_, _>>()? })
     }
 
-    /// Refuses the plan where a fault would have no effect at its place, where only the `known` kinds have one.
+    /// Refuses the plan where a fault would have no effect at its place, where only the `known` kinds have
+    /// one.
     ///
     /// # Errors
     /// The first such fault.
@@ -162,8 +165,8 @@ impl FaultPlan {
         })
     }
 
-    /// The number of faults of this kind that started after `after` and not later than `until`: for faults that occur
-    /// once.
+    /// The number of faults of this kind that started after `after` and not later than `until`: for faults
+    /// that occur once.
     pub fn count_started(&self, kind: FaultKind, after: Option<Timestamp>, until: Timestamp) -> usize {
         let has_started = |fault: &&Fault| {
             let at = Timestamp::ZERO.plus(fault.start);

@@ -49,8 +49,8 @@ impl<T> Latest<T> {
         slot.unwrap_or_else(PoisonError::into_inner).value.take()
     }
 
-    /// Waits for a value while `is_wanted` is false, which is asked again after each `interval`, and takes the newest
-    /// one. Returns `None` as soon as the slot is closed.
+    /// Waits for a value while `is_wanted` is false, which is asked again after each `interval`, and takes
+    /// the newest one. Returns `None` as soon as the slot is closed.
     pub fn wait_until_wanted(&self, interval: Duration, is_wanted: impl Fn() -> bool) -> Option<T> {
         let mut slot = self.slot();
         loop {

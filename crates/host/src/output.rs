@@ -2,21 +2,21 @@
 //!
 //! An output file is opened in one step, before the work whose result it holds, and the handle is kept:
 //!
-//! - Without `--force`, the file is created with `O_CREAT | O_EXCL`. An existing file is refused, also one that
-//!   appears at the last moment, and so is a symbolic link, whatever its target.
-//! - With `--force`, a new file is created beside an existing one (`.barrelman-*.new`), and takes its name at the first
-//!   write. Work that fails before it has a result leaves the old file unchanged. Another name of the old file (a hard
-//!   link) keeps the old content. From the first write on a recording can be read while it grows, and the output of a
-//!   killed program stays under its name. A device or a pipe is opened as it is. A symbolic link in the place of the file
-//!   is refused; links in the folders above it are followed.
+//! - Without `--force`, the file is created with `O_CREAT | O_EXCL`. An existing file is refused, also one
+//!   that appears at the last moment, and so is a symbolic link, whatever its target.
+//! - With `--force`, a new file is created beside an existing one (`.barrelman-*.new`), and takes its name at
+//!   the first write. Work that fails before it has a result leaves the old file unchanged. Another name of
+//!   the old file (a hard link) keeps the old content. From the first write on a recording can be read while
+//!   it grows, and the output of a killed program stays under its name. A device or a pipe is opened as it
+//!   is. A symbolic link in the place of the file is refused; links in the folders above it are followed.
 //!
 //! New files can be read by their owner alone (mode 0600): recordings show people in distress.
 //!
-//! An open file is locked (`flock`), and so is the file that it replaces, so that two programs, or two outputs of one
-//! command, cannot write to one file with `--force` or `--resume`.
+//! An open file is locked (`flock`), and so is the file that it replaces, so that two programs, or two
+//! outputs of one command, cannot write to one file with `--force` or `--resume`.
 //!
-//! A file that was created and never written is removed when its handle is dropped. Only a killed program leaves an empty
-//! file behind.
+//! A file that was created and never written is removed when its handle is dropped. Only a killed program
+//! leaves an empty file behind.
 
 use std::fs::{File, OpenOptions};
 use std::io::{self, Read as _, Seek, SeekFrom, Write};
@@ -46,7 +46,8 @@ pub struct OutputFile {
 enum State {
     /// Created by this program and empty: removed when it is dropped.
     Created,
-    /// Created beside an existing file, whose name it takes at the first write; removed when it is dropped before that.
+    /// Created beside an existing file, whose name it takes at the first write; removed when it is dropped
+    /// before that.
     Beside {
         /// The name of the new file until then.
         new: PathBuf,
@@ -264,13 +265,14 @@ fn is_locked_elsewhere(file: &File) -> bool {
     flock(file, FlockOperation::NonBlockingLockExclusive) == Err(Errno::WOULDBLOCK)
 }
 
-/// Whether the file at a path is an output that is being written now, by this program or another one. What cannot be asked is
-/// not.
+/// Whether the file at a path is an output that is being written now, by this program or another one. What
+/// cannot be asked is not.
 pub fn is_being_written(path: &Path) -> bool {
     File::open(path).is_ok_and(|file| is_locked_elsewhere(&file))
 }
 
-/// Creates an output file that is kept even if nothing is written to it. An existing file is replaced only with `force`.
+/// Creates an output file that is kept even if nothing is written to it. An existing file is replaced only
+/// with `force`.
 ///
 /// # Errors
 /// As [`OutputFile::open`].

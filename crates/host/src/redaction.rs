@@ -1,7 +1,8 @@
-//! Logins in addresses: hidden in texts that are shown, logged or recorded, and found where a password is not percent-encoded.
+//! Logins in addresses: hidden in texts that are shown, logged or recorded, and found where a password is not
+//! percent-encoded.
 
-/// The text with the login of every address replaced by `***`, also in addresses that cannot be parsed. An address ends
-/// at white space or a quotation mark.
+/// The text with the login of every address replaced by `***`, also in addresses that cannot be parsed. An
+/// address ends at white space or a quotation mark.
 pub fn without_logins(text: &str) -> String {
     let mut shown = String::with_capacity(text.len());
     let mut rest = text;
@@ -26,8 +27,9 @@ pub fn without_logins(text: &str) -> String {
     shown + rest
 }
 
-/// Whether an address has an @ elsewhere than once before its host. Where a password is not percent-encoded, a part of it
-/// would be read as the host, or as the port, and would be looked up. The @ in a plan of faults at the end is none of these.
+/// Whether an address has an @ elsewhere than once before its host. Where a password is not percent-encoded,
+/// a part of it would be read as the host, or as the port, and would be looked up. The @ in a plan of faults
+/// at the end is none of these.
 pub fn has_stray_at(address: &str) -> bool {
     let rest = address.split_once("://").map_or(address, |(_, rest)| rest);
     let rest = fault_plan(rest).map_or(rest, |at| &rest[..at]);
@@ -35,7 +37,8 @@ pub fn has_stray_at(address: &str) -> bool {
     path.contains('@') || authority.matches('@').count() > 1
 }
 
-/// Where the plan of faults of an address begins: `KIND@SECONDS`, and more of them behind commas. A part of a password is none.
+/// Where the plan of faults of an address begins: `KIND@SECONDS`, and more of them behind commas. A part of a
+/// password is none.
 fn fault_plan(address: &str) -> Option<usize> {
     let begins = ["?fault=", "&fault="].into_iter().filter_map(|name| Some(address.find(name)? + name.len()));
     let at = begins.min()?;

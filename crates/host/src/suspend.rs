@@ -4,7 +4,8 @@ use std::time::Duration;
 
 use rustix::time::ClockId;
 
-/// Growth of the boot clock over the monotonic clock that counts as a suspension. The two are read one after the other.
+/// Growth of the boot clock over the monotonic clock that counts as a suspension. The two are read one after
+/// the other.
 const LEAST_GAP: Duration = Duration::from_millis(100);
 
 /// Detects suspensions of the machine.

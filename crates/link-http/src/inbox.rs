@@ -1,4 +1,5 @@
-//! What has come from the vehicle, until the link's thread takes it: bounded, with a descriptor that tells of it.
+//! What has come from the vehicle, until the link's thread takes it: bounded, with a descriptor that tells of
+//! it.
 
 use std::collections::VecDeque;
 use std::io;

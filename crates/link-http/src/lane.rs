@@ -13,7 +13,8 @@ use crate::inbox::Inbox;
 /// Interval at which a connection at rest is looked at: a command must not wait for a new one.
 const LOOK_INTERVAL: Duration = Duration::from_millis(500);
 
-/// A request that waits in its lane. Its time begins when it is handed to the lane: connecting takes from it, too.
+/// A request that waits in its lane. Its time begins when it is handed to the lane: connecting takes from it,
+/// too.
 #[derive(Debug)]
 pub(crate) struct Queued {
     pub(crate) id: u64,
@@ -65,8 +66,8 @@ pub(crate) async fn serve(connector: Connector, mut requests: Receiver<Queued>, 
     }
 }
 
-/// Asks on the open connection, or on a new one. A connection that the vehicle had closed meanwhile is replaced once.
-/// `None`: there was no answer, or the request was overdue before it could be sent.
+/// Asks on the open connection, or on a new one. A connection that the vehicle had closed meanwhile is
+/// replaced once. `None`: there was no answer, or the request was overdue before it could be sent.
 pub(crate) async fn ask(
     connector: &Connector,
     connection: &mut Option<Connection>,

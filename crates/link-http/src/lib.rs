@@ -1,4 +1,5 @@
-//! The link to a vehicle that answers requests over HTTP: the port for sessions whose packets are requests and answers.
+//! The link to a vehicle that answers requests over HTTP: the port for sessions whose packets are requests
+//! and answers.
 //!
 //! ```text
 //!   run loop -> LinkHandle -> thread `link`: LinkCore: Session (wire)
@@ -7,12 +8,13 @@
 //!                             thread `http`: one connection for each lane, one WebSocket
 //! ```
 //!
-//! The thread `http` runs a current-thread runtime. It decides nothing: it sends what the session asks, each request within the
-//! time of its lane, and returns what comes. A lane whose request was not answered in time gets a new connection.
+//! The thread `http` runs a current-thread runtime. It decides nothing: it sends what the session asks, each
+//! request within the time of its lane, and returns what comes. A lane whose request was not answered in time
+//! gets a new connection.
 //!
-//! What must not be here: knowledge of what the requests mean, the state of the link, the dead-man's switch. The guard does not
-//! link this crate: TLS, HTTP and an async runtime are not for a process that must not fail. Vehicles that are reached here need
-//! no guard, as their commands expire by themselves.
+//! What must not be here: knowledge of what the requests mean, the state of the link, the dead-man's switch.
+//! The guard does not link this crate: TLS, HTTP and an async runtime are not for a process that must not
+//! fail. Vehicles that are reached here need no guard, as their commands expire by themselves.
 #![forbid(unsafe_code)]
 
 pub mod link;

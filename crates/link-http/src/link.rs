@@ -20,11 +20,12 @@ use crate::port::{HttpIo, Reach};
 use crate::settings::{HttpProtocol, HttpSettings, SigmaAccess};
 use crate::{fotokite_sigma, onvif};
 
-/// Opens the link: the vehicle is reached, and the threads `link` and `http` are started. `report` takes the reports; it must
-/// not block, and returns whether there was room.
+/// Opens the link: the vehicle is reached, and the threads `link` and `http` are started. `report` takes the
+/// reports; it must not block, and returns whether there was room.
 ///
 /// # Errors
-/// If the vehicle cannot be reached now, or an API key is refused. The thread reaches for a vehicle that is lost later.
+/// If the vehicle cannot be reached now, or an API key is refused. The thread reaches for a vehicle that is
+/// lost later.
 pub fn open_link(
     settings: HttpSettings,
     faults: FaultPlan,

@@ -5,7 +5,8 @@
 pub struct VehicleVideo {
     /// The stream's name.
     pub name: String,
-    /// Its address: without encryption where there is one, otherwise in TLS (`rtsps://`); `None`: it has neither.
+    /// Its address: without encryption where there is one, otherwise in TLS (`rtsps://`); `None`: it has
+    /// neither.
     pub address: Option<String>,
     /// The names of all streams that may be chosen, this one among them.
     pub choices: Vec<String>,

@@ -21,7 +21,8 @@ use crate::lane::Queued;
 use crate::settings::HttpSettings;
 use crate::{lane, socket};
 
-/// Requests that wait in a lane: the session has one under way, and the next only after the time of the first.
+/// Requests that wait in a lane: the session has one under way, and the next only after the time of the
+/// first.
 const LANE_CAPACITY: usize = 2;
 
 /// Reaches a vehicle, so far that its calls can be sent.

@@ -5,8 +5,8 @@ use std::ops::Deref;
 
 use tokio::runtime::{Builder, Runtime};
 
-/// A runtime of the thread that drives it. Dropping it ends its tasks, and does not wait for a name that is being looked up:
-/// that takes up to half a minute, and cannot be broken off.
+/// A runtime of the thread that drives it. Dropping it ends its tasks, and does not wait for a name that is
+/// being looked up: that takes up to half a minute, and cannot be broken off.
 #[derive(Debug)]
 pub(crate) struct LinkRuntime(Option<Runtime>);
 

@@ -77,7 +77,8 @@ impl Fingerprint {
         Self(bytes)
     }
 
-    /// Reads 64 hexadecimal digits, with or without colons, as `openssl x509 -fingerprint -sha256` prints them.
+    /// Reads 64 hexadecimal digits, with or without colons, as `openssl x509 -fingerprint -sha256` prints
+    /// them.
     ///
     /// # Errors
     /// [`CredentialError::Fingerprint`].

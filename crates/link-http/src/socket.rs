@@ -19,7 +19,8 @@ use crate::lane::Queued;
 
 /// Largest message, bytes.
 const MAX_MESSAGE_BYTES: usize = 64 << 10;
-/// Bytes that wait for a vehicle that does not read, at most: answers to its pings. What is beyond ends the WebSocket.
+/// Bytes that wait for a vehicle that does not read, at most: answers to its pings. What is beyond ends the
+/// WebSocket.
 const MAX_UNSENT_BYTES: usize = 256 << 10;
 
 /// Opens a WebSocket for each request, and passes its messages on until it ends.

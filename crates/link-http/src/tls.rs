@@ -20,7 +20,8 @@ pub(crate) fn connector(trust: &Trust) -> io::Result<TlsConnector> {
     client_config(trust, None).map(|config| TlsConnector::from(Arc::new(config)))
 }
 
-/// The client that accepts what `trust` says, and shows its own certificate where it has one and is asked for it.
+/// The client that accepts what `trust` says, and shows its own certificate where it has one and is asked for
+/// it.
 ///
 /// # Errors
 /// If a file of authorities holds none, or certificate and key are not usable or do not belong together.
@@ -66,7 +67,8 @@ fn certificates(pem: &[u8]) -> io::Result<Vec<CertificateDer<'static>>> {
     all.map(|one| one.map_err(|error| io::Error::other(error.to_string()))).collect()
 }
 
-/// Accepts the one certificate with the expected fingerprint. That the vehicle has the certificate's key is checked as always.
+/// Accepts the one certificate with the expected fingerprint. That the vehicle has the certificate's key is
+/// checked as always.
 #[derive(Debug)]
 struct Pinned {
     expected: Fingerprint,

@@ -1,8 +1,9 @@
-//! A relay to a server that speaks TLS: what this program sends to a port of the loopback goes there encrypted.
+//! A relay to a server that speaks TLS: what this program sends to a port of the loopback goes there
+//! encrypted.
 //!
-//! For protocols whose library has no TLS, such as RTSP. The relay listens on 127.0.0.1 alone, while the one who started it keeps
-//! it, and passes bytes on; it reads none. Another program of this machine could use it, too: it reaches a server that this machine
-//! reaches anyway, and gets no login from the relay.
+//! For protocols whose library has no TLS, such as RTSP. The relay listens on 127.0.0.1 alone, while the one
+//! who started it keeps it, and passes bytes on; it reads none. Another program of this machine could use it,
+//! too: it reaches a server that this machine reaches anyway, and gets no login from the relay.
 
 use std::io;
 use std::net::{Ipv4Addr, SocketAddr};
@@ -25,8 +26,8 @@ use crate::tls::connector;
 
 /// Largest number of connections at a time.
 const MAX_CONNECTIONS: usize = 4;
-/// How long a connection goes on after one of its ends has closed: for what is still under way. An end whose network
-/// is cut sends no close.
+/// How long a connection goes on after one of its ends has closed: for what is still under way. An end whose
+/// network is cut sends no close.
 const CLOSE_TIMEOUT: Duration = Duration::from_secs(1);
 /// Pause after a connection that could not be accepted: too many open files stay too many for a while.
 const ACCEPT_PAUSE: Duration = Duration::from_millis(50);
@@ -147,8 +148,8 @@ async fn reach(to: &Destination) -> io::Result<Encrypted> {
     to.tls.connect(to.name.clone(), stream).await
 }
 
-/// Passes bytes both ways until one end closes, and a little longer to the other end. What is lost with a connection is the
-/// business of the protocol above.
+/// Passes bytes both ways until one end closes, and a little longer to the other end. What is lost with a
+/// connection is the business of the protocol above.
 async fn pass(near: impl Stream, far: impl Stream) {
     let (mut from_near, mut to_near) = split(near);
     let (mut from_far, mut to_far) = split(far);

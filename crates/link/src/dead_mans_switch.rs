@@ -1,4 +1,5 @@
-//! The dead-man's switch: the link rests the vehicle by itself when the run loop does not renew a moving command in time.
+//! The dead-man's switch: the link rests the vehicle by itself when the run loop does not renew a moving
+//! command in time.
 
 use barrelman_vocab::{LinkCommand, RENEWAL_GRACE, Timestamp, VehicleRates};
 
@@ -7,7 +8,8 @@ use barrelman_vocab::{LinkCommand, RENEWAL_GRACE, Timestamp, VehicleRates};
 pub struct RequestedCommand<C> {
     /// The command.
     pub command: C,
-    /// The time by which a command that moves something must be renewed. Without this time it has expired already.
+    /// The time by which a command that moves something must be renewed. Without this time it has expired
+    /// already.
     pub renew_by: Option<Timestamp>,
 }
 
@@ -31,7 +33,8 @@ pub struct DeadMansSwitch {
 }
 
 impl DeadMansSwitch {
-    /// The command that may be in force at `now`. Each time that a command expires, `on_expiry` is called once.
+    /// The command that may be in force at `now`. Each time that a command expires, `on_expiry` is called
+    /// once.
     pub fn command_in_force<C: LinkCommand>(
         &mut self,
         requested: &RequestedCommand<C>,

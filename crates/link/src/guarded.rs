@@ -1,5 +1,5 @@
-//! The link of the program to its guard: starts the guard, passes rates to it and its reports on, and starts another one if
-//! it is gone.
+//! The link of the program to its guard: starts the guard, passes rates to it and its reports on, and starts
+//! another one if it is gone.
 
 use std::io;
 use std::path::{Path, PathBuf};
@@ -86,12 +86,13 @@ pub struct GuardedLink<C: Commands = VehicleRates> {
 }
 
 impl<C: Commands> GuardedLink<C> {
-    /// Starts the guard, waits until it has tried to open the port, and starts the thread that reads what it reports. `report`
-    /// takes the reports; it must not block, and returns whether there was room.
+    /// Starts the guard, waits until it has tried to open the port, and starts the thread that reads what it
+    /// reports. `report` takes the reports; it must not block, and returns whether there was room.
     ///
     /// # Errors
-    /// If the guard cannot be started, or cannot open the port, unless the vehicle may come: that is reported, and the guard
-    /// goes on trying. A port that is lost later is reopened, and a guard that is gone is replaced.
+    /// If the guard cannot be started, or cannot open the port, unless the vehicle may come: that is
+    /// reported, and the guard goes on trying. A port that is lost later is reopened, and a guard that is
+    /// gone is replaced.
     pub fn open(
         settings: GuardedLinkSettings<impl OpenSession<Command = C>>,
         report: impl Fn(LinkReport) -> bool + Send + 'static,
@@ -119,8 +120,9 @@ impl<C: Commands> GuardedLink<C> {
         wait_until_open(&first, path).map(|()| link)
     }
 
-    /// Requests a command (rates in the vehicle's own signs), and replaces the one requested before. A command that moves
-    /// something is in force until `renew_by`: without a renewal by then, the guard rests the vehicle. Does not block.
+    /// Requests a command (rates in the vehicle's own signs), and replaces the one requested before. A
+    /// command that moves something is in force until `renew_by`: without a renewal by then, the guard rests
+    /// the vehicle. Does not block.
     pub fn send(&self, command: C, renew_by: Option<Timestamp>) {
         let requested = RequestedCommand { command, renew_by };
         let mut state = self.client.state();

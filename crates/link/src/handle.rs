@@ -44,8 +44,8 @@ impl<C: LinkCommand> LinkHandle<C> {
     /// block, and returns whether there was room for the report.
     ///
     /// # Errors
-    /// If the port cannot be opened, unless the vehicle may come ([`PortError::may_pass`]): that is reported, and the
-    /// thread goes on trying, as it does with a port that is lost later.
+    /// If the port cannot be opened, unless the vehicle may come ([`PortError::may_pass`]): that is reported,
+    /// and the thread goes on trying, as it does with a port that is lost later.
     pub fn open(
         url: &LinkUrl,
         protocol: impl OpenSession<Command = C>,
@@ -97,8 +97,8 @@ impl<C: LinkCommand> LinkHandle<C> {
         })
     }
 
-    /// Starts the thread of a worker on its port (`None`: it opens the port), which has these deliberate faults, if there are any: for
-    /// vehicles of any packets.
+    /// Starts the thread of a worker on its port (`None`: it opens the port), which has these deliberate
+    /// faults, if there are any: for vehicles of any packets.
     ///
     /// # Errors
     /// If the system has no more threads.

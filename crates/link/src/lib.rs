@@ -1,5 +1,5 @@
-//! The link to a vehicle: ports, their locks, the sessions on them, and the guard, a process of its own that outlives the
-//! program.
+//! The link to a vehicle: ports, their locks, the sessions on them, and the guard, a process of its own that
+//! outlives the program.
 //!
 //! ```text
 //!                       +---------------- guard (a process) -----------------+
@@ -11,12 +11,12 @@
 //!   LinkHandle ----> Mailbox -> thread `link`: LinkCore: Session (wire) <-> Port
 //! ```
 //!
-//! [`LinkCore`] decides what a link does: sessions, the dead-man's switch, reopening, closing. [`guard::Gate`] decides what the
-//! guard accepts. Both are plain structs without clocks, ports and threads; [`worker`] drives them. However a run ends, zeros
-//! and the vehicle's own stop are sent last.
+//! [`LinkCore`] decides what a link does: sessions, the dead-man's switch, reopening, closing.
+//! [`guard::Gate`] decides what the guard accepts. Both are plain structs without clocks, ports and threads;
+//! [`worker`] drives them. However a run ends, zeros and the vehicle's own stop are sent last.
 //!
-//! What must not be here: decoders, renderers, trackers, the pilot, knowledge of a vehicle's protocol. The guard is linked from
-//! this crate alone.
+//! What must not be here: decoders, renderers, trackers, the pilot, knowledge of a vehicle's protocol. The
+//! guard is linked from this crate alone.
 #![forbid(unsafe_code)]
 
 pub mod guarded;

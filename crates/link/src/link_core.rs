@@ -1,4 +1,5 @@
-//! What a link does, without clock, port and thread: one session after the other, the dead-man's switch, reopening, closing.
+//! What a link does, without clock, port and thread: one session after the other, the dead-man's switch,
+//! reopening, closing.
 //!
 //! ```text
 //!              opened()                    port_lost(), a failed session
@@ -9,7 +10,8 @@
 //!      Ended             Ended
 //! ```
 //!
-//! The worker acts as [`LinkCore::poll`] says, and reports what became of it. The session is that of any vehicle.
+//! The worker acts as [`LinkCore::poll`] says, and reports what became of it. The session is that of any
+//! vehicle.
 
 use std::time::Duration;
 
@@ -69,8 +71,8 @@ pub struct LinkCore<S: Session + ?Sized> {
     reported_state: Option<LinkState>,
     reported_anothers: Option<bool>,
     has_fallen_silent: bool,
-    /// What the lost sessions have left. The camera may be turning until a session is up, and the control is another client's
-    /// until the operator takes it back.
+    /// What the lost sessions have left. The camera may be turning until a session is up, and the control is
+    /// another client's until the operator takes it back.
     history: LinkHistory,
 }
 
@@ -88,8 +90,8 @@ struct Closing {
 }
 
 impl<S: Session + ?Sized> LinkCore<S> {
-    /// A link without an open port. A link that is closed after its port was lost tries once more to reach its vehicle, and goes on
-    /// trying for `persistence`.
+    /// A link without an open port. A link that is closed after its port was lost tries once more to reach
+    /// its vehicle, and goes on trying for `persistence`.
     pub fn new(open_session: SessionOpener<S>, persistence: Duration) -> Self {
         Self {
             open_session,
@@ -169,8 +171,8 @@ impl<S: Session + ?Sized> LinkCore<S> {
         }
     }
 
-    /// The packets that stop the vehicle from any state, with what the session knows of the vehicle, or, where there is none,
-    /// what the sessions before have left.
+    /// The packets that stop the vehicle from any state, with what the session knows of the vehicle, or,
+    /// where there is none, what the sessions before have left.
     pub fn last_will(&self, now: Timestamp) -> Vec<WillStep<S::Sent>> {
         match &self.session {
             Some(open) => open.session.last_will(now),
@@ -271,7 +273,8 @@ impl<S: Session + ?Sized> LinkCore<S> {
         }
     }
 
-    /// Reports whether another client has the control, if that has changed. A report without room is made again later.
+    /// Reports whether another client has the control, if that has changed. A report without room is made
+    /// again later.
     fn report_control(&mut self, is_anothers: bool, report: ReportSink<'_>) {
         if self.reported_anothers != Some(is_anothers) && report(LinkReport::Control { is_anothers }) {
             self.reported_anothers = Some(is_anothers);
@@ -286,8 +289,8 @@ mod tests {
 
     use super::*;
 
-    /// A session that is over at once, and can stop the vehicle only after it was heard. Another client has the control, if
-    /// it was heard.
+    /// A session that is over at once, and can stop the vehicle only after it was heard. Another client has
+    /// the control, if it was heard.
     #[derive(Default)]
     struct NoSession {
         is_heard: bool,

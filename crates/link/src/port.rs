@@ -1,8 +1,8 @@
 //! Ports that carry bytes: a serial port, a TCP connection, or UDP datagrams. Every wait is bounded.
 //!
-//! A serial port is locked twice, so that no other program writes to it: `flock` keeps out programs that request the
-//! lock, including root's, and `TIOCEXCL` keeps out programs that do not. Lock files are not used: they outlive the
-//! programs that made them.
+//! A serial port is locked twice, so that no other program writes to it: `flock` keeps out programs that
+//! request the lock, including root's, and `TIOCEXCL` keeps out programs that do not. Lock files are not
+//! used: they outlive the programs that made them.
 
 use std::io::{self, Read as _, Write as _};
 use std::net::{Ipv4Addr, Ipv6Addr, SocketAddr, TcpStream, ToSocketAddrs as _, UdpSocket};
@@ -16,7 +16,8 @@ use serial2::SerialPort;
 
 use crate::url::Endpoint;
 
-/// Longest time of a write. The port then counts as lost. It is less than the silence after which a guard counts as hung.
+/// Longest time of a write. The port then counts as lost. It is less than the silence after which a guard
+/// counts as hung.
 const WRITE_TIMEOUT: Duration = Duration::from_millis(100);
 /// Longest time of a connection attempt.
 const CONNECT_TIMEOUT: Duration = Duration::from_secs(1);
@@ -93,8 +94,8 @@ pub enum PortError {
 }
 
 impl PortError {
-    /// Whether the vehicle may just not be there yet: its device is not plugged in, or nobody answers. Every other
-    /// error stays until somebody corrects it.
+    /// Whether the vehicle may just not be there yet: its device is not plugged in, or nobody answers. Every
+    /// other error stays until somebody corrects it.
     pub const fn may_pass(&self) -> bool {
         match self {
             Self::Missing { .. } | Self::Unreachable { .. } => true,
@@ -245,7 +246,8 @@ fn connect(address: &str) -> io::Result<TcpStream> {
     Err(last)
 }
 
-/// Makes a peer that is gone without a word an error within seconds, whether or not something waits to be sent.
+/// Makes a peer that is gone without a word an error within seconds, whether or not something waits to be
+/// sent.
 fn watch_connection(stream: &TcpStream) -> io::Result<()> {
     sockopt::set_socket_keepalive(stream, true)?;
     sockopt::set_tcp_keepidle(stream, KEEPALIVE_INTERVAL)?;
@@ -255,8 +257,8 @@ fn watch_connection(stream: &TcpStream) -> io::Result<()> {
     Ok(())
 }
 
-/// A socket that exchanges datagrams with `address` alone. Nothing is sent yet, so that an address without a listener is
-/// noticed by the first datagram at the earliest.
+/// A socket that exchanges datagrams with `address` alone. Nothing is sent yet, so that an address without a
+/// listener is noticed by the first datagram at the earliest.
 fn connect_datagrams(address: &str) -> io::Result<UdpSocket> {
     let mut last = io::Error::new(io::ErrorKind::NotFound, "the name has no address");
     for candidate in address.to_socket_addrs()? {

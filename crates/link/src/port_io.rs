@@ -43,8 +43,8 @@ pub trait PortIo {
     /// If the port is lost.
     fn receive(&self, port: &mut Self::Port, each: &mut dyn FnMut(&Self::Received)) -> io::Result<()>;
 
-    /// Waits until something arrives at `port` or the mailbox is changed, at most for `wait`. Returns whether the port is
-    /// readable.
+    /// Waits until something arrives at `port` or the mailbox is changed, at most for `wait`. Returns whether
+    /// the port is readable.
     fn wait(&self, port: Option<&Self::Port>, wait: Duration) -> bool;
 
     /// Waits for the whole of `pause`.
@@ -95,7 +95,8 @@ impl<C: LinkCommand> PortIo for MachineIo<C> {
     }
 }
 
-/// Waits until something arrives at `port` or the mailbox is changed, at most for `wait`. Returns whether the port is readable.
+/// Waits until something arrives at `port` or the mailbox is changed, at most for `wait`. Returns whether the
+/// port is readable.
 pub fn wait_for_port<C: LinkCommand>(mailbox: &Mailbox<C>, port: Option<&impl AsFd>, wait: Duration) -> bool {
     let waker = PollFd::new(mailbox.waker(), PollFlags::IN);
     let is_readable = match port {

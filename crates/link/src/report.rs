@@ -19,8 +19,8 @@ pub enum LinkReport {
         /// Whether the vehicle may still be turning the camera.
         may_be_turning: bool,
     },
-    /// Whether another client has the control of the vehicle now, as the session takes it: reported at first and at each
-    /// change.
+    /// Whether another client has the control of the vehicle now, as the session takes it: reported at first
+    /// and at each change.
     Control {
         /// Whether it has; the operator has not taken the control back.
         is_anothers: bool,

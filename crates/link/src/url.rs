@@ -1,5 +1,5 @@
-//! Addresses of links: `serial:/dev/ttyACM0?baud=115200`, `tcp://host:port`, `udp://host:port`, or `sim:` for a
-//! simulated camera. The vehicle's profile says what is spoken there.
+//! Addresses of links: `serial:/dev/ttyACM0?baud=115200`, `tcp://host:port`, `udp://host:port`, or `sim:` for
+//! a simulated camera. The vehicle's profile says what is spoken there.
 
 use std::fmt;
 use std::path::PathBuf;

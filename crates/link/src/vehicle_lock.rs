@@ -1,14 +1,15 @@
 //! One run for each vehicle: a lock for the address of a vehicle on this machine.
 //!
-//! Two runs on one serial port are kept apart by the port's own lock. A network takes any number of connections, and two runs
-//! would each command their own rates. The lock is a socket with an abstract name (`unix(7)`): it is one for all users, ends with
-//! the last process that holds it, whatever ends that process, and leaves no file that could be in the way or lead elsewhere.
+//! Two runs on one serial port are kept apart by the port's own lock. A network takes any number of
+//! connections, and two runs would each command their own rates. The lock is a socket with an abstract name
+//! (`unix(7)`): it is one for all users, ends with the last process that holds it, whatever ends that
+//! process, and leaves no file that could be in the way or lead elsewhere.
 //!
-//! The program takes the lock, and its guard holds the same socket as its standard output. So the lock lasts until the guard of a
-//! program that was killed has sent its zeros, and the next run waits for that.
+//! The program takes the lock, and its guard holds the same socket as its standard output. So the lock lasts
+//! until the guard of a program that was killed has sent its zeros, and the next run waits for that.
 //!
-//! Addresses count as the same after names are looked up. Not seen: a vehicle with several addresses, and a run in another network
-//! namespace (most containers).
+//! Addresses count as the same after names are looked up. Not seen: a vehicle with several addresses, and a
+//! run in another network namespace (most containers).
 
 use std::fmt::Write as _;
 use std::fs;
@@ -82,8 +83,8 @@ pub enum VehicleLockError {
 }
 
 impl VehicleLock {
-    /// Takes the lock of an address. Waits for a guard whose program is gone, and tells `on_wait` once whom it waits for.
-    /// `None`: the address is that of a simulated camera, which needs none.
+    /// Takes the lock of an address. Waits for a guard whose program is gone, and tells `on_wait` once whom
+    /// it waits for. `None`: the address is that of a simulated camera, which needs none.
     ///
     /// # Errors
     /// [`VehicleLockError`] says who holds it.
@@ -158,8 +159,8 @@ fn key_of(endpoint: &Endpoint) -> Option<(String, String)> {
     })
 }
 
-/// `host:port` with the host's address in one form: the least of its addresses, and 127.0.0.1 for every name of this machine's
-/// loopback.
+/// `host:port` with the host's address in one form: the least of its addresses, and 127.0.0.1 for every name
+/// of this machine's loopback.
 fn resolved(authority: &str) -> String {
     let found = authority.to_socket_addrs().ok().into_iter().flatten();
     let in_one_form = |ip: IpAddr| match ip.to_canonical() {

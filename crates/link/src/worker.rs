@@ -71,8 +71,9 @@ where
         self.mailbox.set_stop_sent(is_stop_sent);
     }
 
-    /// Reports the panic, which ends the run. A loop that has no room for the report either makes some, or closes the
-    /// link: the thread does not wait for a loop that waits for the thread, nor for a program that is gone.
+    /// Reports the panic, which ends the run. A loop that has no room for the report either makes some, or
+    /// closes the link: the thread does not wait for a loop that waits for the thread, nor for a program that
+    /// is gone.
     fn report_panic(&self) {
         for _ in 0..REPORT_ATTEMPTS {
             if (self.report)(LinkReport::Panicked) || self.mailbox.requested().is_closing {
@@ -137,8 +138,8 @@ where
         }
     }
 
-    /// Stops the vehicle by the last will of its session; by a new session's, if this one's panics, too. Returns whether the
-    /// vehicle was told to stop, or needs no stop.
+    /// Stops the vehicle by the last will of its session; by a new session's, if this one's panics, too.
+    /// Returns whether the vehicle was told to stop, or needs no stop.
     fn stop_after_panic(&self, core: &LinkCore<S>, port: &mut I::Port) -> bool {
         let now = self.io.now();
         let own = catch_unwind(AssertUnwindSafe(|| (core.last_will(now), core.may_be_turning())));

@@ -1,5 +1,6 @@
-//! `cargo run -p barrelman-manuals -- DIR`: writes the completions for bash, fish and zsh into a folder, and the manual pages
-//! into a folder below it for each package, from the definitions of the command line that the program itself uses.
+//! `cargo run -p barrelman-manuals -- DIR`: writes the completions for bash, fish and zsh into a folder, and
+//! the manual pages into a folder below it for each package, from the definitions of the command line that
+//! the program itself uses.
 //!
 //! A crate of its own, so that the program holds neither of the generators.
 

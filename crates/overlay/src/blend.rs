@@ -1,8 +1,9 @@
 //! Blends a layer of red, green and blue into the samples of a YUV 4:2:0 picture.
 //!
-//! With opacity α (0 to 1) and the layer's premultiplied colour, a sample s becomes s (1 - α) + m · rgb + o α. Here m is
-//! the row of the matrix for the plane, scaled to the range, and o the sample of black (16 or 0 in Y, 128 in U and V). A
-//! chroma sample uses the mean of its up to four pixels. Integer arithmetic in units of 1 / (255 x 256), rounded once.
+//! With opacity α (0 to 1) and the layer's premultiplied colour, a sample s becomes s (1 - α) + m · rgb + o
+//! α. Here m is the row of the matrix for the plane, scaled to the range, and o the sample of black (16 or 0
+//! in Y, 128 in U and V). A chroma sample uses the mean of its up to four pixels. Integer arithmetic in units
+//! of 1 / (255 x 256), rounded once.
 
 use core::ops::Range;
 
@@ -43,8 +44,8 @@ impl MatrixRow {
         ]
     }
 
-    /// The sample blended with a colour. The colour and the opacity are sums over `pixels` pixels: four, or fewer at the
-    /// picture's edge.
+    /// The sample blended with a colour. The colour and the opacity are sums over `pixels` pixels: four, or
+    /// fewer at the picture's edge.
     #[inline(always)]
     fn blend(&self, sample: u8, [red, green, blue, opacity]: [i32; 4], pixels: i32) -> u8 {
         let kept = i32::from(sample) * (255 * pixels - opacity) + self.black * opacity;
@@ -53,8 +54,8 @@ impl MatrixRow {
         ((kept * 256 + added + whole / 2) / whole).clamp(0, 255) as u8
     }
 
-    /// As [`Self::blend`] for Y and one pixel. All values are non-negative and there is no branch, so that the compiler
-    /// vectorises a row; at opacity 0 the result is the sample.
+    /// As [`Self::blend`] for Y and one pixel. All values are non-negative and there is no branch, so that
+    /// the compiler vectorises a row; at opacity 0 the result is the sample.
     #[inline(always)]
     fn blend_luma(&self, sample: u8, pixel: [u8; 4]) -> u8 {
         let [red, green, blue, opacity] = pixel.map(u32::from);

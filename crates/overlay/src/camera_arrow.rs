@@ -1,5 +1,5 @@
-//! The camera's motion as an arrow near the picture's edge: filled for the command in force, dashed for a command that
-//! the law advises while the camera rests.
+//! The camera's motion as an arrow near the picture's edge: filled for the command in force, dashed for a
+//! command that the law advises while the camera rests.
 
 use barrelman_vocab::{CameraCommand, PixelBox, VehicleRates};
 use tiny_skia::Path;
@@ -129,7 +129,8 @@ fn write_label(buffer: &mut String, motion: Motion, shown: CameraCommand, rates:
     buffer.push_str(" rad/s");
 }
 
-/// The possible places of an arrow with its label: along the edge that the arrow points to, at a distance of `gap`.
+/// The possible places of an arrow with its label: along the edge that the arrow points to, at a distance of
+/// `gap`.
 fn choices(
     picture_bounds: PixelBox,
     motion: Motion,

@@ -30,8 +30,8 @@ impl Overlay {
         Self::default()
     }
 
-    /// Makes `out` a copy of the frame's picture with the scene drawn on it. The picture may have any size. Elements of
-    /// the scene with numbers that are not finite are left out.
+    /// Makes `out` a copy of the frame's picture with the scene drawn on it. The picture may have any size.
+    /// Elements of the scene with numbers that are not finite are left out.
     pub fn draw(&mut self, frame: &VideoFrame, scene: &Scene<'_>, out: &mut Picture) {
         let picture = &*frame.picture;
         let size = picture.size();

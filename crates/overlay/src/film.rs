@@ -1,6 +1,7 @@
 //! Writes an annotated video: frames with their scenes drawn on them.
 //!
-//! The first frame sets the size. A frame of another size, as after a change of the stream's resolution, is fitted into it.
+//! The first frame sets the size. A frame of another size, as after a change of the stream's resolution, is
+//! fitted into it.
 
 use std::path::PathBuf;
 
@@ -32,7 +33,8 @@ pub struct Film {
 }
 
 impl Film {
-    /// A film in `file`, with a region of these shares of the picture. Nothing is written before the first frame.
+    /// A film in `file`, with a region of these shares of the picture. Nothing is written before the first
+    /// frame.
     pub fn new(file: OutputFile, shares: RegionShares) -> Self {
         Self {
             path: file.path().to_owned(),

@@ -71,8 +71,8 @@ fn draw(source: Plane<'_>, out: &mut [u8], width: usize, place: Place) {
     }
 }
 
-/// The two samples of `source` around the middle of the pixel `at` of `target` pixels, and the share of the second,
-/// in parts of 256.
+/// The two samples of `source` around the middle of the pixel `at` of `target` pixels, and the share of the
+/// second, in parts of 256.
 fn between(at: usize, target: usize, source: usize) -> (usize, usize, u32) {
     let last = source.saturating_sub(1);
     let position = ((at as f64 + 0.5) * source as f64 / target as f64 - 0.5).clamp(0.0, last as f64);

@@ -1,7 +1,7 @@
 //! A grid of pixel coordinates over a picture, to read a box from.
 //!
-//! Labelled lines lie at multiples of a round number of pixels, fainter ones at fifths of it. A line lies on the edge
-//! between two pixels: the line 100 has the pixel 99 on its left and the pixel 100 on its right.
+//! Labelled lines lie at multiples of a round number of pixels, fainter ones at fifths of it. A line lies on
+//! the edge between two pixels: the line 100 has the pixel 99 on its left and the pixel 100 on its right.
 
 use barrelman_vocab::{Picture, PixelBox};
 

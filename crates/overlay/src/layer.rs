@@ -1,7 +1,7 @@
 //! A transparent layer of premultiplied red, green, blue and opacity.
 //!
-//! The layer is divided into square tiles. Each drawing operation marks the tiles that it can reach; only those are
-//! cleared for the next frame and blended into a picture.
+//! The layer is divided into square tiles. Each drawing operation marks the tiles that it can reach; only
+//! those are cleared for the next frame and blended into a picture.
 
 use barrelman_vocab::{PictureSize, PixelBox};
 use tiny_skia::{BlendMode, FillRule, Paint, Path, PathSegment, Pixmap, Point, Rect, Stroke, Transform};
@@ -44,8 +44,8 @@ impl Coverage {
 }
 
 impl Layer {
-    /// Makes the layer transparent, in the size of a picture. `false` if no layer of this size is possible: the picture
-    /// is empty or too large.
+    /// Makes the layer transparent, in the size of a picture. `false` if no layer of this size is possible:
+    /// the picture is empty or too large.
     pub(super) fn begin(&mut self, size: PictureSize) -> bool {
         if self
             .pixels
@@ -122,8 +122,8 @@ impl Layer {
         }
     }
 
-    /// Fills a closed path with one colour that replaces the pixels, without antialiasing: for large faint areas below
-    /// all else.
+    /// Fills a closed path with one colour that replaces the pixels, without antialiasing: for large faint
+    /// areas below all else.
     pub(super) fn fill_replacing(&mut self, path: &Path, colour: Rgba) {
         let bounds = path.bounds();
         self.mark_drawn(bounds.left(), bounds.top(), bounds.right(), bounds.bottom());

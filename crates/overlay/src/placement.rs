@@ -54,8 +54,8 @@ impl LabelPlacement {
         Some(free)
     }
 
-    /// Reserves one of the boxes: the last one while it is free, so that labels do not jump; otherwise the first free
-    /// one.
+    /// Reserves one of the boxes: the last one while it is free, so that labels do not jump; otherwise the
+    /// first free one.
     pub(super) fn place_stable(
         &mut self,
         last: &mut Option<usize>,

@@ -1,4 +1,5 @@
-//! The elliptical region, the diagonals that divide the picture outside of it into four sectors, and the active sector.
+//! The elliptical region, the diagonals that divide the picture outside of it into four sectors, and the
+//! active sector.
 //!
 //! The diagonals are |x| = |y| in pixels: they do not run to the picture's corners. See `docs/law.md`.
 
@@ -15,7 +16,8 @@ use super::style::{Detail, Rgba};
 /// Number of chords of the ellipse: at 1080 lines the error is below a twentieth of a pixel.
 const CHORDS: u32 = 256;
 
-/// The region's ellipse in the direction of an angle from the picture's centre, anticlockwise from image right.
+/// The region's ellipse in the direction of an angle from the picture's centre, anticlockwise from image
+/// right.
 fn on_ellipse(region: Region, direction: f64) -> ImagePoint {
     let (s, c) = (libm::sin(direction), libm::cos(direction));
     let distance = 1.0 / libm::hypot(c / region.a_px, s / region.b_px);
@@ -35,8 +37,8 @@ pub(super) struct RegionLayer {
 }
 
 impl RegionLayer {
-    /// Begins the canvas's layer with the region and, where P > 1, the active sector. `false` if the layer cannot have
-    /// the size of the picture.
+    /// Begins the canvas's layer with the region and, where P > 1, the active sector. `false` if the layer
+    /// cannot have the size of the picture.
     pub(super) fn begin(
         &mut self,
         canvas: &mut Canvas,

@@ -47,8 +47,9 @@ impl<'a> Scene<'a> {
         }
     }
 
-    /// The scene of a pilot's step. The caller adds rates, link and explanation: `Scene { rates: Some(rates), ..scene }`.
-    /// `None` before the pilot's first video frame or localisation, which determines the region.
+    /// The scene of a pilot's step. The caller adds rates, link and explanation:
+    /// `Scene { rates: Some(rates), ..scene }`. `None` before the pilot's first video frame or localisation,
+    /// which determines the region.
     pub fn from_outcome(outcome: &'a Outcome) -> Option<Self> {
         Some(Self {
             percept: outcome.percept,

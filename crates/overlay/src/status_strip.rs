@@ -1,4 +1,5 @@
-//! The status strip along the bottom, or along the top while the target is at the bottom, and the banner of a lost target.
+//! The status strip along the bottom, or along the top while the target is at the bottom, and the banner of a
+//! lost target.
 
 use core::ops::Range;
 use std::fmt::Write;

@@ -65,7 +65,8 @@ pub(super) enum Detail {
     /// Lines only: there is no room for text below 200 x 120 pixels.
     #[default]
     Bare,
-    /// The status strip, the lost banner and the tracker's panel, but no labels in the picture: below 480 x 300 pixels.
+    /// The status strip, the lost banner and the tracker's panel, but no labels in the picture: below 480 x
+    /// 300 pixels.
     Sparse,
     /// Everything.
     Full,
@@ -84,8 +85,8 @@ pub(super) struct Style {
     pub(super) margin: f64,
 }
 
-/// Height of the reference picture, lines: the sizes of lines, text and margins are given for it and scale with the
-/// picture.
+/// Height of the reference picture, lines: the sizes of lines, text and margins are given for it and scale
+/// with the picture.
 const REFERENCE_LINES: f32 = 720.0;
 
 impl Style {

@@ -1,4 +1,5 @@
-//! The target in the picture: box, axes, heading, the line from the picture's centre with r and the angle, and P.
+//! The target in the picture: box, axes, heading, the line from the picture's centre with r and the angle,
+//! and P.
 
 use core::f64::consts::PI;
 use std::fmt::Write;

@@ -1,7 +1,7 @@
 //! Draws text in DejaVu Sans Condensed, glyph by glyph, from a cache of coverages.
 //!
-//! The font is embedded from the `dejavu` crate; the Bitstream Vera licence allows this. Glyphs are cached for four
-//! positions within a pixel, so that letters are evenly spaced at small sizes.
+//! The font is embedded from the `dejavu` crate; the Bitstream Vera licence allows this. Glyphs are cached
+//! for four positions within a pixel, so that letters are evenly spaced at small sizes.
 
 use std::collections::BTreeMap;
 use std::fmt::Write;

@@ -1,6 +1,6 @@
-//! The tracker's explanation: the search window in the picture, and a panel in a corner with the tracker's state and
-//! confidence, the target probability of the examined pixels (back projection), the response of the correlation filter,
-//! and the hue histogram. Parts that a tracker does not have are left out.
+//! The tracker's explanation: the search window in the picture, and a panel in a corner with the tracker's
+//! state and confidence, the target probability of the examined pixels (back projection), the response of the
+//! correlation filter, and the hue histogram. Parts that a tracker does not have are left out.
 
 use std::fmt::Write;
 
@@ -178,7 +178,8 @@ fn insets_of(explanation: &Explanation) -> Vec<Inset<'_>> {
     insets
 }
 
-/// Draws a part of a map as large as fits into a box, with a colour scale from dark over the map's colour to white.
+/// Draws a part of a map as large as fits into a box, with a colour scale from dark over the map's colour to
+/// white.
 fn draw_inset(
     canvas: &mut Canvas,
     body: PixelBox,
@@ -243,7 +244,8 @@ fn heat(value: u8, colour: Rgba) -> Rgba {
     }
 }
 
-/// Draws a bar for each bin of a hue histogram in the colour of its hue. A thin line below shows the hue of each bin.
+/// Draws a bar for each bin of a hue histogram in the colour of its hue. A thin line below shows the hue of
+/// each bin.
 fn draw_hues(canvas: &mut Canvas, place: PixelBox, bins: &[u8]) {
     if bins.is_empty() {
         return;

@@ -2,10 +2,11 @@
 //! followed or on demand.
 //!
 //! A round begins with the places of a picture that stand out. One of them is looked at every [`LOOK_EVERY`]:
-//! the proposer finds the object's box there, or none. A tracker follows the object from then on. A candidate is
-//! shown after it was found in two rounds, and keeps its number until its tracker loses it, or it was missed in
-//! three. A candidate may be anything: boat, person, buoy, foam. Where a detector runs, it says what some of them
-//! are, and finds others; persons that it detects are shown while the boat is followed, too, to be marked.
+//! the proposer finds the object's box there, or none. A tracker follows the object from then on. A candidate
+//! is shown after it was found in two rounds, and keeps its number until its tracker loses it, or it was
+//! missed in three. A candidate may be anything: boat, person, buoy, foam. Where a detector runs, it says
+//! what some of them are, and finds others; persons that it detects are shown while the boat is followed,
+//! too, to be marked.
 //!
 //! Each look costs less than 10 ms; times are those of capture, so that a replay repeats them.
 
@@ -28,8 +29,8 @@ const LOOK_EVERY: Duration = Duration::from_millis(150);
 /// Rounds in which an object must be found before it is shown, and may be missed before it is forgotten.
 const FOUND: u32 = 2;
 const MISSED: u32 = 3;
-/// Least IoU of the boxes of a candidate and of the detection that names it. The proposer's box may be a part of
-/// the object.
+/// Least IoU of the boxes of a candidate and of the detection that names it. The proposer's box may be a part
+/// of the object.
 const SAME_IOU: f64 = 0.1;
 
 /// An object that may be the wanted one.
@@ -83,7 +84,8 @@ impl Known {
         (self.missed, self.is_in_round) = (0, true);
     }
 
-    /// The object was detected in a video frame. Of several detections the first one, of the highest score, counts.
+    /// The object was detected in a video frame. Of several detections the first one, of the highest score,
+    /// counts.
     fn on_detected(&mut self, classification: Classification, captured: Timestamp) {
         if self.classification.is_none_or(|(_, at)| at != captured) {
             self.found += 1;
@@ -130,7 +132,8 @@ impl Candidates {
         shown
     }
 
-    /// The candidate of a number. Beside the boat, persons have none: a wrong key would follow another object.
+    /// The candidate of a number. Beside the boat, persons have none: a wrong key would follow another
+    /// object.
     pub(crate) fn numbered(&self, number: u32) -> Option<Candidate> {
         let is_offered = |candidate: &Candidate| self.sought == Sought::Objects && candidate.number == number;
         self.shown().into_iter().flatten().find(is_offered)
@@ -150,8 +153,8 @@ impl Candidates {
         self.looked = None;
     }
 
-    /// Follows the candidates in the newest frame, and looks at the next place when that is due. `others`: the
-    /// boxes of what is followed otherwise.
+    /// Follows the candidates in the newest frame, and looks at the next place when that is due. `others`:
+    /// the boxes of what is followed otherwise.
     pub(crate) fn on_frame(
         &mut self,
         frame: &VideoFrame,
@@ -243,8 +246,8 @@ impl Candidates {
         self.detected.set(detections);
     }
 
-    /// Names the candidates that were detected. Others are added, at most one in a frame, as a new tracker costs
-    /// time; the rest waits. Like what the proposer finds, they are shown once they are found again.
+    /// Names the candidates that were detected. Others are added, at most one in a frame, as a new tracker
+    /// costs time; the rest waits. Like what the proposer finds, they are shown once they are found again.
     fn take_detections(
         &mut self,
         frame: &VideoFrame,

@@ -1,7 +1,7 @@
 //! How much of the picture's growth is that of the zoom, for a camera that does not report its field of view.
 //!
-//! Waves that come nearer let the picture of the water grow, too, at the same rate at each focal length. What grows while the
-//! zoom rests is therefore averaged, and subtracted while it moves.
+//! Waves that come nearer let the picture of the water grow, too, at the same rate at each focal length. What
+//! grows while the zoom rests is therefore averaged, and subtracted while it moves.
 
 use barrelman_control::camera_model::UnreportedZoom;
 use barrelman_vision::PictureGrowth;
@@ -25,8 +25,8 @@ pub(crate) struct Growth {
 pub(crate) struct ZoomGrowth {
     pictures: PictureGrowth,
     last: Option<Timestamp>,
-    /// Mean rate of the growth while the zoom rests, per second, and how long it was measured, seconds, at most
-    /// [`MEMORY_S`].
+    /// Mean rate of the growth while the zoom rests, per second, and how long it was measured, seconds, at
+    /// most [`MEMORY_S`].
     at_rest: (f64, f64),
 }
 

@@ -23,8 +23,9 @@ pub(crate) struct HeldMarks {
 }
 
 impl HeldMarks {
-    /// Begins to hold a mark that was set or moved at a pixel of a video frame. Nothing is held where no object
-    /// is found there, where the object is the `boat`, or is held already, and while too many marks are held.
+    /// Begins to hold a mark that was set or moved at a pixel of a video frame. Nothing is held where no
+    /// object is found there, where the object is the `boat`, or is held already, and while too many marks
+    /// are held.
     pub(crate) fn hold(
         &mut self,
         id: u32,

@@ -12,8 +12,8 @@ use crate::outcome::Refusal;
 pub(crate) const KEPT: Duration = Duration::from_millis(1500);
 /// Largest number of frames that are kept: 1.5 s at 60 frames a second.
 const CAPACITY: usize = 96;
-/// Largest size of the kept pictures together, bytes. A frame of 1280 x 720 pixels takes 1.4 MB: at 30 frames a second,
-/// 46 frames take 64 MB. Of pictures of 3840 x 2160 pixels 21 frames are kept, 0.7 s.
+/// Largest size of the kept pictures together, bytes. A frame of 1280 x 720 pixels takes 1.4 MB: at 30 frames
+/// a second, 46 frames take 64 MB. Of pictures of 3840 x 2160 pixels 21 frames are kept, 0.7 s.
 const MAX_BYTES: usize = 256 << 20;
 /// A selection whose frame was not processed is applied to the nearest one within this time.
 const NEAREST: Duration = Duration::from_millis(50);

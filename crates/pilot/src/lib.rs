@@ -1,11 +1,12 @@
-//! The pilot joins localisation and control: each [`Pilot::step`] processes one [`Input`] and returns one [`Outcome`].
+//! The pilot joins localisation and control: each [`Pilot::step`] processes one [`Input`] and returns one
+//! [`Outcome`].
 //!
-//! Live, simulated and replayed runs call the same function; they differ in the source of the inputs and the use of the
-//! outcomes. The function is total: it cannot fail or block, and it depends only on its arguments and the pilot's
-//! state. It does not allocate after the first few video frames.
+//! Live, simulated and replayed runs call the same function; they differ in the source of the inputs and the
+//! use of the outcomes. The function is total: it cannot fail or block, and it depends only on its arguments
+//! and the pilot's state. It does not allocate after the first few video frames.
 //!
-//! What must not be here: clocks, threads, files, vehicle signs, protocols, and a second place that decides whether the
-//! camera may move: only [`safety`] decides it, and for the boat only [`vessel::gate`].
+//! What must not be here: clocks, threads, files, vehicle signs, protocols, and a second place that decides
+//! whether the camera may move: only [`safety`] decides it, and for the boat only [`vessel::gate`].
 #![forbid(unsafe_code)]
 
 pub mod step;

@@ -1,7 +1,8 @@
 //! Licences to move: for which purpose the camera may move, and until when.
 //!
-//! A licence is the operator's consent to one purpose, renewed again and again by what that purpose needs. There is at most
-//! one at a time. A licence that is not renewed within its time to live does not move the camera.
+//! A licence is the operator's consent to one purpose, renewed again and again by what that purpose needs.
+//! There is at most one at a time. A licence that is not renewed within its time to live does not move the
+//! camera.
 //!
 //! ```text
 //!                  consent             renewed by                       ends by itself
@@ -16,9 +17,11 @@
 //!     +------------- withdraw ------------+
 //! ```
 //!
-//! A search that took the place of following gives the licence back when it has found the target or has given up.
+//! A search that took the place of following gives the licence back when it has found the target or has given
+//! up.
 //!
-//! Whether commands reach the camera, and whether video arrives, is not here: [`crate::safety`] asks for both.
+//! Whether commands reach the camera, and whether video arrives, is not here: [`crate::safety`] asks for
+//! both.
 
 use core::time::Duration;
 
@@ -59,7 +62,8 @@ pub struct Licences {
 }
 
 impl Licences {
-    /// No licence. A fresh localisation lets the camera follow for `coast_motion`, at most [`MAX_COAST_MOTION`].
+    /// No licence. A fresh localisation lets the camera follow for `coast_motion`, at most
+    /// [`MAX_COAST_MOTION`].
     pub fn new(coast_motion: Duration) -> Self {
         Self {
             coast_motion: coast_motion.min(MAX_COAST_MOTION),
@@ -68,8 +72,8 @@ impl Licences {
         }
     }
 
-    /// The operator consents to a purpose. Consent to follow ends every other purpose, and a stop. The others need a
-    /// camera without a licence; a search may take the place of following.
+    /// The operator consents to a purpose. Consent to follow ends every other purpose, and a stop. The others
+    /// need a camera without a licence; a search may take the place of following.
     ///
     /// # Errors
     /// The reason, if another purpose or a stop is in the way. Nothing changes then.
@@ -100,7 +104,8 @@ impl Licences {
         }
     }
 
-    /// Ends a search that has come to its end: the camera follows again if it did before. Returns whether it does.
+    /// Ends a search that has come to its end: the camera follows again if it did before. Returns whether it
+    /// does.
     pub fn finish_search(&mut self, now: Timestamp) -> bool {
         if self.held() != Some(Purpose::Search) {
             return false;
@@ -160,8 +165,8 @@ impl Licences {
         }
     }
 
-    /// The purpose for which the camera may move now. A time before the consent or its renewal permits nothing: the
-    /// licence's age is not known then.
+    /// The purpose for which the camera may move now. A time before the consent or its renewal permits
+    /// nothing: the licence's age is not known then.
     pub fn in_force(&self, now: Timestamp) -> Option<Purpose> {
         let Holder::Purpose { purpose, renewed_at: Some(renewed_at), .. } = self.holder else { return None };
         (renewed_at <= now && self.ends_at().is_some_and(|ends| now < ends)).then_some(purpose)

@@ -1,8 +1,8 @@
 //! The net yaw: by how much the vehicle has turned about the vertical, which twists its tether.
 //!
-//! The net yaw is the pan of the camera model, integrated from the rates that left, plus an offset. The offset is set by
-//! the operator, and corrected by the yaw of the vehicle's reported attitude where the profile knows its sense. The net yaw
-//! keeps counting while the link is down: the tether stays twisted.
+//! The net yaw is the pan of the camera model, integrated from the rates that left, plus an offset. The
+//! offset is set by the operator, and corrected by the yaw of the vehicle's reported attitude where the
+//! profile knows its sense. The net yaw keeps counting while the link is down: the tether stays twisted.
 
 use core::f64::consts::{PI, TAU};
 

@@ -2,8 +2,8 @@
 //! own.
 //!
 //! The boat is tracked first. The others share what is left of a step: at most [`TRACKED_PER_FRAME`] of them
-//! are tracked in a frame, in turns, one of them in search of a lost object. The work is bounded by counts, not
-//! by time, so that a replay repeats it.
+//! are tracked in a frame, in turns, one of them in search of a lost object. The work is bounded by counts,
+//! not by time, so that a replay repeats it.
 
 use barrelman_vision::{FusedConfig, FusedTracker, Tracker};
 use barrelman_vocab::{
@@ -187,8 +187,8 @@ impl ObjectTrackers {
         }
     }
 
-    /// Two trackers never follow one object: the one that expected it farther away loses it. An object within the
-    /// box of the boat is hidden by it.
+    /// Two trackers never follow one object: the one that expected it farther away loses it. An object within
+    /// the box of the boat is hidden by it.
     pub(crate) fn separate(&mut self, boat: Option<PixelBox>) {
         for index in 0..self.objects.len() {
             let (before, rest) = self.objects.split_at_mut(index);

@@ -1,9 +1,10 @@
 //! Where the water frame lies on Earth, from what the vehicle reports.
 //!
-//! Two reports are needed: the position of the vehicle, and the direction of the camera's axis from north. The camera's model
-//! tells the pan at the time of that report, so that the direction of pan 0 is the difference. Without one of the two there is
-//! no latitude and longitude of anything on the water, and the reason is told. Not handled: how far the camera hangs from the
-//! antenna, and how far the vehicle moved since a mark was set.
+//! Two reports are needed: the position of the vehicle, and the direction of the camera's axis from north.
+//! The camera's model tells the pan at the time of that report, so that the direction of pan 0 is the
+//! difference. Without one of the two there is no latitude and longitude of anything on the water, and the
+//! reason is told. Not handled: how far the camera hangs from the antenna, and how far the vehicle moved
+//! since a mark was set.
 
 use core::fmt;
 use core::time::Duration;
@@ -47,7 +48,8 @@ impl EarthReports {
         }
     }
 
-    /// The vehicle tells the direction of the camera's axis from north, at which the model has this pan (radians).
+    /// The vehicle tells the direction of the camera's axis from north, at which the model has this pan
+    /// (radians).
     pub(crate) fn on_heading(&mut self, heading: Angle, pan: f64, at: Timestamp) {
         let ahead = heading.radians() - pan;
         if ahead.is_finite() {

@@ -1,24 +1,27 @@
 //! Motion against the command: the picture turns the other way than the camera was told to.
 //!
-//! The usual cause is a wrong sign in the vehicle profile: the camera then turns away from the target, faster and faster.
-//! The tracker measures the shift of the background between two video frames; the camera model tells, from the commands
-//! and their dead times and lags, which part of a shift each axis makes. Two hypotheses are compared for each axis:
-//! the axis makes no shift, or it makes the opposite one. With the measured shift m, the predicted shifts s of the axis
-//! and o of the other axis, and a variance v of what turns the camera besides the commands,
+//! The usual cause is a wrong sign in the vehicle profile: the camera then turns away from the target, faster
+//! and faster. The tracker measures the shift of the background between two video frames; the camera model
+//! tells, from the commands and their dead times and lags, which part of a shift each axis makes. Two
+//! hypotheses are compared for each axis: the axis makes no shift, or it makes the opposite one. With the
+//! measured shift m, the predicted shifts s of the axis and o of the other axis, and a variance v of what
+//! turns the camera besides the commands,
 //!
 //! ```text
 //!   log likelihood ratio = (|m - o|^2 - |m - o + s|^2) / (2 v),     v = (sway x focal length)^2 x interval + noise^2
 //! ```
-//! The sum of the ratios, never below zero, is a CUSUM test (Page, Biometrika 41, 1954). Sway that happens to look like the
-//! opposite motion is rare: with a camera that turns as it was told, the sum passes [`EVIDENCE`] with a probability of
-//! about exp(-3 x EVIDENCE) in one motion. A camera that does not turn at all gives no evidence.
+//! The sum of the ratios, never below zero, is a CUSUM test (Page, Biometrika 41, 1954). Sway that happens to
+//! look like the opposite motion is rare: with a camera that turns as it was told, the sum passes
+//! [`EVIDENCE`] with a probability of about exp(-3 x EVIDENCE) in one motion. A camera that does not turn at
+//! all gives no evidence.
 //!
-//! The noise of this test is that of a windy day, so that it takes its time. Where the picture was calm while the camera
-//! rested ([`crate::sway_estimate`]), a second test needs [`OPPOSED_FOR`] alone: in each frame of that time the picture
-//! turned by more than half of the predicted rate the other way, and by more than [`CALM_FACTOR`] times the sway.
+//! The noise of this test is that of a windy day, so that it takes its time. Where the picture was calm while
+//! the camera rested ([`crate::sway_estimate`]), a second test needs [`OPPOSED_FOR`] alone: in each frame of
+//! that time the picture turned by more than half of the predicted rate the other way, and by more than
+//! [`CALM_FACTOR`] times the sway.
 //!
-//! Not handled: rates below [`LEAST_RATE`], a picture without a background that can be registered, and a vehicle that is
-//! carried by the wind faster than it is told to turn.
+//! Not handled: rates below [`LEAST_RATE`], a picture without a background that can be registered, and a
+//! vehicle that is carried by the wind faster than it is told to turn.
 
 use core::time::Duration;
 
@@ -39,9 +42,11 @@ const SHIFT_NOISE_PX: f64 = 1.5;
 const PREDICTION_ERROR: f64 = 0.3;
 /// Predicted rates below this say nothing, rad/s.
 const LEAST_RATE: f64 = 0.05;
-/// The axis must have turned in the predicted direction for this time: dead times and lags differ from the profile.
+/// The axis must have turned in the predicted direction for this time: dead times and lags differ from the
+/// profile.
 const STEADY_FOR: Duration = Duration::from_millis(200);
-/// The second test: least predicted rate, rad/s, and least opposite rate as a multiple of the sway's standard deviation.
+/// The second test: least predicted rate, rad/s, and least opposite rate as a multiple of the sway's standard
+/// deviation.
 const CALM_LEAST_RATE: f64 = 0.15;
 const CALM_FACTOR: f64 = 4.0;
 /// Both axes together turn slower than this where the camera rests, rad/s.

@@ -40,8 +40,8 @@ pub struct Outcome {
     pub advice: Option<Advice>,
     /// The command in force from this step on (pan > 0 right, tilt > 0 up).
     pub command: CameraCommand,
-    /// Time by which the pilot renews the command. Without any other input, a tick at that time makes the pilot stop the
-    /// camera. `None` if no deadline is pending.
+    /// Time by which the pilot renews the command. Without any other input, a tick at that time makes the
+    /// pilot stop the camera. `None` if no deadline is pending.
     pub wake_at: Option<Timestamp>,
     /// Whether a selection waits for its confirmation. The camera rests meanwhile.
     pub is_confirming: bool,
@@ -57,7 +57,8 @@ pub struct Outcome {
     pub net_yaw: NetYawState,
     /// The zoom; `None`: the camera does not zoom, or has not told whether it does.
     pub zoom: Option<ZoomState>,
-    /// The rate of a camera that turns although zero is commanded, as the vehicle reports it; `None`: no such motion is reported.
+    /// The rate of a camera that turns although zero is commanded, as the vehicle reports it; `None`: no such
+    /// motion is reported.
     pub unasked_motion: Option<AngularRate>,
     /// Why a search would be refused now; `None`: the operator can ask for one.
     pub search_refusal: Option<Refusal>,

@@ -1,7 +1,7 @@
 //! A proposal: the object at the point that the operator tapped, until it is taken or dropped.
 //!
-//! A selection must name a video frame of the last 1.5 s, but the operator may look at a proposal for longer. A
-//! proposal that stands is therefore renewed on newer frames: the object at the middle of its box. Each
+//! A selection must name a video frame of the last 1.5 s, but the operator may look at a proposal for longer.
+//! A proposal that stands is therefore renewed on newer frames: the object at the middle of its box. Each
 //! proposal costs less than 10 ms, and at most one is made in a step. A proposal is dropped where the renewed
 //! box does not overlap the one before, and after [`LASTS`].
 

@@ -10,7 +10,8 @@ use crate::purpose::Purpose;
 use crate::vessel::no_water::{GO_AGAIN, NoWater};
 use crate::vessel::said::Said;
 
-/// A target must be lost for this time before the operator can ask for a search: the tracker's own search is faster.
+/// A target must be lost for this time before the operator can ask for a search: the tracker's own search is
+/// faster.
 pub const LOST_BEFORE_SEARCH: Duration = Duration::from_secs(3);
 
 /// The reason why a request has no effect.
@@ -57,7 +58,8 @@ pub enum Refusal {
     NotAccepted(Said),
     /// The helm was held when the boat was stopped or took no commands, and was not let go since.
     HelmHeld,
-    /// People or areas are marked, and the boat would go in the picture, which keeps out of no circles: asked once more.
+    /// People or areas are marked, and the boat would go in the picture, which keeps out of no circles: asked
+    /// once more.
     PictureOnly(NoWater),
     /// There is no candidate of that number.
     NoSuchCandidate,

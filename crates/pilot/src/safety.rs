@@ -1,17 +1,18 @@
 //! The safety rule: the only place that decides whether the camera may move.
 //!
-//! 1. A stop outranks everything. After a stop, only `Engage` allows motion again; `Disengage` ends the stop in the
-//!    idle mode.
-//! 2. Motion requires fresh localisations. Only a fresh localisation starts or raises a rate; a coasting one can only
-//!    lower it, and make the view wider.
-//! 3. A rate lasts at most `coast_motion` after the arrival of the last fresh localisation; then both rates become
-//!    zero. They also become zero if the current time lies before that arrival, because its age is then unknown.
-//! 4. Every motion has one licence with its own time to live ([`crate::licence`]): following, as above; a nudge, a search or a
-//!    calibration, at a low rate, with video throughout, and only as long as it is renewed. So is a zoom by hand, which the
-//!    licence to follow permits.
-//! 5. Nothing moves the camera while its vehicle takes no commands ([`VehicleState::obstacle`]). Motion begins again with
-//!    the next fresh localisation; the other licences end. What the vehicle reports may end an engagement; it then takes a
-//!    new `Engage`.
+//! 1. A stop outranks everything. After a stop, only `Engage` allows motion again; `Disengage` ends the stop
+//!    in the idle mode.
+//! 2. Motion requires fresh localisations. Only a fresh localisation starts or raises a rate; a coasting one
+//!    can only lower it, and make the view wider.
+//! 3. A rate lasts at most `coast_motion` after the arrival of the last fresh localisation; then both rates
+//!    become zero. They also become zero if the current time lies before that arrival, because its age is
+//!    then unknown.
+//! 4. Every motion has one licence with its own time to live ([`crate::licence`]): following, as above; a
+//!    nudge, a search or a calibration, at a low rate, with video throughout, and only as long as it is
+//!    renewed. So is a zoom by hand, which the licence to follow permits.
+//! 5. Nothing moves the camera while its vehicle takes no commands ([`VehicleState::obstacle`]). Motion
+//!    begins again with the next fresh localisation; the other licences end. What the vehicle reports may end
+//!    an engagement; it then takes a new `Engage`.
 
 use core::time::Duration;
 
@@ -189,7 +190,8 @@ impl Safety {
         Ok(())
     }
 
-    /// The operator consents to a nudge, a search or a calibration: the camera rests until a command is proposed.
+    /// The operator consents to a nudge, a search or a calibration: the camera rests until a command is
+    /// proposed.
     ///
     /// # Errors
     /// The reason, if the camera may not be moved for that purpose now.
@@ -211,8 +213,8 @@ impl Safety {
         }
     }
 
-    /// Renews the licence of a purpose with its next command, which is held to the low rate; nothing happens without that
-    /// licence.
+    /// Renews the licence of a purpose with its next command, which is held to the low rate; nothing happens
+    /// without that licence.
     pub fn propose(&mut self, purpose: Purpose, command: CameraCommand, now: Timestamp) {
         if purpose != Purpose::Follow && self.licences.held() == Some(purpose) {
             let limit = AngularRate::from_radians_per_second(NUDGE_RATE_RAD_PER_S);
@@ -303,8 +305,8 @@ impl Safety {
         (command.zooming(rate), Some(wake_at.map_or(ends, |at| at.min(ends))))
     }
 
-    /// What the vehicle can execute of the decided command: a rate that was taken away while the camera follows starts again
-    /// with a fresh localisation only.
+    /// What the vehicle can execute of the decided command: a rate that was taken away while the camera
+    /// follows starts again with a fresh localisation only.
     pub fn on_executed(&mut self, command: CameraCommand) {
         let lower = |wanted: &mut AngularRate, executed: AngularRate| {
             if executed.abs() < wanted.abs() {
@@ -355,8 +357,8 @@ fn nudge_command(nudge: Nudge) -> CameraCommand {
     CameraCommand::turning(rate(nudge.pan), rate(nudge.tilt)).zooming(zoom)
 }
 
-/// The command in force, with each axis limited to the advised rate. An axis with the opposite direction rests. The view may
-/// become wider as advised: more of the water is seen then.
+/// The command in force, with each axis limited to the advised rate. An axis with the opposite direction
+/// rests. The view may become wider as advised: more of the water is seen then.
 fn reduced(in_force: CameraCommand, advised: CameraCommand) -> CameraCommand {
     let smaller = |running: f64, advised: f64| {
         if running * advised <= 0.0 {

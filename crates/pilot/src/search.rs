@@ -1,4 +1,5 @@
-//! The search for a target that is lost: first the bearing at which the target was seen last, then a bounded sweep.
+//! The search for a target that is lost: first the bearing at which the target was seen last, then a bounded
+//! sweep.
 //!
 //! ```text
 //!   pan relative to the last bearing, a = half the picture's width
@@ -9,12 +10,13 @@
 //!                                                    a narrow lens goes on: 3a and 4a, a third of a picture higher,
 //!                                                    then 5a and 6a, as much lower
 //! ```
-//! A leg ends when both axes have arrived, or after a time in which the camera should have arrived: an end stop, or the
-//! limit of the net yaw, may be in the way. The rates are the low rate of [`crate::safety`]; the search holds no
-//! licence itself, but proposes commands to the safety rule with each video frame.
+//! A leg ends when both axes have arrived, or after a time in which the camera should have arrived: an end
+//! stop, or the limit of the net yaw, may be in the way. The rates are the low rate of [`crate::safety`]; the
+//! search holds no licence itself, but proposes commands to the safety rule with each video frame.
 //!
-//! Angles are those of the camera model: pan relative to the direction at the start, positive to the right; tilt
-//! positive upwards; radians. They are predicted from the commands, so that kite and vehicle turn the search with them.
+//! Angles are those of the camera model: pan relative to the direction at the start, positive to the right;
+//! tilt positive upwards; radians. They are predicted from the commands, so that kite and vehicle turn the
+//! search with them.
 
 use core::time::Duration;
 
@@ -31,8 +33,8 @@ pub const SEARCH_LASTS: Duration = Duration::from_secs(58);
 const MAX_SWEEP: f64 = 2.62;
 /// Tilt of the second and third four legs relative to the first, as a share of the picture's height.
 const ROW_SHARE: f64 = 1.0 / 3.0;
-/// In the sweep, the camera is raised by up to a quarter of the picture's height, until the horizon lies at this share of the
-/// upper half.
+/// In the sweep, the camera is raised by up to a quarter of the picture's height, until the horizon lies at
+/// this share of the upper half.
 const HORIZON_SHARE: f64 = 0.8;
 /// An axis has arrived at this distance, radians (1.1 degrees).
 const ARRIVED: f64 = 0.02;
@@ -90,7 +92,8 @@ pub struct SearchReach {
 }
 
 impl SearchReach {
-    /// The reach of a camera whose focal length is this share of the picture's width, for a picture of height / width `aspect`.
+    /// The reach of a camera whose focal length is this share of the picture's width, for a picture of height
+    /// / width `aspect`.
     pub fn new(focal_share: f64, aspect: f64, camera: &CameraDynamics) -> Self {
         let (low, high) = camera.tilt_stops;
         Self {
@@ -125,7 +128,8 @@ struct Towards {
 #[derive(Debug, Clone, Copy)]
 struct AxisTarget {
     angle: f64,
-    /// The side of the beginning, on which the axis has not arrived: 1 or -1, or 0 where the axis has arrived.
+    /// The side of the beginning, on which the axis has not arrived: 1 or -1, or 0 where the axis has
+    /// arrived.
     direction: f64,
 }
 
@@ -157,8 +161,8 @@ impl Search {
         }
     }
 
-    /// The next command of the search for a camera that points to (pan, tilt), whose pan may lie in `pan_range`. `None`:
-    /// the search has ended without the target.
+    /// The next command of the search for a camera that points to (pan, tilt), whose pan may lie in
+    /// `pan_range`. `None`: the search has ended without the target.
     pub fn command(
         &mut self,
         (pan, tilt): (f64, f64),

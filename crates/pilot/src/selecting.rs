@@ -1,5 +1,5 @@
-//! A selection that was drawn on an earlier video frame: found in the history, brought up to the newest frame, and
-//! confirmed.
+//! A selection that was drawn on an earlier video frame: found in the history, brought up to the newest
+//! frame, and confirmed.
 //!
 //! ```text
 //!  SelectOn --> Requested --frame of the selection found--> CatchingUp --newest frame reached--> Confirming --> done
@@ -8,8 +8,8 @@
 //! ```
 //! A selection that replaces one that is catching up or confirming makes the tracker forget that one.
 //!
-//! Each step processes at most [`MAX_CATCH_UP`] frames of the history, so that the duration of a step stays bounded;
-//! frames that arrive meanwhile join the history. A second of 30 frames takes three steps.
+//! Each step processes at most [`MAX_CATCH_UP`] frames of the history, so that the duration of a step stays
+//! bounded; frames that arrive meanwhile join the history. A second of 30 frames takes three steps.
 
 use barrelman_vision::Tracker;
 use barrelman_vocab::{DrawnSelection, MotionPrior, PictureSize, PixelBox, Timestamp, Track, VideoFrame};
@@ -23,8 +23,9 @@ const MAX_CATCH_UP: usize = 11;
 const CONFIRMING_FRAMES: u32 = 4;
 /// Newest frames after which a selection that is not confirmed is given up.
 const MAX_CONFIRMING_FRAMES: u32 = 15;
-/// Least confidence of a frame that confirms. Of nine wrong confirmations in 270 simulated ones (all at 0.55 and more), two
-/// fall below, and no right one of the 260; on the filmed clips kept aside, wrong ones fall from 101 to 77 of 630.
+/// Least confidence of a frame that confirms. Of nine wrong confirmations in 270 simulated ones (all at 0.55
+/// and more), two fall below, and no right one of the 260; on the filmed clips kept aside, wrong ones fall
+/// from 101 to 77 of 630.
 pub(crate) const MIN_CONFIDENCE: f64 = 0.7;
 /// Factor by which the box's area may have grown or shrunk since the selection.
 const MAX_AREA_FACTOR: f64 = 2.5;
@@ -113,8 +114,8 @@ impl PendingSelection {
         }
     }
 
-    /// Selects on the frame on which the box was drawn. Returns a result where that is the newest frame, or the selection
-    /// is refused; `None`: later frames follow.
+    /// Selects on the frame on which the box was drawn. Returns a result where that is the newest frame, or
+    /// the selection is refused; `None`: later frames follow.
     fn begin(&mut self, context: &mut SelectingContext<'_>) -> Option<SelectingResult> {
         let DrawnSelection { bounds, captured_ns: captured } = self.selection;
         let newest = context.frame;

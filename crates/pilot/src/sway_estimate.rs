@@ -1,8 +1,9 @@
 //! How fast the picture turns while the camera rests: the sway of the UAV in the wind.
 //!
-//! With the turn d of the picture between two frames, radians, and their interval t, the mean square of the rate d / t is
-//! averaged over the rests, the newest [`MEMORY_S`] counting most. The sway of a kite lasts for seconds, so that the
-//! rate, not the shift from frame to frame, tells what a motion of some tenths of a second has to be compared with.
+//! With the turn d of the picture between two frames, radians, and their interval t, the mean square of the
+//! rate d / t is averaged over the rests, the newest [`MEMORY_S`] counting most. The sway of a kite lasts for
+//! seconds, so that the rate, not the shift from frame to frame, tells what a motion of some tenths of a
+//! second has to be compared with.
 
 use core::time::Duration;
 

@@ -1,8 +1,10 @@
-//! Motion of the camera that nobody commands: a stop that did not arrive, or a camera that something else turns.
+//! Motion of the camera that nobody commands: a stop that did not arrive, or a camera that something else
+//! turns.
 //!
-//! Zero is commanded, and the vehicle reports that its camera turns: the operator has to know at once, as the zeros may not reach the
-//! camera at all. The camera of a command that has just ended turns on for its dead time, and then slower and slower; only what is
-//! faster than that counts, and faster than what the signal shows of a camera at rest:
+//! Zero is commanded, and the vehicle reports that its camera turns: the operator has to know at once, as the
+//! zeros may not reach the camera at all. The camera of a command that has just ended turns on for its dead
+//! time, and then slower and slower; only what is faster than that counts, and faster than what the signal
+//! shows of a camera at rest:
 //!
 //! ```text
 //!                    rate in force
@@ -16,9 +18,10 @@
 //! | Fotokite Sigma | pan from north, tilt from the horizon | the sway of the kite: [`SWAYING`] |
 //! | Fotokite Pro | yaw of the flight unit, attitude of the gimbal | the same |
 //!
-//! A sway goes to and fro: over six seconds little of it is left, so that a slow motion in one direction is found, too. Nothing is
-//! judged while another client has the control, and of the signals with sway nothing while the vehicle does not fly: it may be
-//! carried. What must not be here: anything that commands the camera.
+//! A sway goes to and fro: over six seconds little of it is left, so that a slow motion in one direction is
+//! found, too. Nothing is judged while another client has the control, and of the signals with sway nothing
+//! while the vehicle does not fly: it may be carried. What must not be here: anything that commands the
+//! camera.
 
 use core::time::Duration;
 use std::collections::VecDeque;
@@ -125,7 +128,8 @@ impl Turn {
         true
     }
 
-    /// The rate over the last `span`, rad/s, and the time from which it counts. `None`: there is no attitude of that time.
+    /// The rate over the last `span`, rad/s, and the time from which it counts. `None`: there is no attitude
+    /// of that time.
     fn rate_over(&self, span: Duration) -> Option<(f64, Timestamp)> {
         let (at, attitude) = self.newest.back()?;
         let (from, before) = self.newest.iter().rev().find(|(from, _)| at.since(*from) >= span)?;

@@ -1,4 +1,5 @@
-//! What the pilot knows of the vehicle and of the way its commands take: whether they reach a camera that may move.
+//! What the pilot knows of the vehicle and of the way its commands take: whether they reach a camera that may
+//! move.
 //!
 //! ```text
 //!   level: rests the camera as long as it lasts         edge: ends the engagement, until the next Engage

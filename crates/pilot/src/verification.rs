@@ -5,8 +5,9 @@
 //!                                                   |                                     ^
 //!                                                   +--in 3 pictures there is none--> Doubted: the camera rests
 //! ```
-//! A doubt ends when a boat is detected there, when the operator engages, or with another selection. A detector that
-//! does not know this boat doubts nothing: before the loss it must have detected it in 6 of 8 pictures.
+//! A doubt ends when a boat is detected there, when the operator engages, or with another selection. A
+//! detector that does not know this boat doubts nothing: before the loss it must have detected it in 6 of 8
+//! pictures.
 
 use barrelman_vocab::{Timestamp, Track};
 

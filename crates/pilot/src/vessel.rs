@@ -6,8 +6,8 @@
 //!   helm that is held ---------------------+
 //! ```
 //!
-//! What must not be here: anything that moves the camera, and a second place that decides whether the boat may be
-//! commanded: only [`gate`] decides it.
+//! What must not be here: anything that moves the camera, and a second place that decides whether the boat
+//! may be commanded: only [`gate`] decides it.
 
 use core::time::Duration;
 

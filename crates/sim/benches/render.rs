@@ -1,6 +1,6 @@
-//! Cost of a frame on one thread, as a whole and stage by stage, by picture size: an arena on the water (boat, five
-//! buoys, 5.5 m up, looking 24 degrees down, sea state 1), a low view of a pier and a shore, and the laboratory's
-//! floor.
+//! Cost of a frame on one thread, as a whole and stage by stage, by picture size: an arena on the water
+//! (boat, five buoys, 5.5 m up, looking 24 degrees down, sea state 1), a low view of a pier and a shore, and
+//! the laboratory's floor.
 //!
 //! `cargo bench -p barrelman-sim --bench render`; an argument selects benchmarks by name.
 

@@ -1,8 +1,9 @@
-//! A small rescue boat with a jet, in the class of EMILY: 1.2 m long, 11.3 kg, about 9.5 m/s at full throttle.
+//! A small rescue boat with a jet, in the class of EMILY: 1.2 m long, 11.3 kg, about 9.5 m/s at full
+//! throttle.
 //!
-//! Three degrees of freedom in the body's frame (u ahead, v to the left, r anticlockwise), relative to water that
-//! moves with the waves. The manoeuvring model follows `fossen2011`; the coefficients come from comparison with craft
-//! of this size:
+//! Three degrees of freedom in the body's frame (u ahead, v to the left, r anticlockwise), relative to water
+//! that moves with the waves. The manoeuvring model follows `fossen2011`; the coefficients come from
+//! comparison with craft of this size:
 //!
 //! ```text
 //! m11 u' =  T cos d - R(u) + m22 v r            + X_wind
@@ -10,14 +11,15 @@
 //! m33 r' =  T sin d l_j + (Nr + Nur |u|) r + Nrr |r| r - 0.35 (m22 - m11) u v + N_wind
 //! ```
 //!
-//! T is the thrust of the jet, d the angle of its nozzle. The resistance R grows up to the hump speed and is nearly
-//! flat above it: the boat planes. **A jet does not steer without thrust**: a coasting boat goes straight on. (The
-//! paper's simulated boat has a rudder, which steers whenever the boat moves: [`Steering::JetAndRudder`].) Above about 4 m/s the hull is unstable
-//! in sway and yaw and must be steered to hold its course.
+//! T is the thrust of the jet, d the angle of its nozzle. The resistance R grows up to the hump speed and is
+//! nearly flat above it: the boat planes. **A jet does not steer without thrust**: a coasting boat goes
+//! straight on. (The paper's simulated boat has a rudder, which steers whenever the boat moves:
+//! [`Steering::JetAndRudder`].) Above about 4 m/s the hull is unstable in sway and yaw and must be steered to
+//! hold its course.
 //!
-//! Heave, pitch and roll follow the waves, averaged over the hull, through second-order responses. Speed lifts the
-//! bow, and the boat heels in turns. Not modelled: slamming, broaching, capsizing, cavitation, yaw moments of the
-//! waves.
+//! Heave, pitch and roll follow the waves, averaged over the hull, through second-order responses. Speed
+//! lifts the bow, and the boat heels in turns. Not modelled: slamming, broaching, capsizing, cavitation, yaw
+//! moments of the waves.
 
 use barrelman_vocab::{Angle, VesselCommand};
 
@@ -56,8 +58,8 @@ const ASTERN_N: f64 = 18.0;
 /// Distance of the jet behind the centre of mass, metres, and the largest angle of the nozzle.
 const LEVER_M: f64 = 0.58;
 const NOZZLE_RAD: f64 = 27.0_f64.to_radians();
-/// A rudder beside the jet: force for each (m/s)² of speed through the water at full rudder, N, as a low plate of 60 cm²
-/// with a lift coefficient of 1 gives. It moves with the nozzle, at the same place.
+/// A rudder beside the jet: force for each (m/s)² of speed through the water at full rudder, N, as a low
+/// plate of 60 cm² with a lift coefficient of 1 gives. It moves with the nozzle, at the same place.
 const RUDDER_N_PER_M2_PER_S2: f64 = 0.5 * 1000.0 * 0.006;
 /// Time constants of throttle and nozzle, seconds.
 const THROTTLE_S: f64 = 0.25;
@@ -75,7 +77,8 @@ const ROLL: (f64, f64) = (8.6, 0.2);
 const TRIM_RAD_PER_MPS: f64 = 2.0_f64.to_radians();
 const MAX_TRIM_RAD: f64 = 6.0_f64.to_radians();
 const HEEL_S: f64 = 8.0_f64.to_radians();
-/// The averaging of the waves over the hull depends on the heading only and is computed every this many ticks.
+/// The averaging of the waves over the hull depends on the heading only and is computed every this many
+/// ticks.
 const AVERAGING_TICKS: u64 = 6;
 
 /// A command to the boat.
@@ -207,8 +210,8 @@ impl JetBoat {
         self.position.1 += vy * TICK_S;
     }
 
-    /// Advances heave, pitch and roll by a tick. Returns the velocity of the water at the boat along the world's x
-    /// and y, m/s.
+    /// Advances heave, pitch and roll by a tick. Returns the velocity of the water at the boat along the
+    /// world's x and y, m/s.
     fn advance_on_waves(&mut self, sea: &Sea, tick: u64) -> (f64, f64) {
         let (s, c) = libm::sincos(self.heading);
         let waves = sea.waves();

@@ -3,8 +3,8 @@
 //! ```text
 //! command --> dead time --> clip to limit --> lag: w' = (u - w)/tau, |w'| limited --> angle' = w --> end stops
 //! ```
-//! The dead times of a start and of a stop differ, as on the recorded vehicle. Time advances in ticks of [`TICK_S`];
-//! dead times are rounded to whole ticks.
+//! The dead times of a start and of a stop differ, as on the recorded vehicle. Time advances in ticks of
+//! [`TICK_S`]; dead times are rounded to whole ticks.
 
 use std::collections::VecDeque;
 

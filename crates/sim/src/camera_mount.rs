@@ -25,10 +25,10 @@ pub struct MountPlant {
 }
 
 impl MountPlant {
-    /// The laboratory's Fotokite Pro, identified from its recorded trials. The identified values are: yaw 0.30 s dead
-    /// time to start, 0.50 s to stop, lag 0.42 s; pitch 0.20 s, 0.50 s, 0.10 s. The plant's dead times are these less
-    /// 0.10 s, the camera's share of the measurement. The travel of the gimbal is not known; assumed: straight down
-    /// to 10 degrees above level.
+    /// The laboratory's Fotokite Pro, identified from its recorded trials. The identified values are:
+    /// yaw 0.30 s dead time to start, 0.50 s to stop, lag 0.42 s; pitch 0.20 s, 0.50 s, 0.10 s. The plant's
+    /// dead times are these less 0.10 s, the camera's share of the measurement. The travel of the gimbal is
+    /// not known; assumed: straight down to 10 degrees above level.
     pub fn laboratory() -> Self {
         let max_rate = AngularRate::from_radians_per_second;
         Self {

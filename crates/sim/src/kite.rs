@@ -1,18 +1,20 @@
-//! A tethered kite in the wind: a small UAV that holds the direction and the length of its tether, not a position.
+//! A tethered kite in the wind: a small UAV that holds the direction and the length of its tether, not a
+//! position.
 //!
-//! The kite hangs at the end of a tether of length l, at a fixed elevation from its anchor. Three offsets describe
-//! its motion: two of the tether's direction (q, in the vertical plane of the tether and across it), and one of its
-//! length (dl):
+//! The kite hangs at the end of a tether of length l, at a fixed elevation from its anchor. Three offsets
+//! describe its motion: two of the tether's direction (q, in the vertical plane of the tether and across it),
+//! and one of its length (dl):
 //!
 //! ```text
 //! q''  = -w^2 q - 2 z w q' + a / l        each direction, a: acceleration by the wind across the tether
 //! dl'' = -(k/m) max(0, dl) - (c/m) dl' + a_l
 //! ```
 //!
-//! A gust v' in a mean wind V causes the acceleration `a = rho CdA |V| v' / m`. The parameters are engineering
-//! values; they give a sway of 0.2 m RMS in a wind of 5 m/s, with a period of about 6 s. The yaw varies, because the
-//! kite has no compass, and drifts while it is commanded. The body leans to accelerate; a small share of the lean
-//! passes through the gimbal. Not modelled: sag and drag of the tether, downwash of the rotors.
+//! A gust v' in a mean wind V causes the acceleration `a = rho CdA |V| v' / m`. The parameters are
+//! engineering values; they give a sway of 0.2 m RMS in a wind of 5 m/s, with a period of about 6 s. The yaw
+//! varies, because the kite has no compass, and drifts while it is commanded. The body leans to accelerate; a
+//! small share of the lean passes through the gimbal. Not modelled: sag and drag of the tether, downwash of
+//! the rotors.
 
 use barrelman_vocab::Angle;
 
@@ -129,8 +131,8 @@ impl Kite {
         }
     }
 
-    /// Offset of the attitude of a camera that looks along `pan`: yaw to the right, pitch upwards, roll with the
-    /// right side sinking.
+    /// Offset of the attitude of a camera that looks along `pan`: yaw to the right, pitch upwards, roll with
+    /// the right side sinking.
     pub fn attitude_offset(&self, pan: Angle) -> (Angle, Angle, Angle) {
         let (sp, cp) = libm::sincos(pan.radians());
         let lean_ahead = (self.push.0 * sp + self.push.1 * cp) / GRAVITY;

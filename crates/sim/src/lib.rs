@@ -1,9 +1,9 @@
-//! A simulated world to servo in: the camera's axes on a swaying or flying platform, a target on water or on a floor,
-//! a renderer, a practice clip, and test scenes for a tracker.
+//! A simulated world to servo in: the camera's axes on a swaying or flying platform, a target on water or on
+//! a floor, a renderer, a practice clip, and test scenes for a tracker.
 //!
-//! What must not be here: clocks, threads, files, the tracker, and any randomness that does not come from a seed. The
-//! same seed gives the same bits on every machine: transcendental functions come from `libm`, random numbers from
-//! integer hashes.
+//! What must not be here: clocks, threads, files, the tracker, and any randomness that does not come from a
+//! seed. The same seed gives the same bits on every machine: transcendental functions come from `libm`,
+//! random numbers from integer hashes.
 #![deny(unsafe_code)]
 
 pub mod optics;

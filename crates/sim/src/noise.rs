@@ -23,8 +23,8 @@ pub fn exponential(seed: u64, stream: u64, index: u64) -> f64 {
 /// Side of the tile that [`tile`] makes, pixels.
 pub const TILE_SIDE: usize = 512;
 
-/// A square, periodic tile of value noise, 0 to 255: cells of `cell` pixels (a divisor of [`TILE_SIDE`]) and two
-/// finer octaves.
+/// A square, periodic tile of value noise, 0 to 255: cells of `cell` pixels (a divisor of [`TILE_SIDE`]) and
+/// two finer octaves.
 pub fn tile(seed: u64, cell: usize) -> Vec<u8> {
     let octaves = [(cell, 0.57), ((cell / 2).max(1), 0.29), ((cell / 4).max(1), 0.14)];
     let value = |cell: usize, octave: u64, column: usize, row: usize| {

@@ -1,9 +1,9 @@
 //! The camera's optics: projection of points into the picture, and the rays of pixels.
 //!
-//! A pinhole of focal length f with radial distortion, given by its inverse model `r_pinhole = r (1 + k r²)`, where r
-//! is the distance from the centre of the picture in focal lengths; k > 0 is barrel distortion. A renderer needs the
-//! inverse model for every pixel. The forward direction, needed for single points, solves the cubic by Newton's
-//! method.
+//! A pinhole of focal length f with radial distortion, given by its inverse model `r_pinhole = r (1 + k r²)`,
+//! where r is the distance from the centre of the picture in focal lengths; k > 0 is barrel distortion. A
+//! renderer needs the inverse model for every pixel. The forward direction, needed for single points, solves
+//! the cubic by Newton's method.
 
 use barrelman_vocab::{PictureSize, PixelPoint};
 
@@ -24,8 +24,8 @@ const STEPS: usize = 8;
 const MAX_RELATIVE_EXCESS: f64 = 1e-10;
 
 impl Optics {
-    /// Projects a point given right, down and ahead of the optical centre (metres). `None` nearer than 0.05 m ahead,
-    /// or behind the camera.
+    /// Projects a point given right, down and ahead of the optical centre (metres). `None` nearer than 0.05 m
+    /// ahead, or behind the camera.
     pub fn project(&self, (right, down, ahead): (f64, f64, f64)) -> Option<PixelPoint> {
         if ahead <= MIN_DEPTH_M {
             return None;

@@ -82,8 +82,8 @@ impl Path {
         })
     }
 
-    /// Arc length of the point of the path nearest to `position`, searched from `from_m` over the next `reach_m`: a
-    /// path may cross itself.
+    /// Arc length of the point of the path nearest to `position`, searched from `from_m` over the next
+    /// `reach_m`: a path may cross itself.
     pub fn nearest_arc_length(&self, position: (f64, f64), from_m: f64, reach_m: f64) -> f64 {
         let mut best = (f64::INFINITY, from_m);
         for leg in self.leg_at(from_m)..self.points.len() - 1 {

@@ -1,9 +1,9 @@
 //! Positions and attitudes in the world.
 //!
-//! The *world* is a right-handed frame of reference at rest: x to the right and y ahead of the camera's first view, z
-//! up, metres; z = 0 is the floor, or the water at rest. *Headings* of bodies are 0 along x and grow anticlockwise as
-//! seen from above. *Camera angles* are those of the whole program: pan is 0 along y and grows to the right
-//! (clockwise as seen from above), tilt is 0 at level and grows upwards.
+//! The *world* is a right-handed frame of reference at rest: x to the right and y ahead of the camera's first
+//! view, z up, metres; z = 0 is the floor, or the water at rest. *Headings* of bodies are 0 along x and grow
+//! anticlockwise as seen from above. *Camera angles* are those of the whole program: pan is 0 along y and
+//! grows to the right (clockwise as seen from above), tilt is 0 at level and grows upwards.
 
 use barrelman_vocab::Angle;
 
@@ -44,8 +44,8 @@ pub struct CameraPose {
     pub pan: Angle,
     /// 0 level, positive upwards.
     pub tilt: Angle,
-    /// About the line of sight; positive where the camera's right side sinks, so that the horizon climbs to the right
-    /// in the picture.
+    /// About the line of sight; positive where the camera's right side sinks, so that the horizon climbs to
+    /// the right in the picture.
     pub roll: Angle,
 }
 
@@ -77,7 +77,8 @@ impl CameraPose {
         CameraAxes { right: mix(cr, sr), down: mix(-sr, cr), ahead }
     }
 
-    /// A point of the world in the camera's frame of reference: right, down and ahead of the optical centre, metres.
+    /// A point of the world in the camera's frame of reference: right, down and ahead of the optical centre,
+    /// metres.
     pub fn camera_from_world(&self, position: WorldPoint) -> (f64, f64, f64) {
         let axes = self.axes();
         let from_camera = self.position.vector_to(position);

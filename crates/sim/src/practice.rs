@@ -1,7 +1,7 @@
 //! The practice clip: a red boat that crosses all four sectors of a picture of water, with exact truth.
 //!
-//! The clip stands in for a camera where none is attached, and tests of the control loop use it. Its camera rests:
-//! commands do not change the picture. Waves, light and optics are not simulated.
+//! The clip stands in for a camera where none is attached, and tests of the control loop use it. Its camera
+//! rests: commands do not change the picture. Waves, light and optics are not simulated.
 
 use barrelman_vocab::video::{ColourEncoding, ColourMatrix, SampleRange};
 use barrelman_vocab::{Angle, ImagePoint, Picture, PictureSize, PixelBox, PixelPoint};
@@ -11,8 +11,9 @@ use crate::noise;
 /// Frames per second.
 pub const FRAMES_PER_SECOND: u32 = 30;
 
-/// Way-points as (time in seconds, x, y), x and y in shares of half the picture's width and height: out to the right,
-/// top, left and bottom, and from the bottom into the right sector without returning to the centre.
+/// Way-points as (time in seconds, x, y), x and y in shares of half the picture's width and height: out to
+/// the right, top, left and bottom, and from the bottom into the right sector without returning to the
+/// centre.
 const WAY_POINTS: [(f64, f64, f64); 14] = [
     (0.0, 0.05, 0.00),
     (1.5, 0.10, 0.02),
@@ -109,8 +110,8 @@ impl PracticeClip {
         (half_length, half_length * BEAM_OVER_LENGTH)
     }
 
-    /// Position at a time (s), interpolated monotonically between the way-points so that the boat does not overshoot
-    /// them.
+    /// Position at a time (s), interpolated monotonically between the way-points so that the boat does not
+    /// overshoot them.
     fn position_at(&self, t: f64) -> ImagePoint {
         let t = t.clamp(0.0, WAY_POINTS[WAY_POINTS.len() - 1].0);
         let next = WAY_POINTS.iter().position(|point| point.0 > t).unwrap_or(WAY_POINTS.len() - 1).max(1);
@@ -188,7 +189,8 @@ impl PracticeClip {
         });
     }
 
-    /// Blends a colour into the pixels around a centre. `paint` gives colour and opacity for each offset, pixels.
+    /// Blends a colour into the pixels around a centre. `paint` gives colour and opacity for each offset,
+    /// pixels.
     fn blend(
         &self,
         planes: &mut [&mut [u8]; 3],

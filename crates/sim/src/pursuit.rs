@@ -1,8 +1,9 @@
-//! A target that moves along a path as the laboratory's target was moved by hand: it aims at a point ahead on the
-//! path, with a weaving heading and a varying speed, slows down in turns and on arrival, and pauses now and then.
+//! A target that moves along a path as the laboratory's target was moved by hand: it aims at a point ahead on
+//! the path, with a weaving heading and a varying speed, slows down in turns and on arrival, and pauses now
+//! and then.
 //!
-//! Kinematic: turn rate and speed follow their set points through first-order lags; nothing disturbs them. For a boat
-//! with jet, waves and wind see [`crate::boat`].
+//! Kinematic: turn rate and speed follow their set points through first-order lags; nothing disturbs them.
+//! For a boat with jet, waves and wind see [`crate::boat`].
 
 use barrelman_vocab::Angle;
 
@@ -19,8 +20,8 @@ pub struct PursuitScript {
     pub speed_m_per_s: f64,
     /// Standard deviation of the logarithm of the speed over the trials.
     pub log_speed_std_dev: f64,
-    /// Exponent of the speed over the distance from the point below the camera, relative to [`REFERENCE_RANGE_M`]. 0:
-    /// the same speed everywhere; 1: nearly the same speed in the picture.
+    /// Exponent of the speed over the distance from the point below the camera, relative to
+    /// [`REFERENCE_RANGE_M`]. 0: the same speed everywhere; 1: nearly the same speed in the picture.
     pub range_exponent: f64,
     /// Variation of the logarithm of the speed during a trial.
     pub speed_variation: OrnsteinUhlenbeck,
@@ -40,10 +41,11 @@ pub struct PursuitScript {
     pub turn_lag_s: f64,
     /// Share by which the speed is reduced at a heading error of a right angle or more, 0 to 1.
     pub corner_slow_down: f64,
-    /// Share by which the speed is reduced at the ends of each leg from corner to corner, relative to the middle of
-    /// the leg, 0 to 1.
+    /// Share by which the speed is reduced at the ends of each leg from corner to corner, relative to the
+    /// middle of the leg, 0 to 1.
     pub leg_end_slow_down: f64,
-    /// Length of path over which the target comes to rest with constant deceleration, metres; 0: it stops at once.
+    /// Length of path over which the target comes to rest with constant deceleration, metres; 0: it stops at
+    /// once.
     pub arrival_m: f64,
     /// Mean time at rest before the start, seconds.
     pub stand_before_s: f64,
@@ -95,8 +97,8 @@ pub struct Pursuit {
     corner_pauses: CounterRng,
 }
 
-/// Distance from the point below the camera at which the target has the script's speed, whatever the exponent,
-/// metres.
+/// Distance from the point below the camera at which the target has the script's speed, whatever the
+/// exponent, metres.
 pub const REFERENCE_RANGE_M: f64 = 4.0;
 /// A way-point at which the path turns by more than this is a corner, radians.
 const CORNER: f64 = core::f64::consts::FRAC_PI_4;
@@ -148,8 +150,8 @@ impl Pursuit {
         })
     }
 
-    /// What the seed decides for the whole trial: the deviation of the logarithm of the speed in standard deviations
-    /// (normal), and the time at rest before the start over its mean (exponential).
+    /// What the seed decides for the whole trial: the deviation of the logarithm of the speed in standard
+    /// deviations (normal), and the time at rest before the start over its mean (exponential).
     pub fn sampled_pace(seed: u64) -> (f64, f64) {
         let pace = CounterRng::new(seed, Stream::Pace);
         (pace.normal(0), pace.exponential(100))
@@ -206,9 +208,9 @@ impl Pursuit {
         }
     }
 
-    /// Speed relative to the middle of the leg from corner to corner. A hand that moves from mark to mark minimises
-    /// jerk (`flash1985`): its speed is (t (1 - t))^2 over the time of the leg, which is nearly (s (1 - s))^(2/3)
-    /// over its length.
+    /// Speed relative to the middle of the leg from corner to corner. A hand that moves from mark to mark
+    /// minimises jerk (`flash1985`): its speed is (t (1 - t))^2 over the time of the leg, which is nearly (s
+    /// (1 - s))^(2/3) over its length.
     fn leg_speed_factor(&self) -> f64 {
         let from = self.passed.checked_sub(1).map_or(0.0, |last| self.corners_m[last]);
         let to = self.corners_m.get(self.passed).copied().unwrap_or_else(|| self.path.length());

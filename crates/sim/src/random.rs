@@ -1,7 +1,7 @@
 //! Random numbers of a trial: one counter-based stream for each purpose, and processes driven by them.
 //!
-//! All numbers come from [`crate::noise`] by the trial's seed, one of these streams, and an index that counts ticks
-//! or samples. No sample depends on how many others were drawn.
+//! All numbers come from [`crate::noise`] by the trial's seed, one of these streams, and an index that counts
+//! ticks or samples. No sample depends on how many others were drawn.
 
 use crate::noise;
 use crate::tick::TICK_S;

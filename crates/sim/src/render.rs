@@ -6,21 +6,21 @@
 //! 1. waves: slopes on three tiles, by Fourier transforms ([`waves`]);
 //! 2. the grid of the wake ([`wake`]);
 //! 3. reflections and shadows of objects, each in a small tile ([`frame_objects`], [`raster`], [`resolve`]);
-//! 4. rows ([`shade_row`]): rays through the lens ([`rays`]), the surface where they meet it ([`surface`]), its light
-//!    ([`shading`], [`floor`], [`land`]); quantities that change slowly along a row are computed at every eighth
-//!    pixel ([`nodes`]);
+//! 4. rows ([`shade_row`]): rays through the lens ([`rays`]), the surface where they meet it ([`surface`]),
+//!    its light ([`shading`], [`floor`], [`land`]); quantities that change slowly along a row are computed at
+//!    every eighth pixel ([`nodes`]);
 //! 5. objects as supersampled tiles, composited over the rows from far to near;
 //! 6. rows again ([`develop_rows`]): softness and motion blur, exposure, tone, noise, YUV ([`sensor`]).
 //!
-//! Stages 4 to 6 go band by band, so that the light of a band is still in the cache when it is developed. The truth
-//! is then measured on the target's tile and the tiles in front of it ([`truth`]).
+//! Stages 4 to 6 go band by band, so that the light of a band is still in the cache when it is developed. The
+//! truth is then measured on the target's tile and the tiles in front of it ([`truth`]).
 //!
-//! The picture depends on the settings and the snapshot, and through the wake on earlier snapshots. It does not
-//! depend on the number of threads or the vector instructions: all arithmetic keeps to operations that round alike
-//! everywhere ([`barrelman_simd`]). After the first frames nothing is allocated.
+//! The picture depends on the settings and the snapshot, and through the wake on earlier snapshots. It does
+//! not depend on the number of threads or the vector instructions: all arithmetic keeps to operations that
+//! round alike everywhere ([`barrelman_simd`]). After the first frames nothing is allocated.
 //!
-//! Not handled: waves that hide an object behind them (the water cuts objects at their own position only), several
-//! wakes, light between objects, depth of field, compression.
+//! Not handled: waves that hide an object behind them (the water cuts objects at their own position only),
+//! several wakes, light between objects, depth of field, compression.
 
 #![allow(
     clippy::needless_range_loop,
@@ -170,8 +170,8 @@ impl Renderer {
         }
     }
 
-    /// Renders a snapshot into `picture`, which takes the renderer's size and [`ENCODING`]. Snapshots come in the
-    /// order of their ticks; where a tick is earlier than the one before, the wake starts anew.
+    /// Renders a snapshot into `picture`, which takes the renderer's size and [`ENCODING`]. Snapshots come in
+    /// the order of their ticks; where a tick is earlier than the one before, the wake starts anew.
     pub fn render(
         &mut self,
         snapshot: &Snapshot,
@@ -190,8 +190,8 @@ impl Renderer {
         &self.truth
     }
 
-    /// Runs one stage of [`Self::render`], for benchmarks. The stage works on what the stages before it left; all
-    /// stages in order give the same picture.
+    /// Runs one stage of [`Self::render`], for benchmarks. The stage works on what the stages before it left;
+    /// all stages in order give the same picture.
     pub fn render_stage(
         &mut self,
         stage: RenderStage,

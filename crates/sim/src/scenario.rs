@@ -1,7 +1,7 @@
 //! A scenario: all parameters of a trial except its seed.
 //!
-//! Plain values; they are checked where they are read from a file, and nothing here knows the file format. Lengths
-//! are metres, times seconds, angles radians, positions those of the world ([`crate::pose`]).
+//! Plain values; they are checked where they are read from a file, and nothing here knows the file format.
+//! Lengths are metres, times seconds, angles radians, positions those of the world ([`crate::pose`]).
 
 use core::time::Duration;
 
@@ -56,7 +56,8 @@ pub struct CameraSetup {
     pub height_m: f64,
     /// Lens and picture size.
     pub optics: Optics,
-    /// Size of the frame with the picture at its centre; larger than the picture where the video is letter-boxed.
+    /// Size of the frame with the picture at its centre; larger than the picture where the video is
+    /// letter-boxed.
     pub frame: PictureSize,
     /// Frame rate; a divisor of the ticks per second.
     pub pictures_per_second: u32,

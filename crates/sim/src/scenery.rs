@@ -23,12 +23,13 @@ pub struct ObjectScript {
     pub velocity_m_per_s: (f64, f64),
     /// Time after which the object reverses, again and again, seconds; `None`: never.
     pub turns_after_s: Option<f64>,
-    /// Whether the object drifts with the current, the waves and a little with the wind, on top of its own velocity.
+    /// Whether the object drifts with the current, the waves and a little with the wind, on top of its own
+    /// velocity.
     pub drifts: bool,
 }
 
-/// Drift of a person or a life jacket for each m/s of the wind, 10 m above the water: the leeway of a person who floats
-/// upright (Allen and Plourde, 1999).
+/// Drift of a person or a life jacket for each m/s of the wind, 10 m above the water: the leeway of a person
+/// who floats upright (Allen and Plourde, 1999).
 const LEEWAY: f64 = 0.011;
 
 /// Velocity over ground of what drifts, along the world's x and y, m/s. Gusts are left out.

@@ -6,14 +6,15 @@
 //! eta(x, y, t) = sum a_i cos(k_i . (x, y) - w_i t + p_i)        w_i^2 = g |k_i|   (deep water)
 //! ```
 //!
-//! with amplitudes a_i (m) from the JONSWAP spectrum of a sea state (`hasselmann1973`), directions spread as cos^4
-//! about the wind, and phases p_i from the seed. The wave vectors k_i (rad/m) lie on the lattice of a square tile, so
-//! that a renderer can compute the same surface on a grid by a Fourier transform. The tile's side is eight
-//! wavelengths of the spectrum's peak.
+//! with amplitudes a_i (m) from the JONSWAP spectrum of a sea state (`hasselmann1973`), directions spread as
+//! cos^4 about the wind, and phases p_i from the seed. The wave vectors k_i (rad/m) lie on the lattice of a
+//! square tile, so that a renderer can compute the same surface on a grid by a Fourier transform. The tile's
+//! side is eight wavelengths of the spectrum's peak.
 //!
-//! Phases are `u32` fractions of a turn, and the phase of a wave changes by a whole number of them in each tick: the
-//! surface at any tick is exact. Not modelled: ripples shorter than the tile's grid (they do not move a boat; the
-//! renderer adds them), breaking, shallow water, and what a current does to the waves: it carries boats and people only.
+//! Phases are `u32` fractions of a turn, and the phase of a wave changes by a whole number of them in each
+//! tick: the surface at any tick is exact. Not modelled: ripples shorter than the tile's grid (they do not
+//! move a boat; the renderer adds them), breaking, shallow water, and what a current does to the waves: it
+//! carries boats and people only.
 
 use barrelman_vocab::Angle;
 use barrelman_vocab::rng;
@@ -180,8 +181,8 @@ impl Sea {
         self.current
     }
 
-    /// Mean drift of the water at the surface due to the waves (Stokes drift), along the world's x and y, m/s: the sum
-    /// of a² w k over the waves.
+    /// Mean drift of the water at the surface due to the waves (Stokes drift), along the world's x and y,
+    /// m/s: the sum of a² w k over the waves.
     pub fn stokes_drift(&self) -> (f64, f64) {
         self.waves.iter().fold((0.0, 0.0), |(x, y), wave| {
             let share = wave.amplitude * wave.amplitude * wave.frequency;
@@ -253,7 +254,8 @@ fn sampled_direction(seed: u64, index: u64, attempt: u64) -> f64 {
     0.0
 }
 
-/// The lattice point nearest to a wave of this frequency (in peak frequencies) and direction (radians from x).
+/// The lattice point nearest to a wave of this frequency (in peak frequencies) and direction (radians from
+/// x).
 fn lattice_point(relative: f64, direction: f64) -> (i32, i32) {
     let waves = PEAK_WAVES * relative * relative;
     let (sin, cos) = libm::sincos(direction);
@@ -276,8 +278,8 @@ fn wave(lattice: (i32, i32), side_m: f64, variance: f64, random: u64) -> Wave {
     Wave { lattice, vector, amplitude, frequency, rate, phase: (random >> 32) as u32 }
 }
 
-/// Angular frequency (rad/s) of a deep-water wave of this wave number (rad/m), and its phase change in a tick, in
-/// turns of 2^32.
+/// Angular frequency (rad/s) of a deep-water wave of this wave number (rad/m), and its phase change in a
+/// tick, in turns of 2^32.
 pub(crate) fn deep_water(wave_number: f64) -> (f64, u32) {
     let exact = libm::sqrt(GRAVITY * wave_number);
     let per_tick = exact / RADIANS_PER_TURN / f64::from(TICKS_PER_SECOND);

@@ -102,8 +102,8 @@ pub enum ObjectKind {
         /// Breadth, metres.
         breadth_m: f64,
     },
-    /// A shore that begins at its position and lies to the left of its heading, with trees, huts, and red and orange
-    /// crates.
+    /// A shore that begins at its position and lies to the left of its heading, with trees, huts, and red and
+    /// orange crates.
     Shore,
 }
 

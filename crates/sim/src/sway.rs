@@ -1,5 +1,5 @@
-//! The sway of a platform that is not commanded, as far as the recorded trials tell: each angle and each coordinate
-//! is an independent random process.
+//! The sway of a platform that is not commanded, as far as the recorded trials tell: each angle and each
+//! coordinate is an independent random process.
 //!
 //! This is a description, not physics; for a kite on its tether in the wind see [`crate::kite`].
 

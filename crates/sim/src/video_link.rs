@@ -1,8 +1,8 @@
 //! The video link between camera and pilot: latency, jitter, lost and frozen video frames.
 //!
-//! Each frame takes a fixed time plus the sum of two exponential times. The link is good or bad (`gilbert1960`,
-//! `elliott1963`) and changes from frame to frame. While the link is bad, a share of the frames is impaired: lost, or
-//! replaced by the frame before. Frames never overtake each other.
+//! Each frame takes a fixed time plus the sum of two exponential times. The link is good or bad
+//! (`gilbert1960`, `elliott1963`) and changes from frame to frame. While the link is bad, a share of the
+//! frames is impaired: lost, or replaced by the frame before. Frames never overtake each other.
 
 use crate::random::{CounterRng, Stream};
 

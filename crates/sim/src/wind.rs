@@ -1,11 +1,12 @@
 //! The wind at a height above the water: mean, turbulence and gusts.
 //!
-//! Turbulence follows Dryden's model at low altitude (`milf8785c`). With the height h in feet (10 to 1000) and the
-//! mean wind W, the vertical length scale is h and the horizontal one `h / (0.177 + 0.000823 h)^1.2`; the standard
-//! deviation is 0.1 W vertically and `0.1 W / (0.177 + 0.000823 h)^0.4` horizontally. Each component is an
-//! Ornstein-Uhlenbeck process whose time constant is its length scale over the mean wind. This first-order form has
-//! the model's deviations and time scales, but not the small overshoot of the transverse spectra. Gusts arrive at
-//! random; each is one period of (1 - cos). Not modelled: changes of direction, shear.
+//! Turbulence follows Dryden's model at low altitude (`milf8785c`). With the height h in feet (10 to 1000)
+//! and the mean wind W, the vertical length scale is h and the horizontal one `h / (0.177 + 0.000823 h)^1.2`;
+//! the standard deviation is 0.1 W vertically and `0.1 W / (0.177 + 0.000823 h)^0.4` horizontally. Each
+//! component is an Ornstein-Uhlenbeck process whose time constant is its length scale over the mean wind.
+//! This first-order form has the model's deviations and time scales, but not the small overshoot of the
+//! transverse spectra. Gusts arrive at random; each is one period of (1 - cos). Not modelled: changes of
+//! direction, shear.
 
 use crate::random::{CounterRng, OrnsteinUhlenbeck, OrnsteinUhlenbeckProcess, Stream};
 use crate::sea::Wind;
@@ -15,8 +16,8 @@ use crate::tick::{TICK_S, TICKS_PER_SECOND};
 const FEET: f64 = 1.0 / 0.3048;
 /// Mean time between two gusts, seconds.
 const GUST_EVERY_S: f64 = 30.0;
-/// Range of a gust's strength, m/s, in a wind of [`GUST_AT_MPS`], in proportion to which it grows; and range of its
-/// duration, seconds.
+/// Range of a gust's strength, m/s, in a wind of [`GUST_AT_MPS`], in proportion to which it grows; and range
+/// of its duration, seconds.
 const GUST_MPS: (f64, f64) = (2.0, 3.0);
 const GUST_S: (f64, f64) = (2.0, 4.0);
 const GUST_AT_MPS: f64 = 5.0;
@@ -54,8 +55,8 @@ impl Gust {
 }
 
 impl TurbulentWind {
-    /// The wind at a height above the water, metres. `gustiness` is a factor of the rate and the strength of gusts: 0
-    /// for none, nominally 1.
+    /// The wind at a height above the water, metres. `gustiness` is a factor of the rate and the strength of
+    /// gusts: 0 for none, nominally 1.
     pub fn new(mean: Wind, height_m: f64, gustiness: f64, seed: u64) -> Self {
         let h = (height_m * FEET).clamp(10.0, 1000.0);
         let shape = 0.177 + 0.000_823 * h;

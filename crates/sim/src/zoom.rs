@@ -48,8 +48,8 @@ impl CommandedZoom {
     }
 }
 
-/// A zoom that goes on for the whole trial: the logarithm of the focal length swings like a cosine, from the scenario's focal
-/// length to a multiple of it and back.
+/// A zoom that goes on for the whole trial: the logarithm of the focal length swings like a cosine, from the
+/// scenario's focal length to a multiple of it and back.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Zoom {
     /// The largest focal length over the scenario's, above 0.

@@ -1,16 +1,17 @@
-//! Function multiversioning: loops compiled for several sets of vector instructions, with bit-identical results.
+//! Function multiversioning: loops compiled for several sets of vector instructions, with bit-identical
+//! results.
 //!
-//! A function inside [`multiversion!`] is compiled from the same scalar source for the target's baseline, for AVX2 and
-//! for AVX-512. No version fuses a multiplication with an addition or changes the order of a sum. All versions
-//! therefore round alike, provided that the source uses only `+ - * / sqrt`, comparisons, truncation and integers: no
-//! `mul_add` and no transcendental functions of the standard library.
+//! A function inside [`multiversion!`] is compiled from the same scalar source for the target's baseline, for
+//! AVX2 and for AVX-512. No version fuses a multiplication with an addition or changes the order of a sum.
+//! All versions therefore round alike, provided that the source uses only `+ - * / sqrt`, comparisons,
+//! truncation and integers: no `mul_add` and no transcendental functions of the standard library.
 //!
-//! A [`Simd`] selects the version. It is obtained only by detecting the machine's features, so that owning one proves
-//! that the call is sound. The `unsafe` blocks of the project's arithmetic are in the macro and in [`sum_pair_products`]; a
-//! crate that uses the macro declares `deny(unsafe_code)` instead of `forbid`.
+//! A [`Simd`] selects the version. It is obtained only by detecting the machine's features, so that owning
+//! one proves that the call is sound. The `unsafe` blocks of the project's arithmetic are in the macro and in
+//! [`sum_pair_products`]; a crate that uses the macro declares `deny(unsafe_code)` instead of `forbid`.
 //!
-//! This crate does not contain kernels or intrinsics but for [`sum_pair_products`], nor dispatch for other architectures.
-//! ARM uses the baseline, which includes NEON.
+//! This crate does not contain kernels or intrinsics but for [`sum_pair_products`], nor dispatch for other
+//! architectures. ARM uses the baseline, which includes NEON.
 #![deny(unsafe_code)]
 
 use core::fmt;
@@ -105,8 +106,8 @@ impl Simd {
     }
 }
 
-/// Compiles a free function without a result for each level. The expression before the function gives the [`Simd`] to
-/// use; it may refer to the function's arguments.
+/// Compiles a free function without a result for each level. The expression before the function gives the
+/// [`Simd`] to use; it may refer to the function's arguments.
 ///
 /// ```
 /// use barrelman_simd::{Simd, multiversion};

@@ -1,8 +1,9 @@
 //! Sums of products of pairs of 16-bit integers: the inner loop of a convolution in integers.
 //!
-//! The only kernel of this crate. The x86 instruction for it (`pmaddwd`) multiplies twice as many values as one in single
-//! precision does, and compilers do not find it in scalar source where a weight is multiplied with a row. Where the machine has
-//! VNNI, one instruction multiplies and adds. Integers give the same sums everywhere.
+//! The only kernel of this crate. The x86 instruction for it (`pmaddwd`) multiplies twice as many values as
+//! one in single precision does, and compilers do not find it in scalar source where a weight is multiplied
+//! with a row. Where the machine has VNNI, one instruction multiplies and adds. Integers give the same sums
+//! everywhere.
 
 use crate::Simd;
 #[cfg(any(test, not(target_arch = "x86_64")))]
@@ -19,9 +20,9 @@ pub type Pair = [i16; 2];
 /// The sums of a row: for each output of a block, those of all columns.
 pub type RowSums = [[i32; COLUMNS]; OUTPUTS];
 
-/// Sums, for each row and column and each output of a block, the products of weights and inputs. Tap by tap, `starts` gives the
-/// place in `map` from which the [`COLUMNS`] inputs of the first row are read, and `weights` the weights of the block. The
-/// inputs of the next row lie `stride` places further.
+/// Sums, for each row and column and each output of a block, the products of weights and inputs. Tap by tap,
+/// `starts` gives the place in `map` from which the [`COLUMNS`] inputs of the first row are read, and
+/// `weights` the weights of the block. The inputs of the next row lie `stride` places further.
 ///
 /// A sum beyond 32 bits wraps around: the caller limits the values.
 ///
@@ -129,9 +130,10 @@ mod x86 {
         }
     }
 
-    /// A function for one set of vector instructions: the type of a register, the number of pairs in one, how many outputs are
-    /// summed up at once and over how many registers of a row, and the instructions. A weight is read for each of those
-    /// registers together; as many totals as that takes stay in registers, because their loops have constant bounds.
+    /// A function for one set of vector instructions: the type of a register, the number of pairs in one, how
+    /// many outputs are summed up at once and over how many registers of a row, and the instructions. A
+    /// weight is read for each of those registers together; as many totals as that takes stay in registers,
+    /// because their loops have constant bounds.
     macro_rules! level {
         (
             $features:literal $name:ident: $register:ty, $pairs:literal pairs, $outputs:literal outputs of $registers:literal,

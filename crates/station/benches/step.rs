@@ -121,7 +121,8 @@ fn draw_people(picture: &mut Picture, frame: u32) -> [PixelPoint; 4] {
     places.map(|(left, top)| PixelPoint { u: left as f64 + 11.0, v: top as f64 + 7.0 })
 }
 
-/// The whole step with the boat and four marks that are held. 180 frames, there and back, so that nobody jumps.
+/// The whole step with the boat and four marks that are held. 180 frames, there and back, so that nobody
+/// jumps.
 #[divan::bench]
 fn whole_step_with_four_marks(bencher: Bencher<'_, '_>) {
     let clip = PracticeClip::new(SIZE, 1);

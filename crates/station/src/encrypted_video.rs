@@ -10,7 +10,8 @@ use barrelman_vocab::{EncodedUnit, PixelBox, VideoFrame};
 /// Starts a video source.
 ///
 /// # Errors
-/// If the relay or the thread of the source cannot be started. An error of the source itself reaches the sink.
+/// If the relay or the thread of the source cannot be started. An error of the source itself reaches the
+/// sink.
 pub(crate) fn spawn(
     url: VideoUrl,
     trust: &Trust,

@@ -1,6 +1,8 @@
-//! The program `barrelman-guard`: owns the port of a vehicle that keeps its last rate, and outlives `barrelman run`.
+//! The program `barrelman-guard`: owns the port of a vehicle that keeps its last rate, and outlives
+//! `barrelman run`.
 //!
-//! Only the crate `barrelman-link` may be named here, so that no decoder and no renderer is linked: `xtask tidy` looks.
+//! Only the crate `barrelman-link` may be named here, so that no decoder and no renderer is linked:
+//! `xtask tidy` looks.
 
 use std::process::ExitCode;
 

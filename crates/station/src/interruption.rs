@@ -10,8 +10,8 @@ use signal_hook::flag;
 /// The exit code of a program that a second signal ends: that of a shell for a program that Ctrl-C ended.
 const ENDED_BY_SIGNAL: i32 = 130;
 
-/// A flag that Ctrl-C, SIGTERM or SIGHUP sets. The next Ctrl-C or SIGTERM ends the program at once. (Another SIGHUP may come of the
-/// end itself, from a terminal that the program closes.)
+/// A flag that Ctrl-C, SIGTERM or SIGHUP sets. The next Ctrl-C or SIGTERM ends the program at once. (Another
+/// SIGHUP may come of the end itself, from a terminal that the program closes.)
 ///
 /// # Errors
 /// If the signals cannot be caught.

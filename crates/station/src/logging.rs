@@ -1,8 +1,8 @@
 //! Log lines on stderr, as text or JSON.
 //!
-//! A thread of its own writes the lines, and lines are dropped while stderr is blocked: a full stderr must not delay the
-//! pilot. A panic becomes a log line without a backtrace: a backtrace takes a fifth of a second, in which the camera
-//! would keep turning.
+//! A thread of its own writes the lines, and lines are dropped while stderr is blocked: a full stderr must
+//! not delay the pilot. A panic becomes a log line without a backtrace: a backtrace takes a fifth of a
+//! second, in which the camera would keep turning.
 
 use std::io::{self, IsTerminal as _, Write, stderr};
 use std::panic::PanicHookInfo;

@@ -1,4 +1,5 @@
-//! Logins and tokens that stay off the command line: in a file, or in an environment variable that the configuration names.
+//! Logins and tokens that stay off the command line: in a file, or in an environment variable that the
+//! configuration names.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -25,7 +26,8 @@ use crate::source_url::SourceUrl;
 /// Where a login is kept.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum LoginSource {
-    /// `user:password` on the first line of this file, and on the second one, if there is one, `host HOST:PORT` of the camera.
+    /// `user:password` on the first line of this file, and on the second one, if there is one,
+    /// `host HOST:PORT` of the camera.
     File(PathBuf),
     /// `user:password` in the environment variable of this name.
     Environment(String),
@@ -43,7 +45,8 @@ pub struct VideoLogin {
 /// A login with the server that it is for.
 struct StoredLogin {
     login: Login,
-    /// `HOST` or `HOST:PORT` of the second line, behind the word `host`; `None`: that of the address beside which the login is given.
+    /// `HOST` or `HOST:PORT` of the second line, behind the word `host`; `None`: that of the address beside
+    /// which the login is given.
     server: Option<String>,
 }
 
@@ -80,7 +83,8 @@ impl LoginSource {
     /// Reads the login. If others may read the file, a warning is logged.
     ///
     /// # Errors
-    /// If the file or the variable does not exist, or holds no login. The message repeats nothing of the content.
+    /// If the file or the variable does not exist, or holds no login. The message repeats nothing of the
+    /// content.
     fn read(&self) -> Result<StoredLogin> {
         match self {
             Self::File(path) => read_file(path),
@@ -99,8 +103,8 @@ impl LoginSource {
     }
 }
 
-/// Parses the address of a video source and adds the login. The login is read only for a camera at `rtsp://`; other
-/// sources take none.
+/// Parses the address of a video source and adds the login. The login is read only for a camera at `rtsp://`;
+/// other sources take none.
 ///
 /// # Errors
 /// If the address cannot be parsed, or the login cannot be read.
@@ -111,8 +115,9 @@ pub fn source_url(address: &str, login: &VideoLogin) -> Result<SourceUrl> {
     })
 }
 
-/// Adds the login to an address that the vehicle named: only a login that is stored for that host and port, as a vehicle chooses
-/// nobody whom a password is shown to; or, without one, the link's own for the link's own host.
+/// Adds the login to an address that the vehicle named: only a login that is stored for that host and port,
+/// as a vehicle chooses nobody whom a password is shown to; or, without one, the link's own for the link's
+/// own host.
 ///
 /// # Errors
 /// If the login cannot be read, or is for another server.
@@ -131,7 +136,8 @@ pub fn named_source_url(url: VideoUrl, login: &VideoLogin, link: Option<&HttpSet
     with_login(url, login, Recipient::NamedByVehicle).map(SourceUrl::Video)
 }
 
-/// Parses the address of the second video of a run and adds the login, unless the login is stored for another server.
+/// Parses the address of the second video of a run and adds the login, unless the login is stored for another
+/// server.
 ///
 /// # Errors
 /// If the address cannot be parsed, or the login cannot be read.
@@ -188,11 +194,12 @@ fn is_server(text: &str, host: &str, port: u16, url: &VideoUrl) -> bool {
     stated.is_some_and(|(stated, at)| stated.eq_ignore_ascii_case(host) && at == port)
 }
 
-/// What a link over HTTP needs, with the token or the login of its file, and the vehicle's video that is used.
-/// If others may read the file, a warning is logged.
+/// What a link over HTTP needs, with the token or the login of its file, and the vehicle's video that is
+/// used. If others may read the file, a warning is logged.
 ///
 /// # Errors
-/// If a Sigma's token file is not named, or a file or the fingerprint is not usable. The message repeats nothing of a secret.
+/// If a Sigma's token file is not named, or a file or the fingerprint is not usable. The message repeats
+/// nothing of a secret.
 pub fn http_settings(
     address: &HttpAddress,
     access: &LinkAccess,
@@ -255,8 +262,8 @@ pub fn tls_client(files: &TrustFiles, client: Option<&ClientFiles>) -> Result<Ar
     config.context("the files of TLS are not usable").map(Arc::new)
 }
 
-/// How the packets of a MAVLink link are signed, with the key of this file; without a file, they are not. If others may read
-/// the file, a warning is logged.
+/// How the packets of a MAVLink link are signed, with the key of this file; without a file, they are not. If
+/// others may read the file, a warning is logged.
 ///
 /// # Errors
 /// If the file is not usable. The message repeats nothing of its content.

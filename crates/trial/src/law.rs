@@ -1,8 +1,8 @@
 //! Open-loop evaluation of a camera law on the recorded positions of a log.
 //!
-//! The law receives the recorded positions row by row; its commands have no effect on the positions that follow. The
-//! result can be compared with the recorded commands; it does not show how well the law would have held the target. A
-//! law with a camera model assumes that the camera followed the law's own commands.
+//! The law receives the recorded positions row by row; its commands have no effect on the positions that
+//! follow. The result can be compared with the recorded commands; it does not show how well the law would
+//! have held the target. A law with a camera model assumes that the camera followed the law's own commands.
 
 use barrelman_control::{CameraLaw, LawInput, LawSettings, Percept, Region};
 use barrelman_vocab::{CameraCommand, ImagePoint, Timestamp, VehicleProfile, VehicleRates};

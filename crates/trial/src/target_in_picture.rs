@@ -7,7 +7,8 @@ use barrelman_vocab::{ImagePoint, PixelBox, Track};
 pub struct TargetInPicture {
     /// Bounds of the visible part of the target, pixels of the video frame; `None` where no part is visible.
     pub bounds: Option<PixelBox>,
-    /// Visible share of the target, 0 to 1: of what would be seen on still water, unhidden and wholly in the picture.
+    /// Visible share of the target, 0 to 1: of what would be seen on still water, unhidden and wholly in the
+    /// picture.
     pub visible_share: f64,
 }
 
@@ -20,7 +21,8 @@ pub struct JudgedTrack {
     pub visible_share: f64,
     /// Whether the tracker measured the target in this picture.
     pub is_tracking: bool,
-    /// IoU of the track's box and the visible part of the target, 0 where no part is visible; `None`: the track has no box.
+    /// IoU of the track's box and the visible part of the target, 0 where no part is visible; `None`: the
+    /// track has no box.
     pub iou: Option<f64>,
     /// The tracker's confidence, 0 to 1.
     pub confidence: f64,

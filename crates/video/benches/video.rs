@@ -1,7 +1,7 @@
 //! Time to decode and to encode a picture, on one thread: `cargo bench -p barrelman-video`.
 //!
-//! The clip is generated: 1280x720, a moving texture, baseline profile, 4 Mbit/s. With nasm on the PATH at build time, the
-//! cost is half.
+//! The clip is generated: 1280x720, a moving texture, baseline profile, 4 Mbit/s. With nasm on the PATH at
+//! build time, the cost is half.
 
 use barrelman_video::decoder::UnitDecoder;
 use barrelman_video::encoder::{EncoderSettings, H264Encoder};

@@ -1,5 +1,5 @@
-//! Cost of one proposal in a 1280x720 picture, by the size of the object at the point. The live loop waits for
-//! it: it must stay below 10 ms.
+//! Cost of one proposal in a 1280x720 picture, by the size of the object at the point. The live loop waits
+//! for it: it must stay below 10 ms.
 
 use barrelman_vision::{ObjectSizes, Proposer};
 use barrelman_vocab::video::ColourEncoding;

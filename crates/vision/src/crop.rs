@@ -219,7 +219,8 @@ impl Crop {
         map.for_each_in_ellipse(centre, half, angle, |du, dv, index| visit(du, dv, u[index], v[index]));
     }
 
-    /// Mean target probability inside an ellipse (see [`Self::for_each_probability`]) and in the ring around it.
+    /// Mean target probability inside an ellipse (see [`Self::for_each_probability`]) and in the ring around
+    /// it.
     pub(crate) fn contrast(&self, centre: (f32, f32), half: (f32, f32), angle: f32) -> ColourContrast {
         self.probabilities().contrast(centre, half, angle)
     }

@@ -5,8 +5,8 @@
 //! Dhulipala, Dufek and Murphy, arXiv 1710.02932): a hue histogram of the selection, its back projection,
 //! mean shift to the mode, and size and orientation from the image moments.
 //!
-//! [`Proposer`] proposes the box of the object at a point, for a selection; [`Saliency`] finds the points of a
-//! picture that stand out from the water.
+//! [`Proposer`] proposes the box of the object at a point, for a selection; [`Saliency`] finds the points of
+//! a picture that stand out from the water.
 //!
 //! All coordinates are *pixel* coordinates: u to the right, v downwards, origin at the top left corner of the
 //! picture, pixel (0,0) covering [0,1) x [0,1). Reported angles of an axis are anticlockwise from image

@@ -1,9 +1,10 @@
 //! Growth of the picture while the camera zooms, by registration of patches all over it.
 //!
-//! All patches have the same reference frame. The shift of a patch is linear in its place: by the motion of the camera, and by
-//! the growth times the distance from the middle. The growth since the reference is the median, over pairs of patches and both
-//! axes, of the shift apart over the distance, so that a patch on a boat or a wake has no say. A reference is kept while the
-//! patches stay recognisable: errors do not add up with every frame.
+//! All patches have the same reference frame. The shift of a patch is linear in its place: by the motion of
+//! the camera, and by the growth times the distance from the middle. The growth since the reference is the
+//! median, over pairs of patches and both axes, of the shift apart over the distance, so that a patch on a
+//! boat or a wake has no say. A reference is kept while the patches stay recognisable: errors do not add up
+//! with every frame.
 
 use barrelman_vocab::{Picture, PictureSize};
 
@@ -15,8 +16,8 @@ use crate::picture_motion::{PATCH_CENTRES, PATCHES};
 const MIN_PEAK_RATIO: f32 = 6.0;
 /// Side of a patch, as a share of the picture's height.
 const SIDE_SHARE: f32 = 0.27;
-/// A reference is used for so many frames at most, while no patch has moved by this share of the picture's height, and the
-/// picture has not grown by this logarithm: patches that differ in scale are not recognised.
+/// A reference is used for so many frames at most, while no patch has moved by this share of the picture's
+/// height, and the picture has not grown by this logarithm: patches that differ in scale are not recognised.
 const MAX_AGE: u32 = 15;
 const MAX_SHIFT_SHARE: f32 = 0.1;
 const MAX_GROWTH: f64 = 0.04;
@@ -51,7 +52,8 @@ impl Default for PictureGrowth {
 }
 
 impl PictureGrowth {
-    /// The growth since the last call, as the logarithm of the picture's scale; `None`: too few patches are recognised.
+    /// The growth since the last call, as the logarithm of the picture's scale; `None`: too few patches are
+    /// recognised.
     pub fn measure(&mut self, picture: &Picture) -> Option<f64> {
         let size = picture.size();
         let before = self.reference.take().filter(|reference| reference.size == size);
@@ -110,7 +112,8 @@ fn growth_of(shifts: &[Option<(f32, f32)>; PATCHES], size: PictureSize) -> Optio
     let slopes = &mut slopes[..count];
     slopes.sort_unstable_by(f64::total_cmp);
     let (low, high) = (slopes.get(count.checked_sub(1)? / 2)?, slopes.get(count / 2)?);
-    // What a patch compares lies between its places in both frames, so that the slope is the logarithm up to its cube.
+    // What a patch compares lies between its places in both frames, so that the slope is the logarithm up to
+    // its cube.
     Some(0.5 * (low + high))
 }
 

@@ -48,9 +48,9 @@ impl ProbabilityView<'_> {
         }
     }
 
-    /// Calls `visit` for each sample inside an ellipse and inside the picture, with the distance right and down
-    /// of the centre (pixels) and the index of the sample. The ellipse has the half axes `half` (pixels) around
-    /// `centre`; `angle` turns it clockwise, radians.
+    /// Calls `visit` for each sample inside an ellipse and inside the picture, with the distance right and
+    /// down of the centre (pixels) and the index of the sample. The ellipse has the half axes `half` (pixels)
+    /// around `centre`; `angle` turns it clockwise, radians.
     pub(crate) fn for_each_in_ellipse(
         &self,
         centre: (f32, f32),

@@ -1,8 +1,8 @@
 //! Places of a picture that stand out from the water around them.
 //!
 //! The picture is reduced to cells. A cell stands out by how much its brightness and colour differ from those
-//! of the ring of cells around it, in standard deviations of that ring: rough water has a large deviation. The
-//! ring is wide and flat, as the water's brightness changes with the distance. Colour counts more than
+//! of the ring of cells around it, in standard deviations of that ring: rough water has a large deviation.
+//! The ring is wide and flat, as the water's brightness changes with the distance. Colour counts more than
 //! brightness, since glare and foam have none.
 //!
 //! Not handled: an object as large as the ring, the horizon and the shore (they stand out, too).

@@ -1,4 +1,5 @@
-//! Whether a vehicle takes camera commands of this program, and why not: for vehicles that answer each command.
+//! Whether a vehicle takes camera commands of this program, and why not: for vehicles that answer each
+//! command.
 
 use strum::{IntoStaticStr, VariantArray};
 

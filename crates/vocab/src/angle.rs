@@ -39,8 +39,8 @@ impl Angle {
     }
 }
 
-/// An angular rate in radians per second. A camera's pan rate is positive to the right, its tilt rate is positive
-/// upwards.
+/// An angular rate in radians per second. A camera's pan rate is positive to the right, its tilt rate is
+/// positive upwards.
 ///
 /// ```
 /// use barrelman_vocab::AngularRate;
@@ -76,8 +76,8 @@ impl AngularRate {
         self.0 == 0.0
     }
 
-    /// The rate clamped to `-|limit|..=|limit|`. The result is zero if the rate or the limit is NaN: an invalid rate
-    /// must not move a camera.
+    /// The rate clamped to `-|limit|..=|limit|`. The result is zero if the rate or the limit is NaN: an
+    /// invalid rate must not move a camera.
     pub fn clamped(self, limit: Self) -> Self {
         if self.0.is_nan() || limit.0.is_nan() {
             Self::ZERO

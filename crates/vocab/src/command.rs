@@ -5,12 +5,12 @@ use core::time::Duration;
 use crate::angle::AngularRate;
 use crate::zoom::ZoomRate;
 
-/// A command that moves the camera and is not renewed in time ends this much later at the link: the link's dead-man's
-/// switch leaves a pilot that is late some room.
+/// A command that moves the camera and is not renewed in time ends this much later at the link: the link's
+/// dead-man's switch leaves a pilot that is late some room.
 pub const RENEWAL_GRACE: Duration = Duration::from_millis(50);
 
-/// The commanded rates. Pan > 0 turns the view right, tilt > 0 turns it up and zoom > 0 makes it closer, independent of the
-/// vehicle's own signs. A command is in force until the next one.
+/// The commanded rates. Pan > 0 turns the view right, tilt > 0 turns it up and zoom > 0 makes it closer,
+/// independent of the vehicle's own signs. A command is in force until the next one.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct CameraCommand {
     /// Rate about the vertical; positive to the right.

@@ -1,9 +1,9 @@
 //! Points, boxes and sizes in a picture.
 //!
-//! There are two frames of reference. *Pixel* coordinates (u right, v down, origin at the top left corner of the
-//! picture, pixel (0,0) covers [0,1) x [0,1)) are used for cropping and drawing. *Image* coordinates (x right, y up,
-//! origin at the picture's centre, in pixels) are used for control. With a picture of W x H pixels:
-//! x = u - W/2, y = H/2 - v.
+//! There are two frames of reference. *Pixel* coordinates (u right, v down, origin at the top left corner of
+//! the picture, pixel (0,0) covers [0,1) x [0,1)) are used for cropping and drawing. *Image* coordinates (x
+//! right, y up, origin at the picture's centre, in pixels) are used for control. With a picture of W x H
+//! pixels: x = u - W/2, y = H/2 - v.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

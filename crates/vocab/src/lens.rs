@@ -1,8 +1,8 @@
 //! The lens of a camera: focal lengths, principal point and distortion.
 //!
-//! *Normalised coordinates* (x right, y down) are the tangents of a line of sight: a point in the camera's frame of
-//! reference (right, down, ahead) has x = right / ahead and y = down / ahead. A lens maps them to pixel coordinates; the
-//! maps are computed in `barrelman-control`.
+//! *Normalised coordinates* (x right, y down) are the tangents of a line of sight: a point in the camera's
+//! frame of reference (right, down, ahead) has x = right / ahead and y = down / ahead. A lens maps them to
+//! pixel coordinates; the maps are computed in `barrelman-control`.
 
 use crate::image::{PictureSize, PixelPoint};
 
@@ -13,22 +13,22 @@ pub struct Lens {
     pub picture: PictureSize,
     /// Focal length in pixels: horizontal, vertical.
     pub focal_px: (f64, f64),
-    /// Where the optical axis meets the picture. The centre of the first pixel is (0.5, 0.5): OpenCV's principal point
-    /// is smaller by 0.5 in both coordinates.
+    /// Where the optical axis meets the picture. The centre of the first pixel is (0.5, 0.5): OpenCV's
+    /// principal point is smaller by 0.5 in both coordinates.
     pub principal: PixelPoint,
     /// Distortion.
     pub distortion: Distortion,
 }
 
-/// How a lens displaces a line of sight in the picture. The radius r is the distance from the principal point in focal
-/// lengths.
+/// How a lens displaces a line of sight in the picture. The radius r is the distance from the principal point
+/// in focal lengths.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum Distortion {
     /// A pinhole.
     #[default]
     None,
-    /// The simulator's model, from the picture to the line of sight: `r_pinhole = r (1 + k r²)`; k > 0 is barrel
-    /// distortion.
+    /// The simulator's model, from the picture to the line of sight: `r_pinhole = r (1 + k r²)`; k > 0 is
+    /// barrel distortion.
     Barrel {
         /// Coefficient k, at least 0.
         k: f64,
@@ -69,8 +69,8 @@ impl Lens {
         }
     }
 
-    /// The lens for pictures of another size that show the same as those of the lens. `None`: the aspect ratios differ, by more
-    /// than one row of the other picture.
+    /// The lens for pictures of another size that show the same as those of the lens. `None`: the aspect
+    /// ratios differ, by more than one row of the other picture.
     pub fn scaled_to(&self, picture: PictureSize) -> Option<Self> {
         let (width, height) = (u64::from(self.picture.width), u64::from(self.picture.height));
         let (across, down) = (u64::from(picture.width) * height, u64::from(picture.height) * width);
@@ -89,7 +89,8 @@ impl Lens {
         })
     }
 
-    /// A lens with square pixels, the principal point at the centre of the picture, and the simulator's distortion.
+    /// A lens with square pixels, the principal point at the centre of the picture, and the simulator's
+    /// distortion.
     pub fn barrel(picture: PictureSize, focal_px: f64, k: f64) -> Self {
         Self { distortion: Distortion::Barrel { k }, ..Self::pinhole(picture, focal_px) }
     }

@@ -1,5 +1,5 @@
-//! The types that all other crates share: time, angles, rates, image points, video frames, the messages between the
-//! stages, and the vehicle profiles.
+//! The types that all other crates share: time, angles, rates, image points, video frames, the messages
+//! between the stages, and the vehicle profiles.
 //!
 //! Nothing in this crate does I/O or reads a clock. The types are plain data with few methods. Requests and
 //! what they consist of have one serialised form ([`request`]); no other type has any. `docs/coordinates.md`

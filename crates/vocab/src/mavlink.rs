@@ -6,8 +6,8 @@ use core::fmt;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct SystemId(pub u8);
 
-/// A component of a system: autopilot 1, cameras 100 to 105, gimbals 154 and 171 to 175, onboard computers 191 to 194. 0
-/// addresses all components.
+/// A component of a system: autopilot 1, cameras 100 to 105, gimbals 154 and 171 to 175, onboard computers
+/// 191 to 194. 0 addresses all components.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct ComponentId(pub u8);
 
@@ -49,9 +49,11 @@ pub struct MavlinkPeers {
     pub own: Address,
     /// The system whose gimbal is moved; `None`: the first that has a gimbal manager.
     pub vehicle: Option<SystemId>,
-    /// The number of the gimbal device that is moved; `None`: the first that can pan and tilt. Without an effect on boats.
+    /// The number of the gimbal device that is moved; `None`: the first that can pan and tilt. Without an
+    /// effect on boats.
     pub device: Option<u8>,
-    /// The component of the vehicle whose camera zooms; `None`: nothing is told to zoom. Without an effect on boats.
+    /// The component of the vehicle whose camera zooms; `None`: nothing is told to zoom. Without an effect on
+    /// boats.
     pub camera: Option<ComponentId>,
 }
 

@@ -1,8 +1,8 @@
 //! Vehicle profiles: all properties in which the cameras of two vehicles may differ.
 //!
-//! No other place in the program contains a vehicle's signs, gains, rate limits or latencies. Inside the program,
-//! pan > 0 turns the view right and tilt > 0 turns it up. [`VehicleProfile::to_vehicle`] converts a command to the
-//! vehicle's own signs and applies its limits and least rates, once, at the vehicle boundary.
+//! No other place in the program contains a vehicle's signs, gains, rate limits or latencies. Inside the
+//! program, pan > 0 turns the view right and tilt > 0 turns it up. [`VehicleProfile::to_vehicle`] converts a
+//! command to the vehicle's own signs and applies its limits and least rates, once, at the vehicle boundary.
 
 use core::time::Duration;
 
@@ -16,7 +16,8 @@ use crate::zoom::{ZoomDynamics, ZoomRate};
 
 mod built_in;
 
-/// The longest [`VehicleProfile::coast_motion`] that is used: a camera never turns longer than this without a fresh look.
+/// The longest [`VehicleProfile::coast_motion`] that is used: a camera never turns longer than this without a
+/// fresh look.
 pub const MAX_COAST_MOTION: Duration = Duration::from_millis(500);
 
 /// One degree, radians.
@@ -57,15 +58,19 @@ pub struct VehicleProfile {
     pub video_latency: Duration,
     /// How much older than `video_latency` a video frame may be on arrival before it counts as stale.
     pub stale_after: Duration,
-    /// How long a rate may stay in force after the last fresh localisation arrived, at most [`MAX_COAST_MOTION`].
+    /// How long a rate may stay in force after the last fresh localisation arrived, at most
+    /// [`MAX_COAST_MOTION`].
     pub coast_motion: Duration,
     /// How far the vehicle may turn about the vertical.
     pub net_yaw: NetYawLimits,
-    /// How the reported attitude of the gimbal tells the tilt; `None`: not known, and the reports are not used.
+    /// How the reported attitude of the gimbal tells the tilt; `None`: not known, and the reports are not
+    /// used.
     pub gimbal_tilt: Option<GimbalTilt>,
-    /// The sense of the yaw in the reported attitude of the vehicle; `None`: not known, and the reports are not used.
+    /// The sense of the yaw in the reported attitude of the vehicle; `None`: not known, and the reports are
+    /// not used.
     pub attitude_yaw: Option<Sign>,
-    /// The rates at the vehicle's speeds, where those have no unit; `None`: they have one, or were not measured.
+    /// The rates at the vehicle's speeds, where those have no unit; `None`: they have one, or were not
+    /// measured.
     pub speeds: Option<AxisSpeeds>,
     /// The camera's zoom; `None`: the camera has none, or it is not moved.
     pub zoom: Option<ZoomDynamics>,
@@ -85,7 +90,8 @@ impl NetYawLimits {
     pub const DEFAULT: Self = Self { warn: Angle::from_degrees(540.0), refuse: Angle::from_degrees(1080.0) };
 }
 
-/// The tilt in the reported attitude of a gimbal: one of the angles of its quaternion, with a sense and a zero.
+/// The tilt in the reported attitude of a gimbal: one of the angles of its quaternion, with a sense and a
+/// zero.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct GimbalTilt {
     /// The angle of the quaternion.
@@ -108,7 +114,8 @@ impl GimbalTilt {
     }
 }
 
-/// The largest rates of a vehicle whose protocol states none. The limit is our own: ArduPilot carries out 7 rad/s.
+/// The largest rates of a vehicle whose protocol states none. The limit is our own: ArduPilot carries out 7
+/// rad/s.
 pub const OWN_RATE_LIMITS: AxisRates = AxisRates {
     pan: AngularRate::from_radians_per_second(0.5),
     tilt: AngularRate::from_radians_per_second(0.5),
@@ -183,9 +190,9 @@ impl Protocol {
 
     /// The largest rates that the protocol's client ever writes, whatever a profile or a configuration says.
     ///
-    /// Fotokite Pro: yaw 0.4 and gimbal pitch 0.3 rad/s, which the vehicle's known clients keep. Fotokite Sigma: 25 degrees
-    /// per second on both axes, the example of its API document; what the vehicle itself states, if less, holds too. MAVLink
-    /// gimbal, ONVIF camera: [`OWN_RATE_LIMITS`].
+    /// Fotokite Pro: yaw 0.4 and gimbal pitch 0.3 rad/s, which the vehicle's known clients keep. Fotokite
+    /// Sigma: 25 degrees per second on both axes, the example of its API document; what the vehicle itself
+    /// states, if less, holds too. MAVLink gimbal, ONVIF camera: [`OWN_RATE_LIMITS`].
     pub const fn rate_limits(self) -> AxisRates {
         match self {
             Self::FotokitePro => AxisRates {
@@ -223,7 +230,8 @@ pub enum MotionReports {
     Attitudes,
 }
 
-/// The elliptical region as shares of the picture: the semi-axes are `half_width` x W/2 and `half_height` x H/2.
+/// The elliptical region as shares of the picture: the semi-axes are `half_width` x W/2 and `half_height` x
+/// H/2.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RegionShares {
     /// Horizontal semi-axis as a share of half the picture's width, in (0, 1].
@@ -244,7 +252,8 @@ pub struct SizeKeeping {
 }
 
 impl SizeKeeping {
-    /// From 14 to 86 pixels of 720: a boat of 1.2 m is recognised from 12 pixels on, and leaves room around it up to an eighth.
+    /// From 14 to 86 pixels of 720: a boat of 1.2 m is recognised from 12 pixels on, and leaves room around
+    /// it up to an eighth.
     pub const DEFAULT: Self = Self { smallest: 0.02, largest: 0.12, is_on_at_start: false };
 }
 
@@ -343,8 +352,8 @@ impl VehicleRates {
         Self { zoom, ..self }
     }
 
-    /// These rates as pan and tilt, where they were sent for `command`: their sizes, in the command's senses. The profile is
-    /// not needed, as limits make a rate smaller and signs only turn it.
+    /// These rates as pan and tilt, where they were sent for `command`: their sizes, in the command's senses.
+    /// The profile is not needed, as limits make a rate smaller and signs only turn it.
     #[must_use]
     pub fn in_the_senses_of(self, command: CameraCommand) -> CameraCommand {
         CameraCommand {
@@ -377,12 +386,14 @@ impl VehicleProfile {
             .zooming(f64::from(u8::from(self.zoom.is_some())))
     }
 
-    /// Whether the vehicle keeps the last rate for ever when the program is gone. Its port then belongs to a guard.
+    /// Whether the vehicle keeps the last rate for ever when the program is gone. Its port then belongs to a
+    /// guard.
     pub const fn keeps_last_rate(&self) -> bool {
         self.protocol.keeps_last_rate()
     }
 
-    /// The same vehicle with measured speeds: its limits are at most the largest rates, and its least rates those of the curves.
+    /// The same vehicle with measured speeds: its limits are at most the largest rates, and its least rates
+    /// those of the curves.
     #[must_use]
     pub fn with_speeds(mut self, speeds: AxisSpeeds) -> Self {
         self.limits = AxisRates {
@@ -398,8 +409,8 @@ impl VehicleProfile {
         self
     }
 
-    /// The same vehicle with another motor schema rate on both axes. Limits below that rate are raised to it, so that
-    /// experiments with higher rates are not clipped.
+    /// The same vehicle with another motor schema rate on both axes. Limits below that rate are raised to it,
+    /// so that experiments with higher rates are not clipped.
     #[must_use]
     pub fn with_motor_schema_rate(mut self, rate: AngularRate) -> Self {
         let raised = |limit: AngularRate| if limit < rate { rate } else { limit };
@@ -408,9 +419,9 @@ impl VehicleProfile {
         self
     }
 
-    /// What the vehicle can execute of a command of any source. Rates above their limit are reduced to it. A rate
-    /// below the least rate of its axis becomes the least rate, or zero if it is less than half of it. With a reported
-    /// tilt, no rate leads beyond an end stop. A camera without zoom does not zoom.
+    /// What the vehicle can execute of a command of any source. Rates above their limit are reduced to it. A
+    /// rate below the least rate of its axis becomes the least rate, or zero if it is less than half of it.
+    /// With a reported tilt, no rate leads beyond an end stop. A camera without zoom does not zoom.
     pub fn executable(&self, command: CameraCommand, tilt: Option<Angle>) -> CameraCommand {
         let (low, high) = self.camera.tilt_stops;
         let leads_beyond_stop = tilt.is_some_and(|tilt| {
@@ -436,8 +447,8 @@ impl VehicleProfile {
         }
     }
 
-    /// The vehicle boundary in the other direction, for simulated vehicles: converts rates in the vehicle's own signs
-    /// to a command. Limits are not applied.
+    /// The vehicle boundary in the other direction, for simulated vehicles: converts rates in the vehicle's
+    /// own signs to a command. Limits are not applied.
     pub fn from_vehicle(&self, rates: VehicleRates) -> CameraCommand {
         CameraCommand {
             pan: self.signs.yaw.apply(rates.yaw) * self.camera.pan.gain,
@@ -447,8 +458,8 @@ impl VehicleProfile {
     }
 }
 
-/// A rate that the vehicle reaches within the limit of what is sent, and not below the least rate at which the axis
-/// turns. An axis whose least rate is above its limit does not turn.
+/// A rate that the vehicle reaches within the limit of what is sent, and not below the least rate at which
+/// the axis turns. An axis whose least rate is above its limit does not turn.
 fn executable_rate(rate: AngularRate, limit: AngularRate, axis: &AxisDynamics) -> AngularRate {
     let (limit, min_rate) = (limit * axis.gain, axis.min_rate);
     let rate = rate.clamped(limit);

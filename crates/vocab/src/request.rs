@@ -1,8 +1,8 @@
 //! Requests of the operator, or of a program on behalf of the operator.
 //!
 //! Each kind of request has an enum of its own, which the code that is about it matches without a wildcard:
-//! [`CameraRequest`], [`VesselRequest`], [`WorldRequest`], [`VideoRequest`], [`NoteRequest`] and [`SeatRequest`]; a stop concerns
-//! camera and vessel.
+//! [`CameraRequest`], [`VesselRequest`], [`WorldRequest`], [`VideoRequest`], [`NoteRequest`] and
+//! [`SeatRequest`]; a stop concerns camera and vessel.
 //!
 //! The serialised form of a request is the same in the console's API, in a stored drive and in a recording: a
 //! JSON object with the key `kind`, the name of the variant in kebab case, beside the fields of the variant:

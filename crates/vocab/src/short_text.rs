@@ -2,7 +2,8 @@
 
 use core::fmt;
 
-/// Printable ASCII, at most [`ShortText::MAX_BYTES`]. What is not becomes a question mark; what finds no room is left out.
+/// Printable ASCII, at most [`ShortText::MAX_BYTES`]. What is not becomes a question mark; what finds no room
+/// is left out.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub struct ShortText {
     length: u8,

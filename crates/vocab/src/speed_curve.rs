@@ -14,8 +14,8 @@ pub struct SpeedPoint {
     pub rate: AngularRate,
 }
 
-/// The curve of one axis, the same in both directions. Between its points it is straight. The axis rests below the speed of
-/// the first point.
+/// The curve of one axis, the same in both directions. Between its points it is straight. The axis rests
+/// below the speed of the first point.
 ///
 /// ```
 /// use barrelman_vocab::AngularRate;
@@ -104,8 +104,8 @@ impl SpeedCurve {
         self.0[self.0.len() - 1].rate
     }
 
-    /// The speed for a rate, with the rate's sign, in [-1, 1]. A rate above the largest gives the largest; one below the least
-    /// gives the least, or zero if it is less than half of it.
+    /// The speed for a rate, with the rate's sign, in [-1, 1]. A rate above the largest gives the largest;
+    /// one below the least gives the least, or zero if it is less than half of it.
     pub fn speed_for(&self, rate: AngularRate) -> f64 {
         let size = rate.abs().radians_per_second();
         let at = |point: &SpeedPoint| (point.rate.radians_per_second(), point.speed);

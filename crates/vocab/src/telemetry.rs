@@ -40,7 +40,8 @@ pub enum Report {
         /// Time since the vehicle was switched on, seconds.
         uptime_s: f64,
     },
-    /// Attitude of the vehicle: relative to its attitude at initialisation, or to north, east and down (MAVLink).
+    /// Attitude of the vehicle: relative to its attitude at initialisation, or to north, east and down
+    /// (MAVLink).
     VehicleAttitude(Quaternion),
     /// Attitude of the gimbal, in the vehicle's own frames.
     GimbalAttitude(Quaternion),
@@ -48,8 +49,8 @@ pub enum Report {
     CameraTilt(Angle),
     /// Direction of the camera's axis over the water from true north, 0 to 2 pi, positive to the east.
     CameraHeading(Angle),
-    /// Pan of the camera's axis, positive to the right, in the frame in which the vehicle holds a camera at rest: from its nose, or
-    /// from north. The zero is the vehicle's own; a change is a turn of the camera.
+    /// Pan of the camera's axis, positive to the right, in the frame in which the vehicle holds a camera at
+    /// rest: from its nose, or from north. The zero is the vehicle's own; a change is a turn of the camera.
     CameraPan(Angle),
     /// Height of the camera above the water, metres.
     CameraHeight(f64),
@@ -107,8 +108,8 @@ pub enum Report {
         /// Whether one of the batteries is low.
         is_battery_low: bool,
     },
-    /// What the vehicle says to camera commands of this program. Vehicles that answer each command report this instead of
-    /// [`Report::Ground`].
+    /// What the vehicle says to camera commands of this program. Vehicles that answer each command report
+    /// this instead of [`Report::Ground`].
     Acceptance(Acceptance),
 }
 
@@ -178,8 +179,8 @@ pub enum EulerAxis {
 }
 
 impl Quaternion {
-    /// The Euler angle about an axis, of the angles Z, Y, X in this order (yaw, pitch, roll); Y is in -90 to 90 degrees.
-    /// `None`: the quaternion has no direction.
+    /// The Euler angle about an axis, of the angles Z, Y, X in this order (yaw, pitch, roll); Y is in -90 to
+    /// 90 degrees. `None`: the quaternion has no direction.
     pub fn angle_about(self, axis: EulerAxis) -> Option<Angle> {
         let Self { w, x, y, z } = self;
         let norm = w * w + x * x + y * y + z * z;
@@ -205,8 +206,8 @@ impl Quaternion {
         }
     }
 
-    /// The angle of the turn from this attitude to another one, radians, 0 or more. Both are unit quaternions q and p: the angle is
-    /// close to twice their distance, 2 |q - p|, and q means the same attitude as -q.
+    /// The angle of the turn from this attitude to another one, radians, 0 or more. Both are unit quaternions
+    /// q and p: the angle is close to twice their distance, 2 |q - p|, and q means the same attitude as -q.
     pub fn angle_to(self, other: Self) -> f64 {
         let distance = |sign: f64| {
             let differences = [

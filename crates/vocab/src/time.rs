@@ -1,7 +1,7 @@
 //! Time: nanoseconds of the monotonic clock since the program's start.
 //!
-//! Every message carries the time at which its content was valid. An age is the difference of two timestamps that were
-//! passed in as arguments; only the program reads a clock.
+//! Every message carries the time at which its content was valid. An age is the difference of two timestamps
+//! that were passed in as arguments; only the program reads a clock.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

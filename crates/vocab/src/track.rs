@@ -71,8 +71,8 @@ impl Track {
     }
 }
 
-/// Predicted shift of the picture since the previous video frame due to camera motion and zoom, from the commands in
-/// force. It is an optional input of a tracker.
+/// Predicted shift of the picture since the previous video frame due to camera motion and zoom, from the
+/// commands in force. It is an optional input of a tracker.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MotionPrior {
     /// Shift of a stationary object near the picture's centre, pixels, positive to the right (u).
@@ -88,8 +88,8 @@ pub struct MotionPrior {
 }
 
 impl MotionPrior {
-    /// The prior of an object at this point of the previous picture: a zoom moves it away from the picture's centre, or
-    /// towards it. Without zoom it is the same prior.
+    /// The prior of an object at this point of the previous picture: a zoom moves it away from the picture's
+    /// centre, or towards it. Without zoom it is the same prior.
     #[must_use]
     pub fn at(self, point: PixelPoint, picture: PictureSize) -> Self {
         let away = |along: f64, length: u32| (self.scale - 1.0) * (along - 0.5 * f64::from(length));

@@ -1,7 +1,7 @@
 //! Encoded units: the unchanged output of a video source, one picture each.
 //!
-//! A unit contains everything that is needed to decode it later. A recorder stores units. A replay passes them to a new
-//! decoder and gets the same video frames with the same sequence numbers.
+//! A unit contains everything that is needed to decode it later. A recorder stores units. A replay passes
+//! them to a new decoder and gets the same video frames with the same sequence numbers.
 
 use std::sync::Arc;
 
@@ -38,11 +38,11 @@ impl Rotation {
 /// Format of a unit's payload.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum UnitCodec {
-    /// One H.264 access unit: NAL units with start codes (ITU-T H.264, Annex B), with the parameter sets before every
-    /// key frame.
+    /// One H.264 access unit: NAL units with start codes (ITU-T H.264, Annex B), with the parameter sets
+    /// before every key frame.
     H264AnnexB,
-    /// One H.265 access unit: NAL units with start codes (ITU-T H.265, Annex B), with the parameter sets before every
-    /// key frame.
+    /// One H.265 access unit: NAL units with start codes (ITU-T H.265, Annex B), with the parameter sets
+    /// before every key frame.
     H265AnnexB,
     /// One VP9 frame, or a superframe.
     Vp9,
@@ -52,8 +52,8 @@ pub enum UnitCodec {
     Jpeg,
     /// A PNG file.
     Png,
-    /// The samples of the Y, U and V planes in this order, 4:2:0, without padding. The chroma planes have half the
-    /// width and height, rounded up.
+    /// The samples of the Y, U and V planes in this order, 4:2:0, without padding. The chroma planes have
+    /// half the width and height, rounded up.
     RawYuv420 {
         /// Size of the luma plane.
         size: PictureSize,

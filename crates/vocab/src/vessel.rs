@@ -5,8 +5,8 @@ use serde::{Deserialize, Serialize};
 
 use core::time::Duration;
 
-/// The commanded throttle and rudder of a vessel. The signs are independent of the vehicle's own; the vehicle boundary
-/// applies those.
+/// The commanded throttle and rudder of a vessel. The signs are independent of the vehicle's own; the vehicle
+/// boundary applies those.
 ///
 /// ```
 /// use barrelman_vocab::VesselCommand;
@@ -32,7 +32,8 @@ impl VesselCommand {
         self.throttle == 0.0 && self.rudder == 0.0
     }
 
-    /// Both clamped to -1..=1. NaN becomes 0: an invalid command must not move a vessel. So does -0: a stored 0 has no sign.
+    /// Both clamped to -1..=1. NaN becomes 0: an invalid command must not move a vessel. So does -0: a stored
+    /// 0 has no sign.
     #[must_use]
     pub const fn clamped(self) -> Self {
         const fn share(value: f64) -> f64 {
@@ -99,8 +100,8 @@ impl Default for VesselLimits {
     }
 }
 
-/// What a vessel that goes by itself does when the guidance does not see it any more. Whatever else ends a command leaves the
-/// vessel neutral.
+/// What a vessel that goes by itself does when the guidance does not see it any more. Whatever else ends a
+/// command leaves the vessel neutral.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum FailSafe {
     /// Neutral: the vessel drifts.
@@ -159,7 +160,8 @@ impl VesselProfile {
         }
     }
 
-    /// The built-in profile of a name. They differ in the protocol only: a jet boat of 1.2 m in the class of EMILY.
+    /// The built-in profile of a name. They differ in the protocol only: a jet boat of 1.2 m in the class of
+    /// EMILY.
     pub fn named(name: &str) -> Option<Self> {
         let name = Self::NAMES.into_iter().find(|known| *known == name)?;
         Some(Self { name, ..Self::SIMULATOR })

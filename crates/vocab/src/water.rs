@@ -1,8 +1,9 @@
 //! Points on the water, and where the camera is above the water.
 //!
-//! The *water frame* is a right-handed frame of reference at rest: x to the right and y ahead of pan 0, metres, on the
-//! plane of the water at rest. The origin is a fixed point, by default the point below the camera. Courses and headings on the
-//! water are 0 along y (ahead) and grow to the right (clockwise as seen from above), as pan does.
+//! The *water frame* is a right-handed frame of reference at rest: x to the right and y ahead of pan 0,
+//! metres, on the plane of the water at rest. The origin is a fixed point, by default the point below the
+//! camera. Courses and headings on the water are 0 along y (ahead) and grow to the right (clockwise as seen
+//! from above), as pan does.
 
 use crate::angle::Angle;
 
@@ -83,8 +84,8 @@ pub struct CameraAboveWater {
     pub roll: Angle,
 }
 
-/// Standard deviations of what a point on the water is computed from. Errors of height and attitude are common to all
-/// points of one picture.
+/// Standard deviations of what a point on the water is computed from. Errors of height and attitude are
+/// common to all points of one picture.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SightingNoise {
     /// Of each pixel coordinate, pixels.

@@ -3,8 +3,8 @@
 use core::ops::Neg;
 use core::time::Duration;
 
-/// A rate of the zoom: the change of the focal length's logarithm in a second, positive to a closer view. At 0.1 the focal
-/// length grows by a tenth in a second.
+/// A rate of the zoom: the change of the focal length's logarithm in a second, positive to a closer view.
+/// At 0.1 the focal length grows by a tenth in a second.
 ///
 /// ```
 /// use barrelman_vocab::ZoomRate;
@@ -45,8 +45,8 @@ impl ZoomRate {
         if clamped.is_zero() { 0.0 } else { clamped.0 / largest.0.abs() }
     }
 
-    /// The rate clamped to `-|limit|..=|limit|`. The result is zero if the rate or the limit is NaN: an invalid rate
-    /// must not move a camera.
+    /// The rate clamped to `-|limit|..=|limit|`. The result is zero if the rate or the limit is NaN: an
+    /// invalid rate must not move a camera.
     pub fn clamped(self, limit: Self) -> Self {
         if self.0.is_nan() || limit.0.is_nan() {
             Self::ZERO
@@ -97,7 +97,8 @@ pub struct ZoomDynamics {
 }
 
 impl ZoomDynamics {
-    /// A zoom of this ratio that moves as a camera whose zoom was not measured is assumed to: a factor of two takes 2.3 s.
+    /// A zoom of this ratio that moves as a camera whose zoom was not measured is assumed to: a factor of two
+    /// takes 2.3 s.
     pub const fn usual(ratio: f64) -> Self {
         Self { ratio, max_rate: ZoomRate::from_per_second(0.3), dead_time: Duration::from_millis(200) }
     }

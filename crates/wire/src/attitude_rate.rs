@@ -1,4 +1,5 @@
-//! How fast a reported attitude turns: the angle from one report to the next, divided by the time between them.
+//! How fast a reported attitude turns: the angle from one report to the next, divided by the time between
+//! them.
 
 use core::time::Duration;
 
@@ -7,8 +8,8 @@ use barrelman_vocab::{AngularRate, Timestamp};
 
 use crate::session::RestEvidence;
 
-/// An attitude that turns faster than this is in motion, rad/s: about 3 degrees a second. The least useful rate of the camera
-/// is above, the sway of a hovering flight unit below.
+/// An attitude that turns faster than this is in motion, rad/s: about 3 degrees a second. The least useful
+/// rate of the camera is above, the sway of a hovering flight unit below.
 pub const MOTION_RAD_PER_S: f64 = 0.05;
 /// A rate older than this tells nothing: telemetry comes at 2 Hz or more.
 const EVIDENCE_LASTS: Duration = Duration::from_millis(1200);
@@ -16,7 +17,8 @@ const EVIDENCE_LASTS: Duration = Duration::from_millis(1200);
 /// The newest attitude and how fast it turned.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct AttitudeRate {
-    /// Attitudes are compared if they were reported at least this far apart: two that were read at once give no rate.
+    /// Attitudes are compared if they were reported at least this far apart: two that were read at once give
+    /// no rate.
     least_spacing: Duration,
     last: Option<(Quaternion, Timestamp)>,
     /// The rate between two reports.

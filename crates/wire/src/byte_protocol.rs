@@ -1,4 +1,5 @@
-//! The protocols of ports that carry bytes: the only place that chooses a session over bytes by the profile's [`Protocol`].
+//! The protocols of ports that carry bytes: the only place that chooses a session over bytes by the profile's
+//! [`Protocol`].
 
 use barrelman_vocab::mavlink::{MavlinkPeers, SystemId};
 use barrelman_vocab::profile::Protocol;
@@ -25,7 +26,8 @@ pub trait OpenSession: Copy + Send + Sync + 'static {
     /// A session on a newly opened port.
     fn open(&self, now: Timestamp) -> Box<ByteSession<Self::Command>>;
 
-    /// A reader of the vehicle's reports, for received bytes that a session in another process has received, too.
+    /// A reader of the vehicle's reports, for received bytes that a session in another process has received,
+    /// too.
     fn reports(&self) -> ReportReader;
 }
 

@@ -10,11 +10,12 @@ use crate::session::RestEvidence;
 pub const UNREST_SPACING: Duration = Duration::from_millis(100);
 /// Least number of zeros of the shut-down of a camera that rests.
 pub const ZEROS_AT_REST: u32 = 3;
-/// Least number of zeros of the shut-down of a camera that may be turning: over one second, so that a line that loses half
-/// of all packets loses all of them once in 4,096 times. A slow rate is below what telemetry shows as motion.
+/// Least number of zeros of the shut-down of a camera that may be turning: over one second, so that a line
+/// that loses half of all packets loses all of them once in 4,096 times. A slow rate is below what telemetry
+/// shows as motion.
 pub const ZEROS_IN_MOTION: u32 = 12;
-/// Largest number of zeros of the shut-down of a camera that may only sway: for two seconds, in which every camera that obeys comes
-/// to rest.
+/// Largest number of zeros of the shut-down of a camera that may only sway: for two seconds, in which every
+/// camera that obeys comes to rest.
 pub const MAX_ZEROS: u32 = 22;
 /// A camera that turns faster than this does more than to sway with its kite: zeros go on.
 pub(crate) const SWAY: AngularRate = AngularRate::from_radians_per_second(0.15);
@@ -26,7 +27,8 @@ pub(crate) struct ClosingZeros {
     pub(crate) sent: u32,
     /// Least number of zeros.
     pub(crate) least: u32,
-    /// The fastest rate at which a camera at rest may seem to turn: [`SWAY`], or none where a gimbal holds it.
+    /// The fastest rate at which a camera at rest may seem to turn: [`SWAY`], or none where a gimbal holds
+    /// it.
     pub(crate) sway: AngularRate,
     /// What telemetry shows since the first zeros.
     pub(crate) evidence: RestEvidence,

@@ -1,13 +1,15 @@
-//! The datagrams of the paper's laboratory: throttle and rudder to the boat's control computer, and nothing back.
+//! The datagrams of the paper's laboratory: throttle and rudder to the boat's control computer, and nothing
+//! back.
 //!
-//! A datagram has 16 bytes: throttle and rudder as little-endian 64-bit floating-point numbers, each -1 to 1 (throttle
-//! positive ahead, rudder positive to the right). The laboratory's receiver listens at UDP port 5007, turns them into RC
-//! values of 1500 + 400 u microseconds, and keeps the last values for ever when nothing arrives. A receiver with a time-out
-//! is [`LabReceiver`]; without one, only the guard stands between a lost program and a boat that goes on.
+//! A datagram has 16 bytes: throttle and rudder as little-endian 64-bit floating-point numbers, each -1 to 1
+//! (throttle positive ahead, rudder positive to the right). The laboratory's receiver listens at UDP port
+//! 5007, turns them into RC values of 1500 + 400 u microseconds, and keeps the last values for ever when
+//! nothing arrives. A receiver with a time-out is [`LabReceiver`]; without one, only the guard stands between
+//! a lost program and a boat that goes on.
 //!
-//! The session sends a datagram every [`INTERVAL`] while the boat is commanded, and at once when throttle or rudder change
-//! (but no more than one in [`LEAST_INTERVAL`], unless it is neutral). A boat that is released, and the end of the session,
-//! get [`NEUTRALS`] neutral datagrams: any of them may be lost.
+//! The session sends a datagram every [`INTERVAL`] while the boat is commanded, and at once when throttle or
+//! rudder change (but no more than one in [`LEAST_INTERVAL`], unless it is neutral). A boat that is released,
+//! and the end of the session, get [`NEUTRALS`] neutral datagrams: any of them may be lost.
 
 use core::time::Duration;
 
@@ -38,7 +40,8 @@ pub fn encode(command: VesselCommand) -> [u8; DATAGRAM_BYTES] {
     datagram
 }
 
-/// The command of a datagram, within -1 to 1; `None`: the datagram has another length, or a value that is no number.
+/// The command of a datagram, within -1 to 1; `None`: the datagram has another length, or a value that is no
+/// number.
 pub fn decode(datagram: &[u8]) -> Option<VesselCommand> {
     let (throttle, rest) = datagram.split_first_chunk::<8>()?;
     let rudder: [u8; 8] = rest.try_into().ok()?;
@@ -64,7 +67,8 @@ pub struct LabUdpSession {
 }
 
 impl LabUdpSession {
-    /// A session on a newly opened port. It begins with neutral datagrams: a session before may have been cut off.
+    /// A session on a newly opened port. It begins with neutral datagrams: a session before may have been cut
+    /// off.
     pub const fn open() -> Self {
         Self { order: VesselOrder::Released, last: None, neutrals_left: NEUTRALS, is_closing: false }
     }
@@ -141,7 +145,8 @@ impl Session for LabUdpSession {
     }
 }
 
-/// The receiver's end, with the time-out that the laboratory's lacks: neutral after [`RECEIVER_TIMEOUT`] of silence.
+/// The receiver's end, with the time-out that the laboratory's lacks: neutral after [`RECEIVER_TIMEOUT`] of
+/// silence.
 #[derive(Debug, Clone, Default)]
 pub struct LabReceiver {
     heard: Option<(Timestamp, VesselCommand)>,

@@ -1,9 +1,9 @@
-//! Vehicle protocols: commands to bytes and bytes to telemetry, each behind the trait [`Session`]. Each protocol has both
-//! ends: the client, and the ground station as a separate state machine.
+//! Vehicle protocols: commands to bytes and bytes to telemetry, each behind the trait [`Session`]. Each
+//! protocol has both ends: the client, and the ground station as a separate state machine.
 //!
-//! What must not be here: ports, sockets, threads, clocks (the time is the argument `now`; code that must wait returns
-//! the time of the next call), sign conversions (all rates are in the vehicle's own signs). Sentinel values of a protocol are
-//! converted here to options and enums.
+//! What must not be here: ports, sockets, threads, clocks (the time is the argument `now`; code that must
+//! wait returns the time of the next call), sign conversions (all rates are in the vehicle's own signs).
+//! Sentinel values of a protocol are converted here to options and enums.
 #![forbid(unsafe_code)]
 
 pub mod session;

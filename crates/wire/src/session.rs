@@ -1,7 +1,8 @@
-//! The seam between a vehicle's protocol and the program: what a link does, without ports, threads and clocks.
+//! The seam between a vehicle's protocol and the program: what a link does, without ports, threads and
+//! clocks.
 //!
-//! A [`Session`] is one conversation with a vehicle, from the opened port to its end. The worker around it owns the
-//! port and the clock, and decides nothing:
+//! A [`Session`] is one conversation with a vehicle, from the opened port to its end. The worker around it
+//! owns the port and the clock, and decides nothing:
 //!
 //! ```text
 //!                   request(command, renew_by), close
@@ -10,11 +11,11 @@
 //!   worker <-- packets, when to call again --- poll(now) --- Session
 //! ```
 //!
-//! A packet is what the vehicle's port carries at once: a few bytes of a stream, a datagram, or a request and its
-//! answer. The session names both types, so that a port of another kind does not fit it.
+//! A packet is what the vehicle's port carries at once: a few bytes of a stream, a datagram, or a request and
+//! its answer. The session names both types, so that a port of another kind does not fit it.
 //!
-//! All rates are in the vehicle's own signs. The dead-man's switch is not here: the worker requests rest when a command was
-//! not renewed in time. A protocol whose commands expire by themselves also uses `renew_by`.
+//! All rates are in the vehicle's own signs. The dead-man's switch is not here: the worker requests rest when
+//! a command was not renewed in time. A protocol whose commands expire by themselves also uses `renew_by`.
 
 use core::time::Duration;
 
@@ -25,7 +26,8 @@ use barrelman_vocab::{AngularRate, LinkCommand, Telemetry, Timestamp};
 /// What the sessions before on the same link have left.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct LinkHistory {
-    /// Whether the camera may be turning, or the boat moving: the shut-down is complete only when the vehicle was heard.
+    /// Whether the camera may be turning, or the boat moving: the shut-down is complete only when the vehicle
+    /// was heard.
     pub may_be_turning: bool,
     /// Whether another client had the control: it is not taken before the operator takes it back.
     pub is_anothers: bool,
@@ -34,7 +36,8 @@ pub struct LinkHistory {
 }
 
 impl LinkHistory {
-    /// What a link leaves that has ended. A vehicle that was stopped is at rest, and one of another client moves as that one wishes.
+    /// What a link leaves that has ended. A vehicle that was stopped is at rest, and one of another client
+    /// moves as that one wishes.
     pub const fn after(is_stop_sent: bool, is_anothers: bool, vehicle: Option<SystemId>) -> Self {
         Self { may_be_turning: !is_stop_sent && !is_anothers, is_anothers, vehicle }
     }
@@ -55,12 +58,12 @@ pub trait Session {
     /// Processes a received packet, and passes each report of the vehicle to `report`.
     fn received(&mut self, packet: &Self::Received, now: Timestamp, report: &mut dyn FnMut(Telemetry));
 
-    /// Sets the command, which replaces the one before. It is sent once the session is up, and is renewed or replaced until
-    /// `renew_by`; `None`: rest, which needs no renewal.
+    /// Sets the command, which replaces the one before. It is sent once the session is up, and is renewed or
+    /// replaced until `renew_by`; `None`: rest, which needs no renewal.
     fn request(&mut self, command: Self::Command, renew_by: Option<Timestamp>);
 
-    /// The operator takes the control back that the vehicle gave to another client. Without such a loss nothing happens: a
-    /// session takes the control at its start, and never again by itself.
+    /// The operator takes the control back that the vehicle gave to another client. Without such a loss
+    /// nothing happens: a session takes the control at its start, and never again by itself.
     fn take_control(&mut self, _now: Timestamp) {}
 
     /// Begins the shut-down: rest, and the vehicle's own stop where it has one.
@@ -95,8 +98,8 @@ pub trait Session {
         None
     }
 
-    /// The packets that stop the vehicle from any state, each with the pause after it: for a session that has failed. None
-    /// where another client has the control, or where the vehicle is not known.
+    /// The packets that stop the vehicle from any state, each with the pause after it: for a session that has
+    /// failed. None where another client has the control, or where the vehicle is not known.
     fn last_will(&self, now: Timestamp) -> Vec<WillStep<Self::Sent>>;
 }
 

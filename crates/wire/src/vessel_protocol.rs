@@ -30,8 +30,8 @@ impl VesselProtocol {
         }
     }
 
-    /// The same protocol with the boat of this MAVLink system; `None`: the first boat that is heard. Without an effect on other
-    /// protocols.
+    /// The same protocol with the boat of this MAVLink system; `None`: the first boat that is heard. Without
+    /// an effect on other protocols.
     #[must_use]
     pub const fn with_vehicle(self, vehicle: Option<SystemId>) -> Self {
         match self {

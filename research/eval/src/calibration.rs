@@ -1,4 +1,5 @@
-//! Calibrations of drawn cameras: sign, gain, dead times and lag as measured from the rendered picture, beside the truth.
+//! Calibrations of drawn cameras: sign, gain, dead times and lag as measured from the rendered picture,
+//! beside the truth.
 
 use anyhow::Result;
 use barrelman_control::LawSettings;
@@ -49,7 +50,8 @@ pub(crate) struct Options {
     /// The first seed.
     #[arg(long, value_name = "SEED", default_value_t = 40_000)]
     first_seed: u64,
-    /// Measure in rendered pictures; otherwise the patches move as the camera does over flat water, with noise.
+    /// Measure in rendered pictures; otherwise the patches move as the camera does over flat water, with
+    /// noise.
     #[arg(long)]
     pixels: bool,
     /// Make the short motions that tell how fast an axis turns at one speed, and compare the rates alone.

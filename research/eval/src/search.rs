@@ -1,8 +1,9 @@
 //! Searches for a boat that left the picture in a blind time: how many find the boat again, and how soon.
 //!
-//! Perception is the truth with the scenario's noise. The camera follows the boat; then nothing is seen for some seconds, in
-//! which the camera rests and the boat goes on. In trials in which the boat is out of the picture after that, the operator
-//! asks for a search as soon as one is possible. Beside it, the same trials without a search: the boat may come back.
+//! Perception is the truth with the scenario's noise. The camera follows the boat; then nothing is seen for
+//! some seconds, in which the camera rests and the boat goes on. In trials in which the boat is out of the
+//! picture after that, the operator asks for a search as soon as one is possible. Beside it, the same trials
+//! without a search: the boat may come back.
 
 use std::collections::VecDeque;
 use std::time::Duration;
@@ -23,7 +24,8 @@ use crate::output::print_line;
 use crate::parallel;
 use crate::statistics::quantile;
 
-/// The camera follows before the blind time for 10 to 24 seconds, by the seed: the boat is elsewhere, on another course.
+/// The camera follows before the blind time for 10 to 24 seconds, by the seed: the boat is elsewhere, on
+/// another course.
 fn follows_s(seed: u64) -> f64 {
     10.0 + 2.0 * (seed % 8) as f64
 }

@@ -1,4 +1,5 @@
-//! The vehicles that links and faults are measured with. What each measurement needs of a vehicle stands beside the measurement.
+//! The vehicles that links and faults are measured with. What each measurement needs of a vehicle stands
+//! beside the measurement.
 
 use barrelman_vocab::speed_curve::{AxisSpeeds, SpeedCurve};
 use barrelman_vocab::{AngularRate, VehicleProfile};

@@ -1,7 +1,8 @@
 //! Measures the zoom that keeps the boat's size: trials with it beside the same trials at a fixed zoom.
 //!
-//! The conditions of the laws (without pixels), scenarios in rendered pictures, and a boat that goes away until it is a few
-//! pixels long and comes back. The camera zooms up to eight times, and reports its field of view.
+//! The conditions of the laws (without pixels), scenarios in rendered pictures, and a boat that goes away
+//! until it is a few pixels long and comes back. The camera zooms up to eight times, and reports its field of
+//! view.
 
 use anyhow::Result;
 use barrelman_experiments::campaign::PlantName;

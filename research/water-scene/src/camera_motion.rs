@@ -4,19 +4,22 @@ use barrelman_vocab::rng::SplitMix64;
 
 use super::script::SceneKind;
 
-/// Hull length over picture height from which on the zoom only shrinks the boat, and up to which it only enlarges it.
+/// Hull length over picture height from which on the zoom only shrinks the boat, and up to which it only
+/// enlarges it.
 const MIN_SHRINKING_SHARE: f64 = 0.15;
 const MAX_GROWING_SHARE: f64 = 0.05;
 
 /// Offset of the boat in the picture by the camera's sway: the sum of two sinusoids per axis.
 #[derive(Debug, Clone)]
 pub(super) struct Sway {
-    /// Amplitude (px), angular frequency (rad/s) and phase (rad): two for the horizontal, two for the vertical.
+    /// Amplitude (px), angular frequency (rad/s) and phase (rad): two for the horizontal, two for the
+    /// vertical.
     parts: [[f64; 3]; 4],
 }
 
 impl Sway {
-    /// Amplitudes up to `reach` (horizontal, vertical), px; the speed of each sinusoid up to `max_speed`, px/s.
+    /// Amplitudes up to `reach` (horizontal, vertical), px; the speed of each sinusoid up to `max_speed`,
+    /// px/s.
     pub(super) fn new(rng: &mut SplitMix64, reach: (f64, f64), max_speed: f64) -> Self {
         let mut part = |reach: f64| {
             let rate = core::f64::consts::TAU * rng.between(0.1, 0.5);

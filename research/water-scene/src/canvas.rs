@@ -1,5 +1,5 @@
-//! The canvas of a scene: three planes of numbers with a margin, so that blur needs no border cases, and the effects
-//! of optics and sensor on them.
+//! The canvas of a scene: three planes of numbers with a margin, so that blur needs no border cases, and the
+//! effects of optics and sensor on them.
 
 use barrelman_vocab::rng;
 use barrelman_vocab::video::{ColourEncoding, ColourMatrix, SampleRange};
@@ -81,8 +81,9 @@ impl Canvas {
         }
     }
 
-    /// Paints an object. `colour` gives the object's colour at a point of the picture (u, v), if the object covers
-    /// it. The object moves by `motion` px during the exposure; `around` contains it at the middle of the exposure.
+    /// Paints an object. `colour` gives the object's colour at a point of the picture (u, v), if the object
+    /// covers it. The object moves by `motion` px during the exposure; `around` contains it at the middle of
+    /// the exposure.
     pub(super) fn paint(
         &mut self,
         around: PixelBox,
@@ -129,7 +130,8 @@ impl Canvas {
         }
     }
 
-    /// Lens blur with this standard deviation in luma px. Chroma is blurred again by the filter before subsampling.
+    /// Lens blur with this standard deviation in luma px. Chroma is blurred again by the filter before
+    /// subsampling.
     pub(super) fn blur(&mut self, sigma_px: f64) {
         blur(&mut self.y, &mut self.scratch, sigma_px);
         let chroma = libm::hypot(sigma_px / 2.0, 0.5);

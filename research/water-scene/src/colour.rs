@@ -35,8 +35,8 @@ pub(super) fn hull(paint: TargetPaint, rng: &mut SplitMix64) -> [f64; 3] {
     rgb.map(|sample| sample + rng.between(-spread, spread))
 }
 
-/// Paints that differ from the hull's colour: hues at least 50 degrees from red and orange; beside hulls without a
-/// hue, paints with one.
+/// Paints that differ from the hull's colour: hues at least 50 degrees from red and orange; beside hulls
+/// without a hue, paints with one.
 pub(super) const OTHER_PAINTS: [[f64; 3]; 5] = [
     [38.0, 78.0, 160.0],
     [150.0, 196.0, 60.0],

@@ -32,7 +32,8 @@ pub(super) struct Conditions {
     pub(super) saturation: f32,
     /// Luma of one standard deviation of the waves.
     pub(super) contrast: f32,
-    /// Standard deviations that a wave's slope must reach to glint, its height to break, and a fleck of foam to show.
+    /// Standard deviations that a wave's slope must reach to glint, its height to break, and a fleck of foam
+    /// to show.
     pub(super) glint_threshold: f32,
     pub(super) crest_threshold: f32,
     pub(super) fleck_threshold: f32,

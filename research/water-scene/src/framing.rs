@@ -1,7 +1,8 @@
 //! The plan of where the boat is in the picture, which the camera and the boat follow.
 //!
-//! Positions are offsets from the picture's centre, u to the right and v downwards, px. The phases are drawn in
-//! `trajectory.rs`. A position *seeks* a goal like a critically damped spring, or *rides* along with the boat.
+//! Positions are offsets from the picture's centre, u to the right and v downwards, px. The phases are drawn
+//! in `trajectory.rs`. A position *seeks* a goal like a critically damped spring, or *rides* along with the
+//! boat.
 
 use barrelman_vocab::rng::SplitMix64;
 
@@ -14,8 +15,8 @@ const FIRST_STAY_S: (f64, f64) = (2.5, 4.0);
 const STAY_S: (f64, f64) = (3.4, 7.0);
 /// Wait outside, s. The way back to the border adds 0.5 to 1.5 s.
 const WAIT_S: (f64, f64) = (2.7, 6.3);
-/// Least rest of the clip when the boat starts to leave, s: 3.5 to leave, 3.2 outside, 1.5 to return and 4 to be seen
-/// again.
+/// Least rest of the clip when the boat starts to leave, s: 3.5 to leave, 3.2 outside, 1.5 to return and 4 to
+/// be seen again.
 const ROUND_S: f64 = 12.2;
 /// Least rest of the clip when the wait ends, s.
 const RETURN_S: f64 = 5.0;
@@ -127,8 +128,8 @@ impl Framing {
         matches!(self.phase, Phase::Leaving { .. } | Phase::Returning { .. })
     }
 
-    /// Advances by a short time. `visible`: some of the boat is in the picture; `boat`: its velocity over the water
-    /// in the picture, px/s.
+    /// Advances by a short time. `visible`: some of the boat is in the picture; `boat`: its velocity over the
+    /// water in the picture, px/s.
     pub(super) fn step(&mut self, now_s: f64, dt_s: f64, visible: bool, boat: (f64, f64)) -> BoatGoal {
         // The camera follows the boat and pans in addition; together they are not faster than a pan.
         let pan_px_s = self.pan_px_s - PAN_SPEED_REDUCTION * libm::hypot(boat.0, boat.1);

@@ -1,10 +1,11 @@
-//! Test scenes for a tracker: a boat on rough water under a moving camera, with the exact truth of each frame.
+//! Test scenes for a tracker: a boat on rough water under a moving camera, with the exact truth of each
+//! frame.
 //!
-//! A scene stands in for video from 15 to 60 m above the water: the boat moves, turns and stops; the camera follows
-//! with pans and sway, and may lose the boat. A scene is a pure function of its script and seed, with the same bits
-//! on every machine, and each frame can be rendered on its own. The water is a flat plane (`view.rs`) seen at a fixed
-//! depression of 40 to 80 degrees. The seed determines the depression, the colour and roughness of the water, the
-//! light, the lens blur, the exposure and the sensor noise.
+//! A scene stands in for video from 15 to 60 m above the water: the boat moves, turns and stops; the camera
+//! follows with pans and sway, and may lose the boat. A scene is a pure function of its script and seed, with
+//! the same bits on every machine, and each frame can be rendered on its own. The water is a flat plane
+//! (`view.rs`) seen at a fixed depression of 40 to 80 degrees. The seed determines the depression, the colour
+//! and roughness of the water, the light, the lens blur, the exposure and the sensor noise.
 //!
 //! Not handled: perspective within a picture, roll, rolling shutter, reflections, spray over the hull, rain,
 //! compression.
@@ -46,7 +47,8 @@ use self::trajectory::Trajectory;
 use self::wake::Wake;
 use self::water::Water;
 
-/// Upper bound of the hull's length as a share of the picture's shorter side, so that the boat has room to move.
+/// Upper bound of the hull's length as a share of the picture's shorter side, so that the boat has room to
+/// move.
 const MAX_HULL_SHARE: f64 = 0.3;
 /// Lower bound of the hull's length, px: below it, bow and stern cannot be told apart.
 const MIN_HULL_PX: f64 = 8.0;
@@ -66,8 +68,8 @@ mod stream {
     pub(super) const WATER: u64 = 10;
 }
 
-/// Where everything is in one frame, at the middle of its exposure. Shapes are those of the rendered silhouette
-/// before blur.
+/// Where everything is in one frame, at the middle of its exposure. Shapes are those of the rendered
+/// silhouette before blur.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SceneTruth {
     /// Time since the start of the clip, s.
@@ -78,8 +80,8 @@ pub struct SceneTruth {
     pub visible_share: f64,
     /// Middle of the hull's centre line, halfway from stern to bow; may lie outside the picture.
     pub centre: PixelPoint,
-    /// Direction of the hull's centre line in the picture, towards the bow, anticlockwise from image right, within
-    /// +-180 degrees. A foreshortened hull is not symmetric about it; for the principal axis see
+    /// Direction of the hull's centre line in the picture, towards the bow, anticlockwise from image right,
+    /// within +-180 degrees. A foreshortened hull is not symmetric about it; for the principal axis see
     /// [`WaterScene::silhouette_axis`].
     pub heading: Angle,
     /// Length of the hull's centre line in the picture, px.
@@ -88,8 +90,8 @@ pub struct SceneTruth {
     pub minor_px: f64,
     /// Whether the boat moves over the water at more than 0.3 hull lengths per second.
     pub is_under_way: bool,
-    /// Shift of a resting point at the centre of the picture since the frame before, px (u right, v down). Where the
-    /// camera zooms, other points shift by up to 1.5 px more.
+    /// Shift of a resting point at the centre of the picture since the frame before, px (u right, v down).
+    /// Where the camera zooms, other points shift by up to 1.5 px more.
     pub camera_shift: (f64, f64),
     /// Boxes around the distractors' parts in the picture; empty boxes where there are fewer.
     pub distractors: [PixelBox; MAX_DISTRACTORS],
@@ -208,20 +210,21 @@ impl WaterScene {
         self.script.size
     }
 
-    /// The operator's selection in the first frame: the box around the boat. It lies within the inner 90 % of the
-    /// picture's width and height.
+    /// The operator's selection in the first frame: the box around the boat. It lies within the inner 90 % of
+    /// the picture's width and height.
     pub fn selection(&self) -> PixelBox {
         self.truth(0).bounds
     }
 
-    /// Renders a frame and returns its truth. Frames beyond the last equal the last. The picture takes the scene's
-    /// size and encoding (BT.709, limited range).
+    /// Renders a frame and returns its truth. Frames beyond the last equal the last. The picture takes the
+    /// scene's size and encoding (BT.709, limited range).
     pub fn render(&mut self, frame: u64, out: &mut Picture) -> SceneTruth {
         self.render_frame(frame, true, out);
         self.truth(frame)
     }
 
-    /// Renders the same picture without the boat and its wake: the difference to [`Self::render`] is the boat.
+    /// Renders the same picture without the boat and its wake: the difference to [`Self::render`] is the
+    /// boat.
     pub fn render_without_target(&mut self, frame: u64, out: &mut Picture) {
         self.render_frame(frame, false, out);
     }
@@ -259,8 +262,9 @@ impl WaterScene {
         }
     }
 
-    /// Direction of the principal axis of the whole hull's silhouette (second moments of area), anticlockwise from
-    /// image right, within +-90 degrees. It differs from the heading's line by up to 9 degrees, by 1 on average.
+    /// Direction of the principal axis of the whole hull's silhouette (second moments of area), anticlockwise
+    /// from image right, within +-90 degrees. It differs from the heading's line by up to 9 degrees, by 1 on
+    /// average.
     pub fn silhouette_axis(&self, frame: u64) -> Angle {
         let pose = self.trajectory.pose(self.clamped_frame(frame));
         let silhouette = self.boat.outline.silhouette(pose.boat, pose.heading, &pose.view);

@@ -1,7 +1,7 @@
 //! Outlines of floating objects, and their silhouettes in a picture.
 //!
-//! An outline is symmetric about its centre line. Its half-width is given at equidistant stations from stern to bow
-//! and is linear between them, so that the rendered object and the polygon of the truth are the same.
+//! An outline is symmetric about its centre line. Its half-width is given at equidistant stations from stern
+//! to bow and is linear between them, so that the rendered object and the polygon of the truth are the same.
 
 use barrelman_vocab::{PictureSize, PixelBox, PixelPoint};
 
@@ -80,8 +80,8 @@ impl Outline {
         (across.abs() <= width).then_some((along, across))
     }
 
-    /// The outline in a picture, with its middle at a point of the plane and its bow in a direction of the plane
-    /// (radians, anticlockwise from x).
+    /// The outline in a picture, with its middle at a point of the plane and its bow in a direction of the
+    /// plane (radians, anticlockwise from x).
     pub(super) fn silhouette(&self, middle: PlanePoint, heading: f64, view: &View) -> Silhouette {
         let (s, c) = (libm::sin(heading), libm::cos(heading));
         let side = |station: usize, sign: f64| {
@@ -113,8 +113,8 @@ impl Silhouette {
         twice.abs() / 2.0
     }
 
-    /// Direction of the principal axis, radians anticlockwise from image right, within +-90 degrees: from the second
-    /// moments of area, summed over the triangles of the edges with a corner.
+    /// Direction of the principal axis, radians anticlockwise from image right, within +-90 degrees: from the
+    /// second moments of area, summed over the triangles of the edges with a corner.
     pub(super) fn axis(&self) -> f64 {
         let Some(origin) = self.corners.first() else { return 0.0 };
         // Upwards is positive here; moments about the corner, and then about the centroid.

@@ -8,8 +8,8 @@ use super::view::PlanePoint;
 
 /// Frames from one check of a position to the next.
 pub(super) const CHECK_EVERY: usize = 3;
-/// An object this near to the border counts as in view, as a share of the picture's width: as far as a pan takes it
-/// between two checks.
+/// An object this near to the border counts as in view, as a share of the picture's width: as far as a pan
+/// takes it between two checks.
 const BORDER_SHARE: f64 = 0.07;
 /// Largest number of distractors in view at the same time.
 pub(super) const MAX_DISTRACTORS: usize = 2;

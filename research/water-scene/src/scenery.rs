@@ -1,7 +1,7 @@
 //! Objects beside the boat: distractors, which look like the boat, and clutter, which does not.
 //!
-//! All of them rest on the water or move uniformly. They are placed so that the camera passes them and the boat does
-//! not.
+//! All of them rest on the water or move uniformly. They are placed so that the camera passes them and the
+//! boat does not.
 
 use barrelman_vocab::PixelPoint;
 use barrelman_vocab::rng::SplitMix64;
@@ -19,8 +19,8 @@ use super::view::PlanePoint;
 const TRIES: usize = 60;
 /// Share of an absence during which a distractor must be in view to be placed.
 const MIN_PLACING_SHARE: f64 = 0.25;
-/// Whether an object keeps clear of the shore's line: moving objects are afloat throughout, resting ones may stand on
-/// land.
+/// Whether an object keeps clear of the shore's line: moving objects are afloat throughout, resting ones may
+/// stand on land.
 fn is_clear_of_shore(context: &PlacementContext<'_>, shore: Option<&Shore>, object: &SceneObject) -> bool {
     let Some(shore) = shore else { return true };
     let clear = object.body.outline.reach() + shore::MAX_EDGE_OFFSET * context.relative;
@@ -29,7 +29,8 @@ fn is_clear_of_shore(context: &PlacementContext<'_>, shore: Option<&Shore>, obje
     rests_on_land || context.checks().all(|frame| inland(frame) < -clear)
 }
 
-/// Objects in exactly the hull's paint: one for each absence, and one that is in view for as long as possible.
+/// Objects in exactly the hull's paint: one for each absence, and one that is in view for as long as
+/// possible.
 pub(super) fn distractors(
     context: &PlacementContext<'_>,
     shore: Option<&Shore>,

@@ -1,8 +1,8 @@
 //! Where boat and camera are in every frame of a clip.
 //!
 //! The boat moves over the water ([`super::boat_motion`]). Its place in the picture follows a plan
-//! ([`super::framing`]), plus sway and lag; the camera looks where both agree. A plan with exits goes through these
-//! phases:
+//! ([`super::framing`]), plus sway and lag; the camera looks where both agree. A plan with exits goes through
+//! these phases:
 //!
 //! ```text
 //!            planned time is over          the boat is out of the picture
@@ -12,8 +12,8 @@
 //!          well inside again
 //! ```
 //!
-//! The boat leaves and returns because the camera pans or because the boat drives. Where the boat drives, its place in
-//! the picture moves with its own velocity.
+//! The boat leaves and returns because the camera pans or because the boat drives. Where the boat drives, its
+//! place in the picture moves with its own velocity.
 
 use barrelman_vocab::rng::SplitMix64;
 use barrelman_vocab::{PictureSize, PixelPoint};
@@ -30,8 +30,8 @@ use super::view::{PlanePoint, View};
 const LEAD_S: u32 = 5;
 /// Frames before the first frame of the clip.
 pub(super) const LEAD_FRAMES: usize = (LEAD_S * FRAMES_PER_SECOND) as usize;
-/// Largest speed of the boat over the water, px/s at zoom 1 in the reference picture: a camera could not follow a long
-/// hull at three lengths per second.
+/// Largest speed of the boat over the water, px/s at zoom 1 in the reference picture: a camera could not
+/// follow a long hull at three lengths per second.
 const MAX_BOAT_PX_S: f64 = 330.0;
 /// Largest speed of the sway, px/s in the reference picture.
 const MAX_SWAY_PX_S: f64 = 150.0;
@@ -55,8 +55,8 @@ pub(super) struct Pose {
     pub(super) view: View,
 }
 
-/// A time without the boat: its first frame and the first frame after it, and where in the picture the boat left and
-/// returned.
+/// A time without the boat: its first frame and the first frame after it, and where in the picture the boat
+/// left and returned.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Absence {
     pub(super) from: usize,

@@ -1,8 +1,9 @@
 //! From the water to the picture: a flat plane, seen by a camera that looks down at a fixed angle.
 //!
-//! The *plane* has x to the picture's right and y away from the camera, in picture pixels at zoom 1. The picture is
-//! its affine image: u = W/2 + z (x - cx), v = H/2 - z s (y - cy), with the zoom z, the point (cx, cy) that the
-//! camera looks at, and the foreshortening s = sin(depression). Not handled: perspective within a picture, and roll.
+//! The *plane* has x to the picture's right and y away from the camera, in picture pixels at zoom 1. The
+//! picture is its affine image: u = W/2 + z (x - cx), v = H/2 - z s (y - cy), with the zoom z, the point (cx,
+//! cy) that the camera looks at, and the foreshortening s = sin(depression). Not handled: perspective within
+//! a picture, and roll.
 
 use barrelman_vocab::{PictureSize, PixelPoint};
 

@@ -1,7 +1,8 @@
 //! Foam behind a boat: a turbulent trail and the two arms of its bow wave.
 //!
-//! Where the stern was at an age a, foam lies that widens and fades with a. The arms have moved apart since, at a
-//! fixed share of the boat's speed (the waves of a ship lie within 19.5 degrees of its course, whatever its speed).
+//! Where the stern was at an age a, foam lies that widens and fades with a. The arms have moved apart since,
+//! at a fixed share of the boat's speed (the waves of a ship lie within 19.5 degrees of its course, whatever
+//! its speed).
 
 use super::canvas::{Field, MARGIN};
 use super::outline::Outline;

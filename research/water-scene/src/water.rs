@@ -1,8 +1,8 @@
 //! Appearance of the water: waves, gusts, glints, breaking crests, flecks of foam.
 //!
-//! Six layers of wave tiles drift over each other at different speeds. Their sum h is the ripple of the luma. Where
-//! the short layers add up, the water glints; where the long ones do, crests break. With the thresholds g, c and f of
-//! the conditions (standard deviations):
+//! Six layers of wave tiles drift over each other at different speeds. Their sum h is the ripple of the luma.
+//! Where the short layers add up, the water glints; where the long ones do, crests break. With the thresholds
+//! g, c and f of the conditions (standard deviations):
 //!
 //! ```text
 //! h     = 0.5 long + 0.8 chop + 0.45 (short + shorter)(1 + 0.3 gust), skewed: h + 0.18 (h^2 - 1)

@@ -1,8 +1,8 @@
 //! Periodic tiles of waves, and how they are mapped into a picture.
 //!
-//! A tile is a sum of plane waves with whole numbers of cycles per tile, directions spread about the wind's, and
-//! amplitudes that fall with the wave number: h(x) = sum a_k cos(2 pi k.x / N + phase_k), scaled to mean 0 and
-//! variance 1.
+//! A tile is a sum of plane waves with whole numbers of cycles per tile, directions spread about the wind's,
+//! and amplitudes that fall with the wave number: h(x) = sum a_k cos(2 pi k.x / N + phase_k), scaled to mean
+//! 0 and variance 1.
 
 use barrelman_vocab::rng::SplitMix64;
 

@@ -53,9 +53,9 @@ pub enum ClientMessage {
     },
     /// Choose how video is sent. Nothing is sent before the first choice.
     Video(WantedVideo),
-    /// Measure the clocks. Answered by `pong`. Also shows that the page is alive: to be sent every second, and
-    /// every 0.2 s while a boat is commanded. A page in control that is silent for 3 s loses the control, and
-    /// for 0.9 s stops the boat.
+    /// Measure the clocks. Answered by `pong`. Also shows that the page is alive: to be sent every second,
+    /// and every 0.2 s while a boat is commanded. A page in control that is silent for 3 s loses the control,
+    /// and for 0.9 s stops the boat.
     Ping {
         /// The page's own time, milliseconds.
         sent_ms: f64,

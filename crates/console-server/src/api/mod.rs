@@ -1,8 +1,9 @@
 //! The interface of the console for the page and for programs: JSON messages and the head of a video message.
 //!
-//! Every type here is plain data with a JSON Schema (`barrelman config api` prints the OpenAPI document). Times are nanoseconds since the program's
-//! start (`_ns`), unless a name says otherwise; angles of the picture are degrees, anticlockwise from image right; rates
-//! are rad/s, pan positive to the right, tilt positive upwards. `null` stands for what is not known.
+//! Every type here is plain data with a JSON Schema (`barrelman config api` prints the OpenAPI document).
+//! Times are nanoseconds since the program's start (`_ns`), unless a name says otherwise; angles of the
+//! picture are degrees, anticlockwise from image right; rates are rad/s, pan positive to the right, tilt
+//! positive upwards. `null` stands for what is not known.
 //!
 //! ```text
 //! page -> program   ClientMessage   request, video, ping

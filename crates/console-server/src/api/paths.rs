@@ -1,4 +1,5 @@
-//! The paths of the OpenAPI document: every route of the server, with the schemas of what it takes and answers.
+//! The paths of the OpenAPI document: every route of the server, with the schemas of what it takes and
+//! answers.
 
 use barrelman_trial::sortie::Sortie;
 use schemars::{JsonSchema, SchemaGenerator};

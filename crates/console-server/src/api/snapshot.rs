@@ -111,9 +111,10 @@ pub struct ModeStatus {
     /// `idle`, `servoing`, `holding`, `nudging`, `searching`, `calibrating` or `stopped`.
     pub name: &'static str,
     /// Of holding: `no-selection`, `track-lost`, `coasting`, `doubted`, `video-stale`, `video-silent`,
-    /// `confirming`, `dry-run`, `link-down`, `no-control`, `emergency`, `landing`; of stopped: `operator`, `ending`,
-    /// `video-ended`, `fault`, `control-lost`, `vehicle-restarted`, `emergency`, `landing`, `battery-low`,
-    /// `vehicle-silent`, `exchanged`, `suspended`, `pan-opposed`, `tilt-opposed`; otherwise `null`.
+    /// `confirming`, `dry-run`, `link-down`, `no-control`, `emergency`, `landing`; of stopped: `operator`,
+    /// `ending`, `video-ended`, `fault`, `control-lost`, `vehicle-restarted`, `emergency`, `landing`,
+    /// `battery-low`, `vehicle-silent`, `exchanged`, `suspended`, `pan-opposed`, `tilt-opposed`; otherwise
+    /// `null`.
     pub cause: Option<&'static str>,
     /// Whether the pilot is engaged (servoing or holding).
     pub engaged: bool,
@@ -267,7 +268,8 @@ pub struct LinkStatus {
     pub gimbal: Option<String>,
     /// The camera that zooms, of a MAVLink gimbal: its address, vendor and model.
     pub camera: Option<String>,
-    /// The vehicle's own video: the stream of a Sigma, or the media profile of an ONVIF camera with its source.
+    /// The vehicle's own video: the stream of a Sigma, or the media profile of an ONVIF camera with its
+    /// source.
     pub stream: Option<String>,
 }
 

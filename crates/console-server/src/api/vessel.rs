@@ -11,31 +11,34 @@ use super::track::TrackStatus;
 pub struct VesselStatus {
     /// `released` (not commanded), `neutral`, `by-hand`, `guided`, `holding` or `stopped`.
     pub mode: &'static str,
-    /// The mode in words, with the reason of holding and stopping, and whether the boat keeps way while it holds.
+    /// The mode in words, with the reason of holding and stopping, and whether the boat keeps way while it
+    /// holds.
     pub text: String,
     /// The throttle in force, -1 (astern) to 1 (ahead).
     pub throttle: f64,
     /// The rudder in force, -1 (left) to 1 (right).
     pub rudder: f64,
-    /// The state of the boat's link: `simulated`, `opening`, `starting`, `up`, `silent`, `closing` or `closed`.
+    /// The state of the boat's link: `simulated`, `opening`, `starting`, `up`, `silent`, `closing` or
+    /// `closed`.
     pub link: &'static str,
-    /// What the guidance steers by: `water`, or `picture` where height or tilt of the camera are not known; `null`: no
-    /// destination yet.
+    /// What the guidance steers by: `water`, or `picture` where height or tilt of the camera are not known;
+    /// `null`: no destination yet.
     pub basis: Option<&'static str>,
-    /// Whether another Go is asked for: it was refused just now, as the boat would go in the picture, which keeps out of no circles.
-    /// A second Go within 5 s is accepted.
+    /// Whether another Go is asked for: it was refused just now, as the boat would go in the picture, which
+    /// keeps out of no circles. A second Go within 5 s is accepted.
     pub go_again: bool,
-    /// What the boat said last in words, for half a minute; `null`: nothing. ASCII of at most 120 characters, of the vehicle's choice.
+    /// What the boat said last in words, for half a minute; `null`: nothing. ASCII of at most 120 characters,
+    /// of the vehicle's choice.
     pub says: Option<String>,
-    /// What the guidance is doing: `getting-way`, `under-way`, `avoiding`, `blocked`, `holding`, `standing-off`, `no-fix` or
-    /// `no-destination`.
+    /// What the guidance is doing: `getting-way`, `under-way`, `avoiding`, `blocked`, `holding`,
+    /// `standing-off`, `no-fix` or `no-destination`.
     pub guidance: Option<&'static str>,
     /// Where the boat is on its way; `null` without distances.
     pub progress: Option<ProgressStatus>,
     /// The marks, oldest first.
     pub marks: Vec<MarkStatus>,
-    /// What the camera sees of the water: the corners of the picture, metres to the right and ahead of the point below
-    /// the camera; `null` without distances.
+    /// What the camera sees of the water: the corners of the picture, metres to the right and ahead of the
+    /// point below the camera; `null` without distances.
     pub footprint: Option<Vec<[f64; 2]>>,
 }
 
@@ -67,10 +70,11 @@ pub struct MarkStatus {
     pub destination: bool,
     /// Pixel in the newest picture, also beyond its border; `null`: behind the camera.
     pub at: Option<[f64; 2]>,
-    /// The circle that the boat keeps out of, with the uncertainty of its centre, as pixels; empty without a circle, or
-    /// where distances are not known.
+    /// The circle that the boat keeps out of, with the uncertainty of its centre, as pixels; empty without a
+    /// circle, or where distances are not known.
     pub ring: Vec<[f64; 2]>,
-    /// Where the mark is, metres to the right and ahead of the point below the camera; `null` without distances.
+    /// Where the mark is, metres to the right and ahead of the point below the camera; `null` without
+    /// distances.
     pub water_m: Option<[f64; 2]>,
     /// Where the mark is on Earth; `null`: not known (`earth` of the snapshot says why).
     pub on_earth: Option<PlaceStatus>,

@@ -1,8 +1,8 @@
 //! The program's own certificate authority. It is made once and kept in a file, with its key, for its owner
 //! alone.
 //!
-//! The authority is limited to this program's names (name constraints, RFC 5280, section 4.2.1.10): anyone who
-//! steals its key cannot pretend to be another web site. Addresses in numbers are not limited, since they
+//! The authority is limited to this program's names (name constraints, RFC 5280, section 4.2.1.10): anyone
+//! who steals its key cannot pretend to be another web site. Addresses in numbers are not limited, since they
 //! change with the network.
 
 use std::collections::BTreeSet;

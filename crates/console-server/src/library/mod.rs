@@ -133,8 +133,8 @@ impl Library {
         Some(Listed { name, bytes: metadata.len(), state, film, exported, sortie })
     }
 
-    /// The summary of a recording. One that was cut off is read as a whole, by the program in a process of its own,
-    /// one recording at a time.
+    /// The summary of a recording. One that was cut off is read as a whole, by the program in a process of
+    /// its own, one recording at a time.
     ///
     /// # Errors
     /// If there is no such recording, or it is being written, or why it has no summary.

@@ -1,8 +1,8 @@
 //! A part of a recording to be watched: the video from a key unit on to the next one a second later, and what
 //! the pilot made of each picture.
 //!
-//! A part is a sequence of items: length of the content as u32, little-endian; kind, one byte; content. Kind 1 is
-//! a unit of video as the socket sends it, kind 2 a scene ([`Scene`], JSON).
+//! A part is a sequence of items: length of the content as u32, little-endian; kind, one byte; content. Kind
+//! 1 is a unit of video as the socket sends it, kind 2 a scene ([`Scene`], JSON).
 
 use std::collections::BTreeMap;
 use std::io::{Read, Seek};

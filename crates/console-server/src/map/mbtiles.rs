@@ -1,5 +1,5 @@
-//! Tiles in an MBTiles file (version 1.3): an SQLite database with a table, or view, `tiles`, whose rows count from
-//! the south, and a table `metadata`.
+//! Tiles in an MBTiles file (version 1.3): an SQLite database with a table, or view, `tiles`, whose rows
+//! count from the south, and a table `metadata`.
 
 use std::io;
 use std::path::Path;

@@ -1,8 +1,8 @@
-//! A map of the operator's own under boat and marks: raster tiles of a folder, or of an MBTiles file. No tile is
-//! fetched from anywhere.
+//! A map of the operator's own under boat and marks: raster tiles of a folder, or of an MBTiles file. No tile
+//! is fetched from anywhere.
 //!
-//! Tiles are those of Web Mercator, 2^zoom by 2^zoom of them; x counts from 180 degrees west eastwards, y from the
-//! north.
+//! Tiles are those of Web Mercator, 2^zoom by 2^zoom of them; x counts from 180 degrees west eastwards, y
+//! from the north.
 
 mod folder;
 mod mbtiles;

@@ -23,8 +23,8 @@ impl Answer {
     }
 }
 
-/// Where the answer to a request goes. Answering never waits. A slot that is dropped without an answer tells its reader
-/// that the session has ended.
+/// Where the answer to a request goes. Answering never waits. A slot that is dropped without an answer tells
+/// its reader that the session has ended.
 #[derive(Debug)]
 pub struct AnswerSlot(Option<oneshot::Sender<Answer>>);
 

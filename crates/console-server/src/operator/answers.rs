@@ -1,7 +1,7 @@
 //! Which answer a request gets from the outcome of its step.
 //!
-//! A selection is answered when its track has been confirmed or given up, several steps after the request; every other
-//! request is answered by the outcome of its own step.
+//! A selection is answered when its track has been confirmed or given up, several steps after the request;
+//! every other request is answered by the outcome of its own step.
 
 use barrelman_pilot::{Notice, Outcome};
 use barrelman_vocab::{CameraRequest, OperatorRequest};

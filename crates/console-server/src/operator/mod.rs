@@ -5,8 +5,8 @@
 //! terminal --------> Gateway ------(wake)---------> loop --> Pilot::step
 //!   Stop ----------> StopLatch ---------------------/    \-- refused with the reason, or superseded
 //! ```
-//! A request waits in a bounded queue and gets exactly one [`Answer`]. A stop waits in no queue: see [`StopLatch`].
-//! Nothing here decides about the camera.
+//! A request waits in a bounded queue and gets exactly one [`Answer`]. A stop waits in no queue: see
+//! [`StopLatch`]. Nothing here decides about the camera.
 
 mod gateway;
 

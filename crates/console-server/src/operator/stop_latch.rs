@@ -10,7 +10,8 @@ pub struct StopLatch {
 }
 
 impl StopLatch {
-    /// Presses Stop. Returns the number of the press, from 1; it has been taken when [`Self::taken`] has reached it.
+    /// Presses Stop. Returns the number of the press, from 1; it has been taken when [`Self::taken`] has
+    /// reached it.
     pub fn press(&self) -> u64 {
         self.pressed.fetch_add(1, Ordering::SeqCst) + 1
     }

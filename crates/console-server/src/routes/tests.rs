@@ -20,8 +20,8 @@ const WATCH: &str = "authorization: Bearer watch-0123456789ab";
 const STOP: &str = r#"POST /api/v1/requests {"id":7,"request":{"kind":"stop"}}"#;
 const ENGAGE: &str = r#"POST /api/v1/requests {"id":8,"request":{"kind":"engage"}}"#;
 
-/// A request from its method, path and body in one line, and its headers. Unless they are given: the host is loopback,
-/// and a body is JSON.
+/// A request from its method, path and body in one line, and its headers. Unless they are given: the host is
+/// loopback, and a body is JSON.
 fn request(line: &str, headers: &[&str]) -> axum::http::Request<Body> {
     let mut words = line.splitn(3, ' ');
     let mut next = || words.next().unwrap_or_default();
@@ -457,7 +457,8 @@ fn a_header_that_says_one_thing_comes_once_and_is_text() {
     assert_eq!(session.console.gateway.stop_latch().taken(), 0);
 }
 
-/// Takes all that the limit of a role permits, for ever: the bucket is filled up to a time that does not come.
+/// Takes all that the limit of a role permits, for ever: the bucket is filled up to a time that does not
+/// come.
 fn exhaust(session: &InMemory, role: Role) {
     let never = at(1 << 40);
     assert!(session.console.access.permits_request(role, REQUESTS.burst, never));

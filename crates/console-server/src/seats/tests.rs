@@ -92,7 +92,8 @@ use Act::{Ask, Expire, Give, Join, Leave, Take, Watch};
 
 const GRACE_MS: u64 = 2000;
 
-/// Who controls after these acts and their times in milliseconds, and who asks; `refused` after each refused act.
+/// Who controls after these acts and their times in milliseconds, and who asks; `refused` after each refused
+/// act.
 fn seated(acts: &[(u64, Act)]) -> String {
     let mut seats = Seats::default();
     let mut text = String::new();

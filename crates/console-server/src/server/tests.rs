@@ -1,5 +1,5 @@
-//! What the console does when the controlling page is gone, on a console without a server; and the end of a connection of
-//! which only the head of a request comes.
+//! What the console does when the controlling page is gone, on a console without a server; and the end of a
+//! connection of which only the head of a request comes.
 
 use std::io::{Read as _, Write as _};
 

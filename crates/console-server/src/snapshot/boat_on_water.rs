@@ -1,9 +1,10 @@
 //! Where the followed boat is on the water, seen from the camera: distance, direction, uncertainty.
 //!
-//! The line of sight through the centre of the boat's box meets the water at rest ([`WaterView`]). That takes the height above the
-//! water, which is taken to be that above the place of the start, the reported tilt of the camera, and its focal length. Without
-//! height or tilt there is no distance. The camera's roll is not known here and counts as none, and so does the distortion of a lens
-//! that is not calibrated: at the border of a wide picture the distance is then too large by some percent.
+//! The line of sight through the centre of the boat's box meets the water at rest ([`WaterView`]). That takes
+//! the height above the water, which is taken to be that above the place of the start, the reported tilt of
+//! the camera, and its focal length. Without height or tilt there is no distance. The camera's roll is not
+//! known here and counts as none, and so does the distortion of a lens that is not calibrated: at the border
+//! of a wide picture the distance is then too large by some percent.
 
 use barrelman_control::camera_model::{focal_share_of, lens_in_force};
 use barrelman_control::water::WaterView;
@@ -17,7 +18,8 @@ use barrelman_vocab::{
 
 use super::vehicle::VehicleSnapshot;
 
-/// What is known of the inputs, as standard deviations: a centre of a box, a barometer beside waves and tide, a gimbal's level.
+/// What is known of the inputs, as standard deviations: a centre of a box, a barometer beside waves and tide,
+/// a gimbal's level.
 const NOISE: SightingNoise = SightingNoise {
     pixel_px: 3.0,
     height_m: 0.7,
@@ -39,7 +41,8 @@ pub struct BoatOnWater {
     pub std_dev_m: f64,
     /// Direction from the camera's axis, positive to the right.
     pub direction: Angle,
-    /// Its place on Earth; `None`: the vehicle does not report its position and the direction of its camera from north.
+    /// Its place on Earth; `None`: the vehicle does not report its position and the direction of its camera
+    /// from north.
     pub on_earth: Option<GeoPoint>,
 }
 
@@ -55,8 +58,8 @@ impl BoatFinder {
         Self { camera: profile.camera }
     }
 
-    /// Where the boat is; `None`: nothing is followed, height or tilt are not reported, or the line of sight meets no water near
-    /// enough.
+    /// Where the boat is; `None`: nothing is followed, height or tilt are not reported, or the line of sight
+    /// meets no water near enough.
     pub(super) fn find(
         self,
         track: Track,

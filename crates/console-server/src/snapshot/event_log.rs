@@ -12,7 +12,8 @@ use tokio::sync::broadcast;
 
 /// How long an event is kept.
 const KEPT: Duration = Duration::from_secs(3600);
-/// Largest number of events that are kept: those that a page shows. A page that connects gets them all at once.
+/// Largest number of events that are kept: those that a page shows. A page that connects gets them all at
+/// once.
 const CAPACITY: usize = 300;
 /// Events that a reader may be behind before it misses some.
 const BACKLOG: usize = 256;

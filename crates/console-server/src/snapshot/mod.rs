@@ -1,8 +1,8 @@
 //! The state of a session after its newest step, as one immutable value.
 //!
-//! The loop publishes a [`Snapshot`] after each step; the page, `/metrics` and the status line read the newest one. A
-//! reader never delays the loop: publishing replaces a shared pointer. What must not be missed, such as refusals and
-//! changes of mode, is in the [`EventLog`].
+//! The loop publishes a [`Snapshot`] after each step; the page, `/metrics` and the status line read the
+//! newest one. A reader never delays the loop: publishing replaces a shared pointer. What must not be missed,
+//! such as refusals and changes of mode, is in the [`EventLog`].
 //!
 //! ```text
 //! RunLoop, LiveDrive --step--> Publisher --Arc<Snapshot>--> watch channel --> page, metrics
@@ -108,7 +108,8 @@ pub struct VideoSnapshot {
     pub age: Option<Duration>,
     /// Frames a second.
     pub fps: f64,
-    /// Median time that the loop took for a frame, until the rates were handed to the link, over the last frames.
+    /// Median time that the loop took for a frame, until the rates were handed to the link, over the last
+    /// frames.
     pub step_time: Option<Duration>,
     /// Frames that were replaced by newer ones before the pilot took them.
     pub dropped: u64,

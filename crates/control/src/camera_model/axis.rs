@@ -28,7 +28,8 @@ pub(crate) struct AxisModel {
 }
 
 impl AxisModel {
-    /// An axis at rest. `limit` is the largest rate in rad/s, `stops` the lower and upper end stop in radians.
+    /// An axis at rest. `limit` is the largest rate in rad/s, `stops` the lower and upper end stop in
+    /// radians.
     pub(super) fn new(dynamics: AxisDynamics, limit: f64, angle: f64, stops: Option<(f64, f64)>) -> Self {
         Self {
             start_s: dynamics.start_dead_time.as_secs_f64(),
@@ -51,7 +52,8 @@ impl AxisModel {
         self.start_s
     }
 
-    /// The time for which an axis goes on at its full rate when it is told to rest as soon as it has started, seconds.
+    /// The time for which an axis goes on at its full rate when it is told to rest as soon as it has started,
+    /// seconds.
     pub(crate) fn stopping_s(&self) -> f64 {
         self.stop_s - self.start_s + self.lag_s
     }

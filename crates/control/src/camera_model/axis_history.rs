@@ -2,7 +2,8 @@
 
 use crate::ring::Ring;
 
-/// Number of stored states of each axis. At [`MIN_STATE_INTERVAL_S`] they cover 2 s, less the start dead time.
+/// Number of stored states of each axis. At [`MIN_STATE_INTERVAL_S`] they cover 2 s, less the start dead
+/// time.
 const HISTORY_LEN: usize = 256;
 /// Shortest interval between two stored states, seconds.
 const MIN_STATE_INTERVAL_S: f64 = 0.008;

@@ -1,8 +1,9 @@
 //! The focal length of a camera with zoom: what was reported, and how the commands have changed it since.
 //!
-//! `f(t) = base(t) exp(z(t))`: z integrates the commands to zoom from their effect on, and base is what reports have made
-//! of it. While the camera zooms by command, a report corrects z a little, as reports come late; at rest a report is taken
-//! over, since somebody else has zoomed. Where nothing is reported, the growth of the picture corrects z.
+//! `f(t) = base(t) exp(z(t))`: z integrates the commands to zoom from their effect on, and base is what
+//! reports have made of it. While the camera zooms by command, a report corrects z a little, as reports come
+//! late; at rest a report is taken over, since somebody else has zoomed. Where nothing is reported, the
+//! growth of the picture corrects z.
 
 use core::time::Duration;
 
@@ -117,7 +118,8 @@ impl FocalLength {
         }
     }
 
-    /// How the camera zooms at a time, where nothing is reported: the growth of the picture then tells its focal length.
+    /// How the camera zooms at a time, where nothing is reported: the growth of the picture then tells its
+    /// focal length.
     pub(super) fn unreported_zoom(&self, at: Timestamp) -> Option<UnreportedZoom> {
         let zoom = self.zoom.as_ref().filter(|_| !self.is_reported)?;
         Some(match zoom.is_settled(at.as_secs_f64()) {
@@ -126,8 +128,8 @@ impl FocalLength {
         })
     }
 
-    /// Takes the measured growth of the picture between two times, the logarithm of its scale. A growth that no zoom makes is
-    /// ignored.
+    /// Takes the measured growth of the picture between two times, the logarithm of its scale. A growth that
+    /// no zoom makes is ignored.
     pub(super) fn grow(&mut self, growth: f64, from: Timestamp, to: Timestamp) {
         let Some(zoom) = &mut self.zoom else { return };
         let (from_s, to_s) = (from.as_secs_f64(), to.as_secs_f64());
@@ -150,8 +152,8 @@ impl FocalLength {
     }
 }
 
-/// The least and the largest exponent within a range of focal lengths. A focal length that was reported outside of the range
-/// belongs to it.
+/// The least and the largest exponent within a range of focal lengths. A focal length that was reported
+/// outside of the range belongs to it.
 fn stops_of((least, largest): (f64, f64), base: f64) -> (f64, f64) {
     (libm::log(least / base).min(0.0), libm::log(largest / base).max(0.0))
 }

@@ -1,15 +1,19 @@
 //! Whether what is followed moves as the boat that is commanded would move. Two checks:
 //!
-//! 1. [`AnswerCheck`]: the spread of the places in the last [`WINDOW_S`]. The spread is the root of the mean squared distance from
-//!    the mean place. It depends neither on where a way begins nor on its direction, so places that are seen can be compared
-//!    with those of the vessel's model under the commands that were in force.
-//! 2. [`ApproachCheck`]: whether the boat comes nearer to the end of its leg while the model goes a way through the water.
+//! 1. [`AnswerCheck`]: the spread of the places in the last [`WINDOW_S`]. The spread is the root of the mean
+//!    squared distance from the mean place. It depends neither on where a way begins nor on its direction, so
+//!    places that are seen can be compared with those of the vessel's model under the commands that were in
+//!    force.
+//! 2. [`ApproachCheck`]: whether the boat comes nearer to the end of its leg while the model goes a way
+//!    through the water.
 //!
-//! What hardly moves, or comes no nearer, is not the boat that is commanded (another object was selected or is followed
-//! instead), or the boat's drive has failed, or something holds the boat: a net, a line, or a current as fast as the boat.
+//! What hardly moves, or comes no nearer, is not the boat that is commanded (another object was selected or
+//! is followed instead), or the boat's drive has failed, or something holds the boat: a net, a line, or a
+//! current as fast as the boat.
 //!
-//! Not found: an object that goes to the boat's destination by itself. A model that turns in circles spreads little: then only
-//! the second check finds an object at rest. Work: O(1) per fix; O(n) for n stored places where the first check is asked.
+//! Not found: an object that goes to the boat's destination by itself. A model that turns in circles spreads
+//! little: then only the second check finds an object at rest. Work: O(1) per fix; O(n) for n stored places
+//! where the first check is asked.
 
 use crate::ring::Ring;
 
@@ -22,18 +26,18 @@ const MAX_GAP_S: f64 = 1.0;
 const PLACES: usize = 36;
 /// Least spread of the model's places, metres: that of a straight way of 10.4 m.
 const MIN_MODELLED_M: f64 = 3.0;
-/// What is seen does not answer if it spreads by less than this share of the model's spread: the model knows the boat's
-/// speed roughly.
+/// What is seen does not answer if it spreads by less than this share of the model's spread: the model knows
+/// the boat's speed roughly.
 const MAX_SHARE: f64 = 0.15;
 
-/// The boat has to come nearer to the end of its leg by this much, metres, in this time, seconds, if the model goes this far
-/// through the water meanwhile, metres.
+/// The boat has to come nearer to the end of its leg by this much, metres, in this time, seconds, if the
+/// model goes this far through the water meanwhile, metres.
 const LEAST_APPROACH_M: f64 = 1.0;
 const APPROACH_S: f64 = 20.0;
 const LEAST_WAY_M: f64 = 15.0;
 
-/// Where the boat was seen, and where the model was, along x and y, metres. The model's places have an origin and axes of
-/// their own.
+/// Where the boat was seen, and where the model was, along x and y, metres. The model's places have an origin
+/// and axes of their own.
 #[derive(Debug, Clone, Copy)]
 struct Place {
     at_s: f64,
@@ -113,13 +117,14 @@ impl ApproachCheck {
         self.is_unanswered = false;
     }
 
-    /// The end of the leg is elsewhere now. Time and way since the last approach go on: a boat that answers has just come
-    /// nearer to the end that was.
+    /// The end of the leg is elsewhere now. Time and way since the last approach go on: a boat that answers
+    /// has just come nearer to the end that was.
     pub(super) const fn move_end(&mut self) {
         self.has_moved = true;
     }
 
-    /// Adds the distance from the end of a leg that the boat goes to, and the length of the model's way so far, metres.
+    /// Adds the distance from the end of a leg that the boat goes to, and the length of the model's way so
+    /// far, metres.
     pub(super) fn add(&mut self, leg: usize, at_s: f64, distance_m: f64, way_m: f64) {
         if at_s - self.last_s > MAX_GAP_S {
             self.restart();
@@ -165,7 +170,8 @@ fn spread(places: impl Iterator<Item = (f64, f64)>) -> f64 {
 mod tests {
     use super::*;
 
-    /// The first time at which a boat is unanswered that is seen and modelled at these places, at this rate for 20 s.
+    /// The first time at which a boat is unanswered that is seen and modelled at these places, at this rate
+    /// for 20 s.
     fn unanswered_at_rate(
         rate_hz: f64,
         seen: impl Fn(f64) -> (f64, f64),
@@ -231,8 +237,8 @@ mod tests {
         assert!(!add(&mut check, 18.0, 25.5));
     }
 
-    /// The first time within 40 s at which a boat is unanswered that has this distance from the end of its leg, while the model
-    /// goes at 2 m/s. The end moves at these times.
+    /// The first time within 40 s at which a boat is unanswered that has this distance from the end of its
+    /// leg, while the model goes at 2 m/s. The end moves at these times.
     fn far_at(
         leg: impl Fn(f64) -> usize,
         distance_m: impl Fn(f64) -> f64,

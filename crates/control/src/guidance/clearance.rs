@@ -1,7 +1,8 @@
 //! Keeping clear of circles: a course around them, and a speed at which the boat can stop before them.
 //!
-//! Each circle is passed along its tangent, at a margin from its edge. Where a tangent meets another circle, that circle's
-//! tangent on the same side is tried. Work: O(n²) for n circles at most [`MAX_TURNS`] times; no trigonometry.
+//! Each circle is passed along its tangent, at a margin from its edge. Where a tangent meets another circle,
+//! that circle's tangent on the same side is tried. Work: O(n²) for n circles at most [`MAX_TURNS`] times; no
+//! trigonometry.
 
 use barrelman_vocab::WaterPoint;
 
@@ -9,8 +10,8 @@ use super::input::KeepOut;
 
 /// Tangents that are tried one after the other on each side.
 const MAX_TURNS: usize = 4;
-/// A course on the side on which the boat goes around already is taken unless the other deviates less by this, as the
-/// cosine.
+/// A course on the side on which the boat goes around already is taken unless the other deviates less by
+/// this, as the cosine.
 const SIDE_PREFERENCE: f64 = 0.3;
 /// How strongly a boat within the margin is turned outwards.
 const OUTWARD_GAIN: f64 = 0.7;
@@ -33,8 +34,8 @@ pub struct ClearCourse {
     pub side: Option<Side>,
 }
 
-/// The course to `goal` nearest to `desired` (a unit vector) that keeps `margin_m` from all circles. `None` where no course is
-/// clear, or the goal itself lies within a circle's margin.
+/// The course to `goal` nearest to `desired` (a unit vector) that keeps `margin_m` from all circles. `None`
+/// where no course is clear, or the goal itself lies within a circle's margin.
 pub fn clear_course(
     boat: WaterPoint,
     goal: WaterPoint,
@@ -64,8 +65,8 @@ pub fn clear_course(
     best.map(|(_, course)| course)
 }
 
-/// Distance that the boat may go on along its velocity before it enters a circle, metres; `None`: it enters none. Negative
-/// or 0 within a circle that the boat goes deeper into.
+/// Distance that the boat may go on along its velocity before it enters a circle, metres; `None`: it enters
+/// none. Negative or 0 within a circle that the boat goes deeper into.
 pub fn free_distance(
     boat: WaterPoint,
     velocity: (f64, f64),
@@ -81,8 +82,8 @@ pub fn free_distance(
     keep_outs.iter().filter_map(|circle| entry(boat, direction, circle, margin_m)).min_by(f64::total_cmp)
 }
 
-/// Whether a boat that turns to one side with this radius, metres, from its present course (a unit vector) on, stays `margin_m`
-/// away from all circles.
+/// Whether a boat that turns to one side with this radius, metres, from its present course (a unit vector)
+/// on, stays `margin_m` away from all circles.
 pub fn turn_clears(
     boat: WaterPoint,
     course: (f64, f64),
@@ -146,8 +147,8 @@ fn tangent(boat: WaterPoint, circle: &KeepOut, margin_m: f64, side: Side, desire
     (towards * x + across * aside.0, towards * y + across * aside.1)
 }
 
-/// The circle that a course enters first within `reach` metres. The tolerance keeps a tangent from meeting its own
-/// circle.
+/// The circle that a course enters first within `reach` metres. The tolerance keeps a tangent from meeting
+/// its own circle.
 fn first_hit(
     boat: WaterPoint,
     direction: (f64, f64),
@@ -168,8 +169,8 @@ fn first_hit(
         .map(|(index, _)| index)
 }
 
-/// Distance along a direction to a circle with its margin; `None` if the direction does not meet it, or leads out of
-/// it.
+/// Distance along a direction to a circle with its margin; `None` if the direction does not meet it, or leads
+/// out of it.
 fn entry(boat: WaterPoint, direction: (f64, f64), circle: &KeepOut, margin_m: f64) -> Option<f64> {
     let centre = boat.vector_to(circle.centre);
     let radius = circle.radius_m + margin_m;

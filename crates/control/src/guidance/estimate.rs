@@ -1,8 +1,8 @@
-//! The Kalman filter of the boat over the water plane: place, velocity, the apparent displacement of the camera, and the velocity
-//! of the water.
+//! The Kalman filter of the boat over the water plane: place, velocity, the apparent displacement of the
+//! camera, and the velocity of the water.
 //!
-//! A camera in the air sways, and turns differently than its model says. Near the boat both look like a displacement d of the
-//! camera, which moves all fixes alike. State (p, v, d, w, k), two coordinates each:
+//! A camera in the air sways, and turns differently than its model says. Near the boat both look like a
+//! displacement d of the camera, which moves all fixes alike. State (p, v, d, w, k), two coordinates each:
 //!
 //! ```text
 //! fix = p - d + noise
@@ -11,11 +11,12 @@
 //! Q of p and v = q² [dt³/3, dt²/2; dt²/2, dt] for each axis, of d: S dt, of w: WATER_NOISE² dt
 //! ```
 //!
-//! u is the velocity through the water by the vessel's model, `gained` its change by thrust. A boat cannot jump, and a boat at rest
-//! goes where the water goes. So jumps and sways of all that is seen are taken for displacements. A steady displacement cannot be
-//! told from the water's motion, but its changes can. So k is the displacement at an *anchor*, a time at which a mark was set or moved,
-//! and what is asked for is p - k and d - k: later fixes tell, by the covariances, what the displacement was at the anchor, too
-//! (cloned states: `roumeliotis2002`).
+//! u is the velocity through the water by the vessel's model, `gained` its change by thrust. A boat cannot
+//! jump, and a boat at rest goes where the water goes. So jumps and sways of all that is seen are taken for
+//! displacements. A steady displacement cannot be told from the water's motion, but its changes can. So k is
+//! the displacement at an *anchor*, a time at which a mark was set or moved, and what is asked for is p - k
+//! and d - k: later fixes tell, by the covariances, what the displacement was at the anchor, too (cloned
+//! states: `roumeliotis2002`).
 
 use barrelman_vocab::{WaterCovariance, WaterPoint};
 
@@ -25,13 +26,15 @@ const INNOVATION_GATE: f64 = 4.0;
 const FORGETTING_S: f64 = 20.0;
 /// The same for what has been added to all places at anchors: the errors of many anchors must not add up.
 const OFFSET_FORGETTING_S: f64 = 120.0;
-/// Standard deviation of each component of the water's velocity, m/s, and the density of its changes, m/s per root of a second.
+/// Standard deviation of each component of the water's velocity, m/s, and the density of its changes, m/s per
+/// root of a second.
 const WATER_STD_DEV: f64 = 0.3;
 const WATER_NOISE: f64 = 0.02;
 
 /// Number of states.
 const N: usize = 10;
-/// First index of the velocity, of the displacement, of the water's velocity, and of the displacement at the anchor.
+/// First index of the velocity, of the displacement, of the water's velocity, and of the displacement at the
+/// anchor.
 const V: usize = 2;
 const A: usize = 4;
 const W: usize = 6;
@@ -81,7 +84,8 @@ pub(super) struct Input {
 }
 
 impl Estimate {
-    /// A boat at rest, seen from a camera whose places are offset by this; `speed_std_dev`: of each component, m/s.
+    /// A boat at rest, seen from a camera whose places are offset by this; `speed_std_dev`: of each
+    /// component, m/s.
     pub(super) fn new(at_s: f64, measured: &Measured, offset: (f64, f64), speed_std_dev: f64) -> Self {
         let mut covariance = [[0.0; N]; N];
         for (row, noise) in covariance.iter_mut().zip(&measured.noise) {

@@ -7,12 +7,13 @@ use barrelman_vocab::{Angle, Timestamp, VesselCommand, VesselLimits, WaterCovari
 pub struct GuidanceInput<'a> {
     /// Present time.
     pub now: Timestamp,
-    /// The boat in the newest video frame; `None` if it was not measured. A fix that is given again is ignored.
+    /// The boat in the newest video frame; `None` if it was not measured. A fix that is given again is
+    /// ignored.
     pub fix: Option<BoatFix>,
     /// Where the boat shall go; `None`: nowhere.
     pub destination: Option<Destination>,
-    /// Number of the operator's selection: a change starts a new route from where the boat is, with all way-points. A destination
-    /// that is moved is told by [`super::LineOfSight::move_destination`].
+    /// Number of the operator's selection: a change starts a new route from where the boat is, with all
+    /// way-points. A destination that is moved is told by [`super::LineOfSight::move_destination`].
     pub route: u32,
     /// Points to pass before the destination, in their order.
     pub way_points: &'a [WaterPoint],
@@ -33,8 +34,8 @@ pub struct BoatFix {
     pub heading: Option<(Angle, Angle)>,
     /// Whether the vessel does what this law's commands say: nothing else steers it.
     pub is_commanded: bool,
-    /// How fast the covariance of the camera's apparent displacement grows, m²/s: its sway, and what its model does not know;
-    /// `None`: the camera is where its model says.
+    /// How fast the covariance of the camera's apparent displacement grows, m²/s: its sway, and what its
+    /// model does not know; `None`: the camera is where its model says.
     pub sway_per_s: Option<WaterCovariance>,
 }
 
@@ -102,7 +103,8 @@ pub struct Progress {
     pub boat: WaterPoint,
     /// Speed over ground, m/s.
     pub speed_m_per_s: f64,
-    /// Course over ground; the heading while the boat is too slow for a course; `None` while both are unknown.
+    /// Course over ground; the heading while the boat is too slow for a course; `None` while both are
+    /// unknown.
     pub course: Option<Angle>,
     /// Distance to the destination, metres.
     pub distance_m: f64,

@@ -1,8 +1,8 @@
 //! The guidance law of the paper's laboratory, exactly: proportional steering in the picture.
 //!
-//! In pixel coordinates (v down), angles in degrees, clockwise as seen. With the boat at (u, v), the target at (U, V), and
-//! the boat's heading h, which is the direction of the last segment of the Douglas-Peucker polyline (`douglas1973`) through
-//! the last 50 positions:
+//! In pixel coordinates (v down), angles in degrees, clockwise as seen. With the boat at (u, v), the target
+//! at (U, V), and the boat's heading h, which is the direction of the last segment of the Douglas-Peucker
+//! polyline (`douglas1973`) through the last 50 positions:
 //!
 //! ```text
 //! bearing  = atan2(V - v, U - u)
@@ -18,8 +18,8 @@
 //! | \|error\| < 30 | 0.6 cruise | 0.02 error |
 //! | else | 0.3 turning | sign of the error |
 //!
-//! From 90 px on, the throttle of the last two rows is multiplied by distance / 90 px. The law runs 7.5 times a second;
-//! between two steps its command stays. The later version of the laboratory has 0.7 and 0.4
+//! From 90 px on, the throttle of the last two rows is multiplied by distance / 90 px. The law runs 7.5 times
+//! a second; between two steps its command stays. The later version of the laboratory has 0.7 and 0.4
 //! ([`LabSettings::LATER_VERSION`]).
 //!
 //! Not handled, as in the original: perspective, current, latency, and people.
@@ -126,8 +126,8 @@ impl LabLaw {
         self.last = None;
     }
 
-    /// Computes the command of one step. Between two steps of the law's own rate, the last command stays, except that no
-    /// boat or no target is answered at once.
+    /// Computes the command of one step. Between two steps of the law's own rate, the last command stays,
+    /// except that no boat or no target is answered at once.
     pub fn step(&mut self, input: &LabInput) -> (VesselCommand, LabBranch) {
         let (Some(boat), Some(target)) = (input.boat, input.target) else {
             self.last = None;
@@ -145,8 +145,8 @@ impl LabLaw {
         (command, branch)
     }
 
-    /// Direction of the boat's last segment, degrees clockwise from image right as seen, -180 to 180; `None` while there
-    /// are fewer than 50 positions, or where the segment has no length.
+    /// Direction of the boat's last segment, degrees clockwise from image right as seen, -180 to 180; `None`
+    /// while there are fewer than 50 positions, or where the segment has no length.
     pub fn heading_deg(&self) -> Option<f64> {
         if self.count < POSITIONS {
             return None;
@@ -197,8 +197,9 @@ fn wrapped_once(error_deg: f64) -> f64 {
     }
 }
 
-/// Where the last segment of the Douglas-Peucker polyline of an open curve starts: while a position is farther than
-/// `epsilon` from the chord to the end, the farthest splits the curve there, and the part behind it goes on.
+/// Where the last segment of the Douglas-Peucker polyline of an open curve starts: while a position is
+/// farther than `epsilon` from the chord to the end, the farthest splits the curve there, and the part behind
+/// it goes on.
 fn last_segment_start(points: &[PixelPoint], epsilon: f64) -> usize {
     let last = points.len() - 1;
     let mut start = 0;

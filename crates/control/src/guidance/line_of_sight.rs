@@ -1,22 +1,25 @@
-//! Our guidance law: along a line over the water, around people and forbidden areas, and to rest before the goal.
+//! Our guidance law: along a line over the water, around people and forbidden areas, and to rest before the
+//! goal.
 //!
 //! One step:
 //!
 //! 1. [`BoatTrack`] predicts position, velocity and heading to the present.
 //! 2. [`Route`] gives the course that leads back to the line (integral line of sight).
 //! 3. [`clear_course`] turns that course around circles that are in the way.
-//! 4. The boat may go as fast as it can stop: `v² = 2 a d` with the distance d to the stop, less the reaction, for the
-//!    destination, the stand-off of a person, and each circle that the velocity points into.
-//! 5. The rudder asks the vessel's model for a turn rate in proportion to the course error; the throttle is that of the
-//!    limit while the allowed speed is higher, and follows the allowed speed below. Astern is used before people and circles
-//!    only.
+//! 4. The boat may go as fast as it can stop: `v² = 2 a d` with the distance d to the stop, less the
+//!    reaction, for the destination, the stand-off of a person, and each circle that the velocity points
+//!    into.
+//! 5. The rudder asks the vessel's model for a turn rate in proportion to the course error; the throttle is
+//!    that of the limit while the allowed speed is higher, and follows the allowed speed below. Astern is
+//!    used before people and circles only.
 //!
 //! While neither course nor heading is known, the boat goes straight on gently; the throttle rises, because a
-//! head current may hold a slow boat in its place. At a place the boat drifts within [`LineOfSightTuning::hold_m`], and goes
-//! back from there. Before a person it stays outside of the stand-off, astern if need be, as far as the circles let it.
+//! head current may hold a slow boat in its place. At a place the boat drifts within
+//! [`LineOfSightTuning::hold_m`], and goes back from there. Before a person it stays outside of the
+//! stand-off, astern if need be, as far as the circles let it.
 //!
-//! What the law cannot do: keep away from a person who comes nearer faster than the boat goes astern, or hold its place in a
-//! current faster than the boat.
+//! What the law cannot do: keep away from a person who comes nearer faster than the boat goes astern, or hold
+//! its place in a current faster than the boat.
 
 use barrelman_vocab::{Angle, Timestamp, VesselCommand, VesselLimits};
 
@@ -35,14 +38,15 @@ mod speed;
 const MAX_STEP_S: f64 = 0.2;
 /// Least throttle that the rudder is divided by.
 const MIN_STEERING_THRUST: f64 = 0.2;
-/// Excess of the speed over the allowed speed, m/s, from which on the boat goes astern, and that of full astern.
+/// Excess of the speed over the allowed speed, m/s, from which on the boat goes astern, and that of full
+/// astern.
 const ASTERN_EXCESS: (f64, f64) = (0.15, 0.6);
 /// The boat comes nearer to a person again from this distance beyond its place on, metres.
 const STAND_OFF_DRIFT_M: f64 = 1.5;
 /// Distance to a circle's edge within which the boat stops, metres.
 const EDGE_M: f64 = 1.0;
-/// A slow boat that is this close to a circle's edge and points at the circle backs off, to the second distance, metres,
-/// before it turns.
+/// A slow boat that is this close to a circle's edge and points at the circle backs off, to the second
+/// distance, metres, before it turns.
 const BACK_OFF_M: (f64, f64) = (1.3, 2.4);
 /// A boat slower than this is slow: its velocity has no direction, m/s.
 const SLOW_M_PER_S: f64 = 0.5;
@@ -116,8 +120,8 @@ impl LineOfSight {
         self.approach.move_end();
     }
 
-    /// The destination is moved now. The route stays: a boat that has passed way-points does not go back to them. On the last leg,
-    /// another line begins where the boat is, and a boat that rests goes on.
+    /// The destination is moved now. The route stays: a boat that has passed way-points does not go back to
+    /// them. On the last leg, another line begins where the boat is, and a boat that rests goes on.
     pub const fn move_destination(&mut self) {
         self.is_destination_moved = true;
     }
@@ -128,7 +132,8 @@ impl LineOfSight {
         self.approach.restart();
     }
 
-    /// Whether what is followed did not move as the boat on its way would have moved under the commands that were in force.
+    /// Whether what is followed did not move as the boat on its way would have moved under the commands that
+    /// were in force.
     pub fn is_unanswered(&self) -> bool {
         self.track.is_unanswered() || self.approach.is_unanswered()
     }
@@ -212,8 +217,8 @@ impl LineOfSight {
         self.approach.move_end();
     }
 
-    /// Whether the boat answers is asked only while it goes: a boat that keeps its place in a current goes through the water,
-    /// and not over ground.
+    /// Whether the boat answers is asked only while it goes: a boat that keeps its place in a current goes
+    /// through the water, and not over ground.
     fn check_answer(&mut self, state: GuidanceState, leg: &LegGuidance, number: usize, now: Timestamp) {
         match state {
             GuidanceState::UnderWay | GuidanceState::GettingWay => {

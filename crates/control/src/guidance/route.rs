@@ -1,8 +1,8 @@
 //! The line that the boat follows: way-points, then the destination, with integral line-of-sight guidance.
 //!
-//! With the path angle a of the leg (course from its start to its end), the cross-track error e (metres, positive to the
-//! right of the line), the look-ahead distance D and the integral y (metres; Børhaug, Pavlov and Pettersen 2008; Fossen
-//! 2011, section 10.3):
+//! With the path angle a of the leg (course from its start to its end), the cross-track error e (metres,
+//! positive to the right of the line), the look-ahead distance D and the integral y (metres; Børhaug, Pavlov
+//! and Pettersen 2008; Fossen 2011, section 10.3):
 //!
 //! ```text
 //! course = a - atan((e + s y) / D)        y' = D e / (D² + (e + s y)²)
@@ -65,8 +65,8 @@ impl Route {
         self.integral_m = 0.0;
     }
 
-    /// The course to steer from `boat`. `duration_s` is the time since the last step, for the integral; 0 where the boat
-    /// does not follow the course.
+    /// The course to steer from `boat`. `duration_s` is the time since the last step, for the integral; 0
+    /// where the boat does not follow the course.
     pub fn guidance(
         &mut self,
         boat: WaterPoint,

@@ -1,16 +1,19 @@
 //! Position, velocity and heading of the boat over the water plane, from delayed fixes.
 //!
-//! A Kalman filter ([`super::estimate`]) for place, velocity and the camera's apparent displacement. Between two fixes the velocity turns
-//! by the turn that the vessel's model predicts from the commands in force, and a white acceleration disturbs it.
+//! A Kalman filter ([`super::estimate`]) for place, velocity and the camera's apparent displacement. Between
+//! two fixes the velocity turns by the turn that the vessel's model predicts from the commands in force, and
+//! a white acceleration disturbs it.
 //!
-//! The turn is that of the time of capture, looked up in a history, so that the video latency does not enter; a
-//! prediction to the present continues with the commands given since (`smith1957`). The current is part of the velocity.
-//! The heading is the integrated turn, corrected by the tracker's heading, or by the course while the boat moves. The tracker
-//! takes the end of the boat that goes first for the bow: of a boat that goes astern, or is set by waves and wind, it reports the
-//! stern. So the tracker's heading counts as an axis. Its end is the one near the course of a boat that goes ahead by the model, or
-//! else the one near the heading so far.
+//! The turn is that of the time of capture, looked up in a history, so that the video latency does not enter;
+//! a prediction to the present continues with the commands given since (`smith1957`). The current is part of
+//! the velocity. The heading is the integrated turn, corrected by the tracker's heading, or by the course
+//! while the boat moves. The tracker takes the end of the boat that goes first for the bow: of a boat that
+//! goes astern, or is set by waves and wind, it reports the stern. So the tracker's heading counts as an
+//! axis. Its end is the one near the course of a boat that goes ahead by the model, or else the one near the
+//! heading so far.
 //!
-//! Work: O(1) per step, with one search in the history of [`HISTORY_LEN`] entries; no allocation after construction.
+//! Work: O(1) per step, with one search in the history of [`HISTORY_LEN`] entries; no allocation after
+//! construction.
 
 use barrelman_vocab::{Angle, Timestamp, VesselCommand, WaterPoint};
 
@@ -45,7 +48,8 @@ const RETURN_S: f64 = 2.3;
 const RETURN_AT_REST_S: f64 = 0.36;
 /// Density of the acceleration of a boat at rest, m/s² per root hertz: waves.
 const ACCELERATION_AT_REST: f64 = 0.04;
-/// Share of the modelled gain of speed that is taken over at once; the rest comes with the return to the model.
+/// Share of the modelled gain of speed that is taken over at once; the rest comes with the return to the
+/// model.
 const GAINED_SHARE: f64 = 0.4;
 
 /// That before any fix.
@@ -60,7 +64,8 @@ pub struct BoatState {
     pub velocity: (f64, f64),
     /// Where the bow points, if known.
     pub heading: Option<Angle>,
-    /// Angle by which the course goes on turning with the rudder amidships, by the model, radians, positive to the right.
+    /// Angle by which the course goes on turning with the rudder amidships, by the model, radians, positive
+    /// to the right.
     pub turn_to_come: f64,
     /// Modelled thrust as a throttle.
     pub thrust: f64,
@@ -214,7 +219,8 @@ impl BoatTrack {
         self.command = command.clamped();
     }
 
-    /// Processes a fix that arrived at `now`. A fix that is not later than the last one, or not finite, is ignored.
+    /// Processes a fix that arrived at `now`. A fix that is not later than the last one, or not finite, is
+    /// ignored.
     pub fn observe(&mut self, fix: &BoatFix, now: Timestamp) {
         let at_s = fix.captured.as_secs_f64();
         let WaterPoint { x, y } = fix.water.point;
@@ -286,8 +292,8 @@ impl BoatTrack {
         Some((arrived, state))
     }
 
-    /// The camera's apparent displacement at a time of capture: that of the newest fix that is not later, or else the oldest one that
-    /// is stored.
+    /// The camera's apparent displacement at a time of capture: that of the newest fix that is not later, or
+    /// else the oldest one that is stored.
     pub fn displacement_at(&self, captured: Timestamp) -> WaterPoint {
         let at_s = captured.as_secs_f64();
         let mut found = self.displacements.newest();
@@ -311,7 +317,8 @@ impl BoatTrack {
         self.estimate.map(|estimate| Timestamp::from_secs_f64(estimate.at_s))
     }
 
-    /// Velocity through the water by the model: none at rest; unknown under way while the heading is not known well.
+    /// Velocity through the water by the model: none at rest; unknown under way while the heading is not
+    /// known well.
     fn through_water(&self, at_s: f64) -> Option<ThroughWater> {
         let motion = self.motion_at(at_s);
         if motion.surge.abs() < STILL_M_PER_S && motion.thrust.abs() < STILL_THRUST {
@@ -322,7 +329,8 @@ impl BoatTrack {
         Some(ThroughWater { velocity: (motion.surge * sin, motion.surge * cos), return_s: RETURN_S })
     }
 
-    /// Change of the velocity by the modelled thrust between two times, along the heading, m/s; none while the heading is unknown.
+    /// Change of the velocity by the modelled thrust between two times, along the heading, m/s; none while
+    /// the heading is unknown.
     fn gained(&self, from_s: f64, to_s: f64) -> (f64, f64) {
         let Some(heading) = self.heading.filter(|heading| heading.variance < MAX_HEADING_VARIANCE) else {
             return (0.0, 0.0);

@@ -1,7 +1,7 @@
 //! What the line-of-sight law knows of the vessel, and its gains.
 
-/// A rough model of a vessel: how it answers to throttle and rudder. The values need not be exact: measurements correct
-/// the estimate.
+/// A rough model of a vessel: how it answers to throttle and rudder. The values need not be exact:
+/// measurements correct the estimate.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct VesselModel {
     /// Turn rate at full rudder for each unit of throttle, rad/s: a jet or a propeller wash.
@@ -27,7 +27,8 @@ pub struct VesselModel {
 }
 
 impl VesselModel {
-    /// A small jet boat of 1.2 m in the class of EMILY; rounded from the simulated boat (`crates/sim/src/boat.rs`).
+    /// A small jet boat of 1.2 m in the class of EMILY; rounded from the simulated boat
+    /// (`crates/sim/src/boat.rs`).
     pub const JET: Self = Self {
         turn_per_throttle: 1.8,
         turn_per_speed: 0.0,
@@ -83,7 +84,8 @@ pub struct LineOfSightTuning {
     pub stand_off_margin_m: f64,
     /// The boat passes a circle at this distance from its edge, metres.
     pub keep_out_margin_m: f64,
-    /// Time in which the boat goes on as before after a command to stop, seconds: lags of thrust and estimate.
+    /// Time in which the boat goes on as before after a command to stop, seconds: lags of thrust and
+    /// estimate.
     pub reaction_s: f64,
     /// Neutral if no fix arrived for this long, seconds.
     pub max_silence_s: f64,

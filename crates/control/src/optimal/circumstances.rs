@@ -1,8 +1,8 @@
-//! The circumstances that the values of the intermittent mode are adapted to: sway, steepness of the view, how fast the
-//! target usually is, and how late and how slowly the camera answers.
+//! The circumstances that the values of the intermittent mode are adapted to: sway, steepness of the view,
+//! how fast the target usually is, and how late and how slowly the camera answers.
 //!
-//! A fast target is brought deeper inside, and more slowly; a camera that looks down steeply starts later and stops
-//! earlier, because pan hardly moves the picture there; in sway the camera starts earlier.
+//! A fast target is brought deeper inside, and more slowly; a camera that looks down steeply starts later and
+//! stops earlier, because pan hardly moves the picture there; in sway the camera starts earlier.
 
 use super::running_mean::RunningMean;
 use crate::camera_model::CameraModel;
@@ -16,8 +16,8 @@ pub(super) struct Circumstances {
     pub(super) steepness: f64,
     /// Mean of the target's bearing rate, rad/s.
     pub(super) usual_rate: f64,
-    /// Time from a picture's capture to the effect of a command, less that of the Fotokite Pro, seconds: the mean, within
-    /// the range that was examined.
+    /// Time from a picture's capture to the effect of a command, less that of the Fotokite Pro, seconds: the
+    /// mean, within the range that was examined.
     pub(super) delay_s: f64,
     /// Mean of both axes' lags, less that of the Fotokite Pro, seconds, within the range that was examined.
     pub(super) lag_s: f64,
@@ -53,13 +53,14 @@ impl Adapted {
     }
 }
 
-/// The longest interval between two observations that counts, seconds: in a longer one the target was not seen.
+/// The longest interval between two observations that counts, seconds: in a longer one the target was not
+/// seen.
 const MAX_INTERVAL_S: f64 = 0.1;
 /// Time constant of the mean, seconds.
 const MEMORY_S: f64 = 30.0;
 
-/// From a picture's capture to the effect of a command with a Fotokite Pro in the laboratory, seconds: the video's latency,
-/// and the dead time of pan. The values without `delay` are for this delay.
+/// From a picture's capture to the effect of a command with a Fotokite Pro in the laboratory, seconds: the
+/// video's latency, and the dead time of pan. The values without `delay` are for this delay.
 const USUAL_DELAY_S: f64 = 0.3;
 /// Mean of the lags of a Fotokite Pro's axes, seconds. The values without `lag` are for this lag.
 const USUAL_LAG_S: f64 = 0.26;
@@ -72,8 +73,9 @@ pub(super) const fn usual_motion() -> UsualMotion {
     RunningMean::new(MEMORY_S, MAX_INTERVAL_S)
 }
 
-/// Additional delays and lags that were examined, seconds: video that is 0 to 0.8 s late, and cameras from a gimbal's with
-/// 0.06 s to the Fotokite Pro's. Beyond, the values stay: the stop ellipse must not outgrow the start ellipse.
+/// Additional delays and lags that were examined, seconds: video that is 0 to 0.8 s late, and cameras from a
+/// gimbal's with 0.06 s to the Fotokite Pro's. Beyond, the values stay: the stop ellipse must not outgrow the
+/// start ellipse.
 const ADDITIONAL_DELAYS_S: (f64, f64) = (-0.1, 0.7);
 const ADDITIONAL_LAGS_S: (f64, f64) = (-0.2, 0.0);
 

@@ -1,8 +1,9 @@
-//! Framing: the part of the region in which the law holds the target so that the destination is in the picture, too.
+//! Framing: the part of the region in which the law holds the target so that the destination is in the
+//! picture, too.
 //!
-//! In semi-axes of the region, the region is the unit disc, and the picture a rectangle around it. While the destination lies
-//! beyond the border of the picture for a target at the region's far end, the law holds the target in a smaller disc inside of
-//! the unit disc, on the side that is away from the destination:
+//! In semi-axes of the region, the region is the unit disc, and the picture a rectangle around it. While the
+//! destination lies beyond the border of the picture for a target at the region's far end, the law holds the
+//! target in a smaller disc inside of the unit disc, on the side that is away from the destination:
 //!
 //! ```text
 //!   +---------------------------+
@@ -14,8 +15,8 @@
 //!   +---------------------------+
 //! ```
 //!
-//! A destination that cannot be shown so shifts nothing: the law holds the target in the whole region. The target is never held
-//! outside of the region.
+//! A destination that cannot be shown so shifts nothing: the law holds the target in the whole region. The
+//! target is never held outside of the region.
 
 use barrelman_vocab::{Framed, ImagePoint, Timestamp};
 

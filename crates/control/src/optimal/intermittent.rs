@@ -1,9 +1,10 @@
 //! The intermittent mode: one movement for each excursion.
 //!
-//! A resting camera waits until the predicted target leaves the start ellipse. Then one movement brings the target to
-//! where it will stay inside: both axes start together, rise once to their plateaus, and fall once. A plateau is
-//! corrected only where the course keeps that shape. The camera stops as soon as a camera that is told to rest now
-//! would still have the target inside the stop ellipse some time later. `docs/optimal-law.md` derives the law.
+//! A resting camera waits until the predicted target leaves the start ellipse. Then one movement brings the
+//! target to where it will stay inside: both axes start together, rise once to their plateaus, and fall once.
+//! A plateau is corrected only where the course keeps that shape. The camera stops as soon as a camera that
+//! is told to rest now would still have the target inside the stop ellipse some time later.
+//! `docs/optimal-law.md` derives the law.
 //!
 //! Work per step: O(1), no allocation.
 
@@ -175,8 +176,8 @@ impl IntermittentLaw {
         !is_outside
     }
 
-    /// The plateaus of the movement from now on: new ones where it would miss the correction ellipse, and otherwise the
-    /// present ones, lowered as far as less is enough.
+    /// The plateaus of the movement from now on: new ones where it would miss the correction ellipse, and
+    /// otherwise the present ones, lowered as far as less is enough.
     fn next_plateaus(&self, prediction: &Prediction<'_>) -> Pair {
         let tuning = &self.tuning;
         let goal = TransferGoal {

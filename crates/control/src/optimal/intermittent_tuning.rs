@@ -30,12 +30,13 @@ pub struct IntermittentTuning {
     pub join_share: f64,
     /// An axis that moves ends its part of the movement below this share of the faster axis' rate.
     pub leave_share: f64,
-    /// Response time to which an axis with a shorter lag is slowed by ramps when it starts, as a share of the slower axis'
-    /// lag.
+    /// Response time to which an axis with a shorter lag is slowed by ramps when it starts, as a share of the
+    /// slower axis' lag.
     pub start_response_share: f64,
     /// The same when it stops.
     pub stop_response_share: f64,
-    /// Correction ellipse: a movement is corrected when it would not bring the target into it within the horizon.
+    /// Correction ellipse: a movement is corrected when it would not bring the target into it within the
+    /// horizon.
     pub correction: f64,
     /// Shortest rest between two movements, seconds.
     pub min_rest_s: f64,

@@ -1,16 +1,17 @@
 //! The mean direction of a target over the last minutes, to which the target is expected to return.
 //!
-//! A boat that works in an area turns back sooner or later, towards the middle of the area. The prediction has a
-//! critically damped spring from the target to its mean direction: of an offset from the mean, the share
-//! `1 − (1 + t/T) e^(−t/T)` is gone after the time t, where T is the return time. Within half a second that is next to
-//! nothing; after several seconds it is most of the offset.
+//! A boat that works in an area turns back sooner or later, towards the middle of the area. The prediction
+//! has a critically damped spring from the target to its mean direction: of an offset from the mean, the
+//! share `1 − (1 + t/T) e^(−t/T)` is gone after the time t, where T is the return time. Within half a second
+//! that is next to nothing; after several seconds it is most of the offset.
 //!
 //! Not handled: a boat that travels on and never returns. Its mean follows it, `memory_s` later.
 
 use super::running_mean::RunningMean;
 use crate::view::Direction;
 
-/// The longest interval between two observations that counts, seconds: in a longer one the target was not seen.
+/// The longest interval between two observations that counts, seconds: in a longer one the target was not
+/// seen.
 const MAX_INTERVAL_S: f64 = 0.2;
 
 /// What a target is expected to return to, and how soon.

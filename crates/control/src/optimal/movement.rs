@@ -1,7 +1,8 @@
 //! The course of one axis over one movement: a ramp up to a plateau, and a ramp down to rest.
 //!
-//! An axis with a short lag would start and stop with a jerk; ramps give it the response time of the slower axis. The
-//! total variation of a course whose plateau is not corrected is twice the plateau, the least that it can be.
+//! An axis with a short lag would start and stop with a jerk; ramps give it the response time of the slower
+//! axis. The total variation of a course whose plateau is not corrected is twice the plateau, the least that
+//! it can be.
 
 /// The ramps of one axis.
 #[derive(Debug, Clone, Copy)]
@@ -14,8 +15,8 @@ pub(super) struct Ramps {
 }
 
 impl Ramps {
-    /// Ramps after which the axis responds like one of these lags, in seconds: the mean delay of a ramp is half of its
-    /// duration.
+    /// Ramps after which the axis responds like one of these lags, in seconds: the mean delay of a ramp is
+    /// half of its duration.
     pub(super) fn new(lag_s: f64, rate: f64, (start_s, stop_s): (f64, f64), min_rate: f64) -> Self {
         // Without a ramp the slope is the largest number that may be multiplied by an interval of zero.
         let slope = |response_s: f64| (rate / (2.0 * (response_s - lag_s)).max(0.0)).min(f64::MAX);

@@ -24,7 +24,8 @@ pub(super) struct PredictedView {
     sway_decay: f64,
 }
 
-/// The prediction of one step. Durations count from the *effect time*, at which a command given now takes effect.
+/// The prediction of one step. Durations count from the *effect time*, at which a command given now takes
+/// effect.
 pub(super) struct Prediction<'a> {
     pub(super) camera: &'a CameraModel,
     /// The camera at the picture's time of capture.
@@ -55,7 +56,8 @@ pub(super) struct TransferGoal {
 }
 
 impl<'a> Prediction<'a> {
-    /// The prediction of a step: the filter observes the input first. `None` without an estimate of the target.
+    /// The prediction of a step: the filter observes the input first. `None` without an estimate of the
+    /// target.
     pub(super) fn observed(
         bearings: &mut BearingFilter,
         noise: BearingNoise,
@@ -98,8 +100,8 @@ impl<'a> Prediction<'a> {
         self.predicted_view(after, angles)
     }
 
-    /// Turning that moves the target from this view to the middle of its region, relative to the turning that a level camera needs:
-    /// at least 1, and at most 4 where pan has no effect.
+    /// Turning that moves the target from this view to the middle of its region, relative to the turning that
+    /// a level camera needs: at least 1, and at most 4 where pan has no effect.
     pub(super) fn turning_effort(&self, PredictedView { view, point, .. }: &PredictedView) -> f64 {
         const MIN_GAIN: f64 = 0.25;
         let jacobian = view.jacobian(*point);
@@ -110,8 +112,8 @@ impl<'a> Prediction<'a> {
         libm::sqrt(((across * across + along * along) / level).max(1.0))
     }
 
-    /// Standard deviation of the predicted position due to the target's motion, in semi-axes of the region (the smaller
-    /// one).
+    /// Standard deviation of the predicted position due to the target's motion, in semi-axes of the region
+    /// (the smaller one).
     pub(super) fn position_std_dev(&self, predicted: &PredictedView) -> f64 {
         self.in_semi_axes(self.bearing.predicted_std_dev(predicted.rate_gain_s, predicted.sway_decay))
     }
@@ -136,7 +138,8 @@ impl<'a> Prediction<'a> {
         PredictedView { view, point, rate_gain_s, sway_decay }
     }
 
-    /// The rates, limited so that each axis can be stopped before the end stop that it turns to; 0 where little is left.
+    /// The rates, limited so that each axis can be stopped before the end stop that it turns to; 0 where
+    /// little is left.
     pub(super) fn stoppable_rates(&self, rates: Pair) -> Pair {
         let axes = self.camera.axes();
         [0, 1].map(|index| {

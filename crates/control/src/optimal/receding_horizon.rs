@@ -1,11 +1,11 @@
 //! The receding-horizon modes: the rates are computed anew at each step, with the least energy.
 //!
 //! The law predicts the target's position at the time at which a command takes effect ([`BearingFilter`],
-//! [`CameraModel`]). While the predicted position stays well inside the region, the camera rests. When it leaves the
-//! *start* ellipse within the look-ahead, the camera starts. From then on, each step computes the constant rates that
-//! move the target into the *aim* ellipse within the horizon with the least `∫|u|² dt` ([`Transfer`]). When a camera
-//! told to rest now would keep the target inside the *stop* ellipse, the camera is told to rest. `docs/optimal-law.md`
-//! derives the law and shows the ellipses.
+//! [`CameraModel`]). While the predicted position stays well inside the region, the camera rests. When it
+//! leaves the *start* ellipse within the look-ahead, the camera starts. From then on, each step computes the
+//! constant rates that move the target into the *aim* ellipse within the horizon with the least `∫|u|² dt`
+//! ([`Transfer`]). When a camera told to rest now would keep the target inside the *stop* ellipse, the camera
+//! is told to rest. `docs/optimal-law.md` derives the law and shows the ellipses.
 //!
 //! Work per step: O(1), no allocation.
 
@@ -149,8 +149,8 @@ impl RecedingHorizonLaw {
         self.limited(wanted, fastest, &transfer)
     }
 
-    /// The wanted rates as a command: scaled to the smallest rate, within the limits of the transfer, and with the
-    /// deadband. `fastest` is the larger of both absolute rates, above 0.
+    /// The wanted rates as a command: scaled to the smallest rate, within the limits of the transfer, and
+    /// with the deadband. `fastest` is the larger of both absolute rates, above 0.
     fn limited(&self, wanted: Pair, fastest: f64, transfer: &Transfer) -> CameraCommand {
         let faster = usize::from(wanted[1].abs() > wanted[0].abs());
         let scale = (self.tuning.min_rate.max(self.min_rates[faster]) / fastest).max(1.0);

@@ -1,5 +1,5 @@
-//! The running mean of what was observed of a target: of all observations at first, with exponential weights once the mean
-//! extends over the memory.
+//! The running mean of what was observed of a target: of all observations at first, with exponential weights
+//! once the mean extends over the memory.
 //!
 //! Work per observation: O(1), no allocation.
 
@@ -10,7 +10,8 @@ use barrelman_vocab::Timestamp;
 pub(super) struct RunningMean<const N: usize> {
     /// Time constant of the weights, seconds.
     memory_s: f64,
-    /// The longest interval between two observations that counts, seconds: in a longer one the target was not seen.
+    /// The longest interval between two observations that counts, seconds: in a longer one the target was not
+    /// seen.
     max_interval_s: f64,
     /// Time of the newest observation, and the mean.
     mean: Option<(Timestamp, [f64; N])>,

@@ -10,8 +10,8 @@ use crate::bearing::BearingNoise;
 pub struct OptimalSettings {
     /// What the law minimises.
     pub mode: OptimalMode,
-    /// Time within which the law brings the target back, seconds. A longer horizon gives slower movements. `None`
-    /// selects the horizon of the mode.
+    /// Time within which the law brings the target back, seconds. A longer horizon gives slower movements.
+    /// `None` selects the horizon of the mode.
     pub horizon_s: Option<f64>,
     /// What the law shows.
     pub framed: Framed,
@@ -66,14 +66,14 @@ impl From<IntermittentTuning> for ModeTuning {
 
 /// All parameters of the receding-horizon modes.
 ///
-/// Distances are in semi-axes of the region: 1 is the region's ellipse. A target is *slow* in proportion to how far its
-/// bearing rate lies below `fast_target_rate`; at zero rate it is fully slow.
+/// Distances are in semi-axes of the region: 1 is the region's ellipse. A target is *slow* in proportion to
+/// how far its bearing rate lies below `fast_target_rate`; at zero rate it is fully slow.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Tuning {
     /// Start ellipse: the camera starts when the predicted target leaves it.
     pub start: f64,
-    /// Widening of the start ellipse for predictions, in standard deviations of the predicted position. A larger value
-    /// delays uncertain starts.
+    /// Widening of the start ellipse for predictions, in standard deviations of the predicted position. A
+    /// larger value delays uncertain starts.
     pub start_sigma: f64,
     /// Stop ellipse: the camera stops when a camera told to rest now would keep the target inside.
     pub stop: f64,
@@ -83,8 +83,8 @@ pub struct Tuning {
     pub horizon_s: f64,
     /// Relative increase of the horizon for a slow target. Slower movements take less energy.
     pub slow_target_gain: f64,
-    /// Increase of the horizon per unit of additional turning effort relative to a level camera. Looking down steeply,
-    /// pan hardly moves the picture and costs much energy.
+    /// Increase of the horizon per unit of additional turning effort relative to a level camera. Looking down
+    /// steeply, pan hardly moves the picture and costs much energy.
     pub steep_view_gain: f64,
     /// Increase of the stop and aim ellipses for a slow target.
     pub slow_target_widening: f64,
@@ -94,8 +94,8 @@ pub struct Tuning {
     pub fast_target_rate: f64,
     /// Look-ahead of the stop, seconds.
     pub stop_look_ahead_s: f64,
-    /// Time over which a target that is already inside the aim ellipse is moved into the stop ellipse, seconds.
-    /// `steep_view_gain` increases it as well.
+    /// Time over which a target that is already inside the aim ellipse is moved into the stop ellipse,
+    /// seconds. `steep_view_gain` increases it as well.
     pub recentring_time_s: f64,
     /// Smallest rate of the faster axis, rad/s.
     pub min_rate: f64,

@@ -1,7 +1,7 @@
 //! From a point on the water to latitude and longitude.
 //!
-//! The water is taken for the plane that touches the ellipsoid of WGS 84 below the camera. With the latitude φ there, the
-//! direction ψ of the frame's y from north, the semi-major axis a and the eccentricity e:
+//! The water is taken for the plane that touches the ellipsoid of WGS 84 below the camera. With the latitude
+//! φ there, the direction ψ of the frame's y from north, the semi-major axis a and the eccentricity e:
 //!
 //! ```text
 //! north = y cos ψ - x sin ψ              east = y sin ψ + x cos ψ
@@ -10,10 +10,10 @@
 //! longitude = λ + east / (N cos φ)
 //! ```
 //!
-//! What the plane neglects grows with the square of the distance d, to d² tan φ / (2 N) in the latitude and twice that in the
-//! longitude: at 300 m and 60 degrees 12 and 25 mm, at 1 km 0.14 and 0.27 m. Beyond [`MAX_DISTANCE_M`], and nearer to a pole
-//! than [`MAX_LATITUDE`], there is no answer. Not handled: the height of the geoid, which moves no place by more than a
-//! hundred-thousandth of its distance.
+//! What the plane neglects grows with the square of the distance d, to d² tan φ / (2 N) in the latitude and
+//! twice that in the longitude: at 300 m and 60 degrees 12 and 25 mm, at 1 km 0.14 and 0.27 m. Beyond
+//! [`MAX_DISTANCE_M`], and nearer to a pole than [`MAX_LATITUDE`], there is no answer. Not handled: the
+//! height of the geoid, which moves no place by more than a hundred-thousandth of its distance.
 
 use barrelman_vocab::earth::{GeoPoint, WaterOnEarth};
 use barrelman_vocab::{Angle, WaterPoint};

@@ -1,9 +1,10 @@
 //! Pixel coordinates to normalised coordinates (tangents of the line of sight, x right, y down) and back.
 //!
-//! The barrel model maps pixels to lines of sight in closed form, the model of Brown and Conrady lines of sight to
-//! pixels (Brown, 1971; coefficients as in OpenCV). The other directions are solved by Newton's method to
-//! [`RESIDUAL`]. A model of Brown and Conrady folds over at some radius, beyond which one pixel stands for several
-//! lines of sight: the inverse is the branch around the principal point, and there is none beyond the fold.
+//! The barrel model maps pixels to lines of sight in closed form, the model of Brown and Conrady lines of
+//! sight to pixels (Brown, 1971; coefficients as in OpenCV). The other directions are solved by Newton's
+//! method to [`RESIDUAL`]. A model of Brown and Conrady folds over at some radius, beyond which one pixel
+//! stands for several lines of sight: the inverse is the branch around the principal point, and there is none
+//! beyond the fold.
 
 use barrelman_vocab::{BrownConrady, Distortion, Lens, PixelPoint};
 
@@ -20,8 +21,8 @@ const MAX_STEPS: usize = 30;
 /// Most halvings of a Newton step that does not reduce the error.
 const MAX_HALVINGS: usize = 10;
 
-/// The pixel of a line of sight. `None`: the lens maps this line of sight to no pixel, because it lies beyond the
-/// fold of the model.
+/// The pixel of a line of sight. `None`: the lens maps this line of sight to no pixel, because it lies beyond
+/// the fold of the model.
 pub fn pixel_of(lens: &Lens, tangents: Tangents) -> Option<PixelPoint> {
     let [x, y] = match lens.distortion {
         Distortion::None => tangents,
@@ -39,8 +40,8 @@ pub fn pixel_of(lens: &Lens, tangents: Tangents) -> Option<PixelPoint> {
     (pixel.u.is_finite() && pixel.v.is_finite()).then_some(pixel)
 }
 
-/// The line of sight of a pixel, and its derivatives: `slope[i][j]` is the change of tangent i for each pixel of u
-/// (j = 0) or v (j = 1). `None`: the lens maps no line of sight to this pixel.
+/// The line of sight of a pixel, and its derivatives: `slope[i][j]` is the change of tangent i for each pixel
+/// of u (j = 0) or v (j = 1). `None`: the lens maps no line of sight to this pixel.
 pub(super) fn line_of_sight(lens: &Lens, pixel: PixelPoint) -> Option<(Tangents, Matrix2)> {
     let per_px = [1.0 / lens.focal_px.0, 1.0 / lens.focal_px.1];
     let [x, y] = [(pixel.u - lens.principal.u) * per_px[0], (pixel.v - lens.principal.v) * per_px[1]];
@@ -70,8 +71,8 @@ pub fn tangents_of(lens: &Lens, pixel: PixelPoint) -> Option<Tangents> {
     line_of_sight(lens, pixel).map(|(tangents, _)| tangents)
 }
 
-/// Distorted coordinates by the barrel model: r with r (1 + k r²) = r_pinhole, by Newton's method from above, where the
-/// cubic is convex and the method cannot fail.
+/// Distorted coordinates by the barrel model: r with r (1 + k r²) = r_pinhole, by Newton's method from above,
+/// where the cubic is convex and the method cannot fail.
 fn with_barrel(k: f64, [x, y]: Tangents) -> Tangents {
     let pinhole = libm::sqrt(x * x + y * y);
     if pinhole == 0.0 || k <= 0.0 {
@@ -109,8 +110,8 @@ fn brown_conrady(model: &BrownConrady, [x, y]: Tangents) -> (Tangents, Matrix2) 
     (distorted, slope)
 }
 
-/// Whether a line of sight lies before the fold: the distorted radius grows all the way to it, and the map keeps its
-/// orientation there.
+/// Whether a line of sight lies before the fold: the distorted radius grows all the way to it, and the map
+/// keeps its orientation there.
 fn is_before_fold(model: &BrownConrady, [x, y]: Tangents, slope: &Matrix2) -> bool {
     let square = x * x + y * y;
     let BrownConrady { k1, k2, k3, .. } = *model;
@@ -132,8 +133,8 @@ fn is_before_fold(model: &BrownConrady, [x, y]: Tangents, slope: &Matrix2) -> bo
     grows && determinant(slope) > 0.0 && slope[0][0] + slope[1][1] > 0.0
 }
 
-/// The line of sight of distorted coordinates by the model of Brown and Conrady: Newton's method with steps that are
-/// halved until the error decreases.
+/// The line of sight of distorted coordinates by the model of Brown and Conrady: Newton's method with steps
+/// that are halved until the error decreases.
 fn without_brown_conrady(model: &BrownConrady, distorted: Tangents) -> Option<Tangents> {
     let error_at = |tangents: Tangents| {
         let ([x, y], slope) = brown_conrady(model, tangents);

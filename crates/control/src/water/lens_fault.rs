@@ -20,8 +20,8 @@ pub enum LensFault {
     Fold(PixelPoint),
 }
 
-/// The first fault of a lens; `None`: every pixel of its picture has a line of sight. The fold is looked for at 65 x 65 points
-/// from border to border.
+/// The first fault of a lens; `None`: every pixel of its picture has a line of sight. The fold is looked for
+/// at 65 x 65 points from border to border.
 pub fn fault_of(lens: &Lens) -> Option<LensFault> {
     let coefficients = match lens.distortion {
         Distortion::None => [0.0; 5],

@@ -1,7 +1,7 @@
 //! A camera above the water: pixels to lines of sight and to points on the water, and back, with uncertainty.
 //!
-//! A line of sight is a vector (right, ahead, up) in the frame of reference that does not turn with the camera. With the
-//! tangents (x, y) of a pixel, the pan p, the tilt t (positive upwards) and the roll r:
+//! A line of sight is a vector (right, ahead, up) in the frame of reference that does not turn with the
+//! camera. With the tangents (x, y) of a pixel, the pan p, the tilt t (positive upwards) and the roll r:
 //!
 //! ```text
 //! level right:  a =  x cos r - y sin r        (roll turns the picture about the optical axis)
@@ -11,8 +11,8 @@
 //! point:        (h / d) (a cos p + f sin p,  f cos p - a sin p)
 //! ```
 //!
-//! where h is the height above the water. The covariance of a point is that of its first-order dependence on pixel, height
-//! and attitude.
+//! where h is the height above the water. The covariance of a point is that of its first-order dependence on
+//! pixel, height and attitude.
 
 use barrelman_vocab::{
     Angle, CameraAboveWater, Lens, PixelPoint, Sighting, SightingNoise, WaterCovariance, WaterFix, WaterPoint,
@@ -21,8 +21,8 @@ use barrelman_vocab::{
 use super::lens;
 use crate::view::Direction;
 
-/// A line of sight that is less than this below the horizon meets the water too far away to be of use: an error of a
-/// tenth of a degree there is a twentieth of the distance.
+/// A line of sight that is less than this below the horizon meets the water too far away to be of use: an
+/// error of a tenth of a degree there is a twentieth of the distance.
 pub const MIN_DEPRESSION: Angle = Angle::from_degrees(2.0);
 
 /// Points less far ahead than this share of the distance have no pixel.
@@ -40,8 +40,8 @@ pub struct WaterView {
     sin_min_depression: f64,
 }
 
-/// A line of sight in the level frame of reference of the camera: right, forwards, down. Its depth along the optical
-/// axis is 1.
+/// A line of sight in the level frame of reference of the camera: right, forwards, down. Its depth along the
+/// optical axis is 1.
 #[derive(Debug, Clone, Copy)]
 struct LevelRay {
     right: f64,
@@ -69,7 +69,8 @@ impl WaterView {
         }
     }
 
-    /// The direction of a pixel: a unit vector (right, ahead, up). `None`: the lens maps no line of sight to this pixel.
+    /// The direction of a pixel: a unit vector (right, ahead, up). `None`: the lens maps no line of sight to
+    /// this pixel.
     pub fn direction_of(&self, pixel: PixelPoint) -> Option<Direction> {
         let ray = self.level_ray(lens::tangents_of(&self.lens, pixel)?);
         let scale = 1.0 / ray.norm();
@@ -77,7 +78,8 @@ impl WaterView {
         Some([scale * x, scale * y, -scale * ray.down])
     }
 
-    /// The pixel of a direction (right, ahead, up) of any length. `None`: behind the camera, or outside of the lens.
+    /// The pixel of a direction (right, ahead, up) of any length. `None`: behind the camera, or outside of
+    /// the lens.
     pub fn pixel_of(&self, [x, y, up]: Direction) -> Option<PixelPoint> {
         let ((sp, cp), (st, ct), (sr, cr)) = (self.pan, self.tilt, self.roll);
         let (right, forwards) = (x * cp - y * sp, x * sp + y * cp);
@@ -154,8 +156,8 @@ impl WaterView {
         self.pixel_of([x, y, -self.height_m])
     }
 
-    /// How the point on the water at a pixel moves along x and y, metres for each radian by which the camera turns to the right,
-    /// and up, where the pixel is that of `point`.
+    /// How the point on the water at a pixel moves along x and y, metres for each radian by which the camera
+    /// turns to the right, and up, where the pixel is that of `point`.
     pub fn slopes_at(&self, point: WaterPoint) -> [(f64, f64); 2] {
         let (x, y) = self.below.vector_to(point);
         let (sp, cp) = self.pan;
@@ -163,8 +165,8 @@ impl WaterView {
             .map(|[right, forwards]| self.turned_by_pan(right, forwards))
     }
 
-    /// Derivatives of a point (right, forwards; metres) by pan and by tilt, metres per radian. A tilt upwards by dt turns
-    /// forwards' = down and down' = -forwards.
+    /// Derivatives of a point (right, forwards; metres) by pan and by tilt, metres per radian. A tilt upwards
+    /// by dt turns forwards' = down and down' = -forwards.
     fn slopes_by_turn(&self, right: f64, forwards: f64) -> [[f64; 2]; 2] {
         let slope = forwards / self.height_m;
         [[forwards, -right], [right * slope, self.height_m + forwards * slope]]

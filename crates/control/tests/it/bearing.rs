@@ -25,8 +25,9 @@ fn direction_at(azimuth: f64, elevation: f64) -> [f64; 3] {
     [cos_e * sin_a, cos_e * cos_a, sin_e]
 }
 
-/// Mean squared error of the predicted azimuth, divided by the filter's variance. The target is near the horizon, its
-/// rate and sway match the filter's noise parameters, and a share of the pictures, `step_s` apart, shows it.
+/// Mean squared error of the predicted azimuth, divided by the filter's variance. The target is near the
+/// horizon, its rate and sway match the filter's noise parameters, and a share of the pictures, `step_s`
+/// apart, shows it.
 fn normalised_error(noise: BearingNoise, sway: f64, step_s: f64, seen_share: f64) -> f64 {
     const FINE: usize = 8;
     let mut rng = SplitMix64::new(7);

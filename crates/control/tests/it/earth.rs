@@ -1,5 +1,5 @@
-//! Latitude and longitude of points on the water, against the published lengths of a degree on WGS 84, and against the
-//! plane's points turned into geocentric coordinates and back.
+//! Latitude and longitude of points on the water, against the published lengths of a degree on WGS 84, and
+//! against the plane's points turned into geocentric coordinates and back.
 
 use barrelman_control::water::earth::{MAX_DISTANCE_M, place_on_earth};
 use barrelman_vocab::earth::{GeoPoint, WaterOnEarth};
@@ -79,7 +79,8 @@ fn what_is_too_far_away_or_no_place_has_no_latitude() {
 const A: f64 = 6_378_137.0;
 const B: f64 = 6_356_752.314_245;
 
-/// Geodetic coordinates (radians) of the point of the tangent plane at a place, by geocentric coordinates and iteration.
+/// Geodetic coordinates (radians) of the point of the tangent plane at a place, by geocentric coordinates and
+/// iteration.
 fn by_geocentric(latitude: f64, longitude: f64, east: f64, north: f64) -> (f64, f64) {
     let e2 = 1.0 - (B / A) * (B / A);
     let ((sp, cp), (sl, cl)) = (libm::sincos(latitude), libm::sincos(longitude));

@@ -74,8 +74,8 @@ fn a_movement_that_would_miss_gets_new_rates() {
     assert!(largest > 1.1 * first, "{first} rad/s, later {largest}");
 }
 
-/// How far the camera of the profile has panned after a target was at these azimuths, one for each picture: dead times,
-/// then the lag. The camera is level.
+/// How far the camera of the profile has panned after a target was at these azimuths, one for each picture:
+/// dead times, then the lag. The camera is level.
 fn final_pan(law: &mut CameraLaw, profile: &VehicleProfile, azimuths: impl Iterator<Item = f64>) -> f64 {
     let focal_px = profile.camera.focal_share * 640.0;
     let (mut pan, mut rate, mut sent) = (0.0, 0.0, Vec::new());

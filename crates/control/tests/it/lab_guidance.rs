@@ -5,8 +5,8 @@ use barrelman_vocab::{PixelPoint, Timestamp, VesselCommand};
 
 const STEP_NS: u64 = 133_333_334;
 
-/// A law whose boat has come to (600, 300) on a straight course, degrees clockwise from image right, in 50 positions of
-/// 2 px each.
+/// A law whose boat has come to (600, 300) on a straight course, degrees clockwise from image right, in 50
+/// positions of 2 px each.
 fn law_on_course(settings: LabSettings, course_deg: f64) -> (LabLaw, u64) {
     let mut law = LabLaw::new(settings);
     let (sin, cos) = libm::sincos(course_deg.to_radians());
@@ -24,7 +24,8 @@ fn step_at(law: &mut LabLaw, step: u64, boat: PixelPoint, target: PixelPoint) ->
     law.step(&LabInput { now, boat: Some(boat), target: Some(target) })
 }
 
-/// The step at (600, 300) on a course, with a target at a bearing (degrees clockwise from image right) and a distance.
+/// The step at (600, 300) on a course, with a target at a bearing (degrees clockwise from image right) and a
+/// distance.
 fn check(
     settings: LabSettings,
     (course_deg, bearing_deg, distance_px): (f64, f64, f64),

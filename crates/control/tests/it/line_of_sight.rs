@@ -487,8 +487,8 @@ impl Straight {
         Self { track, now_s: 0.0, y_m: 0.0 }
     }
 
-    /// Goes on for some seconds at `speed` (m/s, ahead positive) with the bow reported `reported_deg` from ahead. The heading of
-    /// the track at the end, degrees.
+    /// Goes on for some seconds at `speed` (m/s, ahead positive) with the bow reported `reported_deg` from
+    /// ahead. The heading of the track at the end, degrees.
     fn heading_after(&mut self, seconds: f64, speed: f64, reported_deg: f64) -> f64 {
         let throttle = (speed / VesselModel::JET.speed_per_throttle).clamp(-0.6, 0.6);
         let mut now = Timestamp::from_secs_f64(self.now_s);

@@ -44,8 +44,8 @@ pub(crate) fn step(
     command
 }
 
-/// Runs the law with a camera without lag and a target with a constant bearing rate for `seconds`. Returns the target's
-/// x in the picture and the command of each step.
+/// Runs the law with a camera without lag and a target with a constant bearing rate for `seconds`. Returns
+/// the target's x in the picture and the command of each step.
 pub(crate) fn follow(
     mode: OptimalMode,
     profile: &VehicleProfile,
@@ -407,8 +407,8 @@ proptest! {
     }
 }
 
-/// Where a target that goes to the right at 0.05 rad/s is held: its largest P and its largest x in the last 20 s, with
-/// a destination that is `ahead_px` to the right of the target.
+/// Where a target that goes to the right at 0.05 rad/s is held: its largest P and its largest x in the last
+/// 20 s, with a destination that is `ahead_px` to the right of the target.
 fn held(framed: Framed, ahead_px: f64) -> (f64, f64) {
     let profile = vehicle_without_lag();
     let settings = LawSettings::new(LawId::Intermittent).showing(framed);

@@ -13,8 +13,8 @@ fn between(rng: &mut SplitMix64, low: f64, high: f64) -> f64 {
     low + (high - low) * rng.uniform()
 }
 
-/// A problem with the ranges of a real camera: P up to 400, gains from nearly zero to those of a long lens, and
-/// occasionally an end stop that limits an axis.
+/// A problem with the ranges of a real camera: P up to 400, gains from nearly zero to those of a long lens,
+/// and occasionally an end stop that limits an axis.
 fn problem(rng: &mut SplitMix64) -> Transfer {
     let distance =
         libm::sqrt(if rng.uniform() < 0.2 { between(rng, 0.0, 400.0) } else { between(rng, 0.0, 6.0) });
@@ -48,8 +48,8 @@ fn length(v: [f64; 2]) -> f64 {
     libm::hypot(v[0], v[1])
 }
 
-/// The rates of the conic solver: those with the least energy, or, if `nearest`, those with the closest approach.
-/// `None` if the solver finds none.
+/// The rates of the conic solver: those with the least energy, or, if `nearest`, those with the closest
+/// approach. `None` if the solver finds none.
 fn conic(problem: &Transfer, nearest: bool) -> Option<[f64; 2]> {
     // Variables: the rates, and for the closest approach its distance.
     let n = if nearest { 3 } else { 2 };

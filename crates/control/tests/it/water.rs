@@ -1,5 +1,5 @@
-//! Points on the water: round trips, the horizon, uncertainty, and agreement with OpenCV, whose results are the fixtures;
-//! `fixtures/water/make.py` made and documents them.
+//! Points on the water: round trips, the horizon, uncertainty, and agreement with OpenCV, whose results are
+//! the fixtures; `fixtures/water/make.py` made and documents them.
 #![allow(clippy::disallowed_methods, reason = "a test reads its fixtures from files")]
 
 use std::path::PathBuf;
@@ -113,8 +113,8 @@ proptest! {
         prop_assert!(off < 1e-11, "{off} rad");
     }
 
-    /// From 5 degrees below the horizon on, a point on the water comes back within a millimetre (a thousandth of that at
-    /// these heights).
+    /// From 5 degrees below the horizon on, a point on the water comes back within a millimetre (a thousandth
+    /// of that at these heights).
     #[test]
     fn a_point_on_the_water_comes_back(
         view in any_view(), u in 0.0..1280.0_f64, v in 0.0..720.0_f64

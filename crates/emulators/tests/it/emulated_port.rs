@@ -1,5 +1,5 @@
-//! The port of an emulated ground station. The symbolic link to a pseudo-terminal: files and links of others are neither
-//! replaced nor removed. The TCP port: one client, which cannot block the port by its silence.
+//! The port of an emulated ground station. The symbolic link to a pseudo-terminal: files and links of others
+//! are neither replaced nor removed. The TCP port: one client, which cannot block the port by its silence.
 
 use std::fs;
 use std::io::Write as _;

@@ -1,4 +1,5 @@
-//! The link over UDP, TCP and a pseudo-terminal against the emulated gimbal, on a line that loses packets, and signed.
+//! The link over UDP, TCP and a pseudo-terminal against the emulated gimbal, on a line that loses packets,
+//! and signed.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};

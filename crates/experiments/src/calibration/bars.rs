@@ -1,5 +1,5 @@
-//! Black bars at the edges of the picture: a letter-boxed or pillar-boxed video. The picture is then wider or higher than what
-//! the camera sees, so that its focal length as a share of the width is not the profile's.
+//! Black bars at the edges of the picture: a letter-boxed or pillar-boxed video. The picture is then wider or
+//! higher than what the camera sees, so that its focal length as a share of the width is not the profile's.
 
 use core::fmt;
 

@@ -1,9 +1,10 @@
 //! Fits the model of one axis, dead times and a first-order lag, to a measured turn.
 //!
-//! For given dead times and lag, the response of the model to the commands is linear in its gain and in a steady drift; both
-//! follow by least squares. Dead times and lag are searched for: a coarse grid, then ever smaller steps along each of them.
-//! Turns over [`SPAN_S`] are compared instead of angles: what sways slowly does not count. The repetitions of the test
-//! motions tell the standard errors; where those are too large, the axis cannot be told.
+//! For given dead times and lag, the response of the model to the commands is linear in its gain and in a
+//! steady drift; both follow by least squares. Dead times and lag are searched for: a coarse grid, then ever
+//! smaller steps along each of them. Turns over [`SPAN_S`] are compared instead of angles: what sways slowly
+//! does not count. The repetitions of the test motions tell the standard errors; where those are too large,
+//! the axis cannot be told.
 
 use core::fmt;
 
@@ -18,9 +19,9 @@ const MAX_LAG_S: f64 = 1.2;
 const LAGS_S: [f64; 8] = [0.02, 0.05, 0.1, 0.2, 0.3, 0.45, 0.6, 0.9];
 /// Least share of the variance that the motion must explain.
 const MIN_EXPLAINED: f64 = 0.5;
-/// Largest standard errors: of the gain, as a share of the gain, and of the dead times, seconds. What is told is meant to be
-/// right within 5 % and 60 ms; five repetitions have four degrees of freedom, so that the error exceeds 2.8 standard errors in
-/// one case of twenty, and four of them in one of sixty.
+/// Largest standard errors: of the gain, as a share of the gain, and of the dead times, seconds. What is told
+/// is meant to be right within 5 % and 60 ms; five repetitions have four degrees of freedom, so that the
+/// error exceeds 2.8 standard errors in one case of twenty, and four of them in one of sixty.
 const MAX_ERRORS: Errors = Errors { gain: 0.0125, dead_time_s: 0.015 };
 /// The same of the rate at a speed, which is one of several points.
 const MAX_ERRORS_OF_RATE: Errors = Errors { gain: 0.08, dead_time_s: MAX_DEAD_TIME_S };

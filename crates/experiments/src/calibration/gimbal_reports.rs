@@ -1,4 +1,5 @@
-//! The convention of the reported tilt: which angle of the gimbal's attitude follows the tilt that the picture shows.
+//! The convention of the reported tilt: which angle of the gimbal's attitude follows the tilt that the
+//! picture shows.
 
 use barrelman_vocab::Angle;
 use barrelman_vocab::profile::{GimbalTilt, Sign};
@@ -15,8 +16,8 @@ const MIN_EXPLAINED: f64 = 0.9;
 /// Least number of reports during the motions of the tilt.
 const MIN_REPORTS: usize = 20;
 
-/// The convention under which the reports tell the tilt; `None`: no angle of them follows the tilt. `tilt` is the tilt at
-/// the first sample.
+/// The convention under which the reports tell the tilt; `None`: no angle of them follows the tilt. `tilt` is
+/// the tilt at the first sample.
 pub(super) fn convention(
     reports: &[(f64, Quaternion)],
     tilts: &[AngleSample],

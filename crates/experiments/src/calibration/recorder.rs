@@ -168,8 +168,8 @@ impl CalibrationRecorder {
     }
 }
 
-/// The sense of the pan. The camera looks below the horizon, or little above it: looking down, the picture turns about
-/// its centre.
+/// The sense of the pan. The camera looks below the horizon, or little above it: looking down, the picture
+/// turns about its centre.
 fn pan_sign(fit: &AxisFit) -> f64 {
     let [cos, sin] = fit.gains;
     if cos.abs() > 0.3 * sin.abs() { cos.signum() } else { -sin.signum() }

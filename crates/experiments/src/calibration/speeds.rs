@@ -1,9 +1,9 @@
-//! How fast a camera turns at its speeds, where those have no unit: short motions at one speed after the other, the slowest
-//! first.
+//! How fast a camera turns at its speeds, where those have no unit: short motions at one speed after the
+//! other, the slowest first.
 //!
-//! The pilot commands its low rate each time. A provisional curve makes the wanted speed of it, and the measured rate becomes a
-//! point of the real curve. A speed at which the picture does not follow lies in the dead zone. An axis that turns as fast as
-//! it will ever be asked to goes on to no higher speed.
+//! The pilot commands its low rate each time. A provisional curve makes the wanted speed of it, and the
+//! measured rate becomes a point of the real curve. A speed at which the picture does not follow lies in the
+//! dead zone. An axis that turns as fast as it will ever be asked to goes on to no higher speed.
 
 use core::fmt;
 
@@ -17,7 +17,8 @@ use super::fit::CannotTell;
 const SPEEDS: [u16; 11] = [10, 20, 40, 70, 100, 150, 220, 320, 470, 680, 1000];
 /// An axis that turns as fast goes on to no higher speed, rad/s.
 const FAST_ENOUGH: f64 = 0.5;
-/// From this rate on, rad/s, a speed at which the axis is not seen to turn moves the picture too fast to be measured.
+/// From this rate on, rad/s, a speed at which the axis is not seen to turn moves the picture too fast to be
+/// measured.
 const TOO_FAST_TO_TELL: f64 = 0.25;
 /// The rates of two points differ at least by this factor.
 const LEAST_GROWTH: f64 = 1.05;
@@ -74,7 +75,8 @@ impl Axis {
         let fastest = self.points.last().map_or(0.0, |point| point.rate.radians_per_second());
         match measured {
             Ok(rate) => {
-                // A slower speed that seemed to turn the axis as fast was measured wrongly, or has the same rate.
+                // A slower speed that seemed to turn the axis as fast was measured wrongly, or has the same
+                // rate.
                 let rises = |point: &SpeedPoint| point.rate.radians_per_second() * LEAST_GROWTH <= rate;
                 self.points.retain(rises);
                 let rate_there = AngularRate::from_radians_per_second(rate);
@@ -126,8 +128,8 @@ impl Default for SpeedSweep {
 }
 
 impl SpeedSweep {
-    /// The speeds of pan and tilt, and the curves with which they are measured next; `None`: all have been measured. An axis that
-    /// is done turns at its last speed once more.
+    /// The speeds of pan and tilt, and the curves with which they are measured next; `None`: all have been
+    /// measured. An axis that is done turns at its last speed once more.
     pub fn next(&self) -> Option<([f64; 2], AxisSpeeds)> {
         let speeds = [self.pan.speed(), self.tilt.speed()];
         let provisional = || AxisSpeeds { pan: self.pan.provisional(), tilt: self.tilt.provisional() };

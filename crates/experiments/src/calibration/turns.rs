@@ -1,14 +1,14 @@
 //! The camera's turns between two video frames, from the shifts of patches of the picture.
 //!
-//! A camera with the tilt t that pans by d (right) and tilts by e (up) moves a distant image point (x, y), in pixels with y
-//! upwards, with the focal length f, by
+//! A camera with the tilt t that pans by d (right) and tilts by e (up) moves a distant image point (x, y), in
+//! pixels with y upwards, with the focal length f, by
 //!
 //! ```text
 //!   dx = -(f + x^2/f) a + y b - (x y/f) e        a = d cos t, b = d sin t
 //!   dy = -(x y/f) a - x b - (f + y^2/f) e
 //! ```
-//! (Longuet-Higgins and Prazdny 1980, without translation). Both shares of the pan, a and b, are solved for: the pan is
-//! known without the tilt, and tells the tilt.
+//! (Longuet-Higgins and Prazdny 1980, without translation). Both shares of the pan, a and b, are solved for:
+//! the pan is known without the tilt, and tells the tilt.
 
 use barrelman_vision::PatchShift;
 use barrelman_vocab::PictureSize;

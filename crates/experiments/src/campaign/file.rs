@@ -90,8 +90,8 @@ impl CampaignWriter {
         Ok(Self { file: output::create(path, force)? })
     }
 
-    /// Opens a file to append the trials of these settings and seeds, and returns the trials that it holds. A missing
-    /// file is created.
+    /// Opens a file to append the trials of these settings and seeds, and returns the trials that it holds. A
+    /// missing file is created.
     ///
     /// # Errors
     /// The file is not a campaign's file, belongs to another campaign, or is a symbolic link.
@@ -162,7 +162,8 @@ impl CampaignWriter {
 /// Merges the files of one campaign's shards in the order of their seeds.
 ///
 /// # Errors
-/// The files are of different campaigns, two files hold different results for one seed, or a file is incomplete.
+/// The files are of different campaigns, two files hold different results for one seed, or a file is
+/// incomplete.
 pub fn merge(files: &[(PathBuf, CampaignFile)]) -> Result<Vec<(CampaignEntry, String)>> {
     let mut by_seed: BTreeMap<u64, (&PathBuf, &CampaignEntry, &String)> = BTreeMap::new();
     let mut first: Option<(&PathBuf, &CampaignSettings)> = None;

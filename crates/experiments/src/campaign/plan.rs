@@ -226,8 +226,8 @@ impl CampaignPlan {
         self.with_max_duration(duration_s)
     }
 
-    /// The plan with another maximum duration of a trial. A trial ends earlier where the target reaches the end of its
-    /// path.
+    /// The plan with another maximum duration of a trial. A trial ends earlier where the target reaches the
+    /// end of its path.
     #[must_use]
     pub fn with_max_duration(mut self, seconds: f64) -> Self {
         self.loaded.scenario.max_s = seconds;

@@ -23,7 +23,8 @@ pub fn settings_of(trial: &SimulatedTrial) -> Result<CampaignSettings> {
 /// The world and the camera of a recorded trial, which render its pictures again.
 ///
 /// # Errors
-/// The boat was steered by a stored drive, which the recording does not hold, or the recorded scenario is unusable.
+/// The boat was steered by a stored drive, which the recording does not hold, or the recorded scenario is
+/// unusable.
 pub fn world_of(trial: &SimulatedTrial) -> Result<WorldReplay<'static>> {
     let settings = settings_of(trial)?;
     if settings.drive.is_some() {

@@ -47,8 +47,8 @@ pub struct TrialRecorder {
     writer: RecordingWriter<BufWriter<OutputFile>>,
     /// The annotated video, if any.
     film: Option<Film>,
-    /// When the recording of a drive is written out next, so that a killed program leaves what was driven so far. `None`: at the end
-    /// only, as a trial is run again.
+    /// When the recording of a drive is written out next, so that a killed program leaves what was driven so
+    /// far. `None`: at the end only, as a trial is run again.
     flush_at: Option<Timestamp>,
     step: u64,
     /// The first error; nothing is written after it.

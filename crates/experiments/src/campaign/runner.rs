@@ -6,8 +6,8 @@ use std::sync::mpsc::sync_channel;
 
 use anyhow::Result;
 
-/// Runs `work` for each seed on `threads` threads and passes the results to `receive` in the order of the seeds. When
-/// `stop` is set, or after an error, no further trial starts; running trials are finished.
+/// Runs `work` for each seed on `threads` threads and passes the results to `receive` in the order of the
+/// seeds. When `stop` is set, or after an error, no further trial starts; running trials are finished.
 ///
 /// # Errors
 /// The first error of a trial or of `receive`; the results of the seeds before it were received.

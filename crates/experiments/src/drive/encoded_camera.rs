@@ -1,7 +1,7 @@
 //! A camera whose pictures are encoded as H.264 and decoded again before the pilot receives them.
 //!
-//! A recording holds the encoded units, and a replay decodes them to the same pictures. Encoder and decoder use one
-//! thread, so that the same pictures give the same bits.
+//! A recording holds the encoded units, and a replay decodes them to the same pictures. Encoder and decoder
+//! use one thread, so that the same pictures give the same bits.
 
 use std::sync::mpsc::Sender;
 
@@ -25,7 +25,8 @@ pub(super) struct EncodedCamera<'a> {
 }
 
 impl<'a> EncodedCamera<'a> {
-    /// Encodes the pictures of `rendered`. Each unit is sent to `units` before its decoded picture is delivered.
+    /// Encodes the pictures of `rendered`. Each unit is sent to `units` before its decoded picture is
+    /// delivered.
     pub(super) fn new(
         rendered: RenderedCamera<'a>,
         settings: EncoderSettings,

@@ -9,8 +9,8 @@ use xxhash_rust::xxh3::Xxh3;
 
 use super::lockstep::DriveObserver;
 
-/// Hashes each step of a drive with its time, its picture, its percept and the rates sent, and the ground truth of each
-/// picture (XXH3-64).
+/// Hashes each step of a drive with its time, its picture, its percept and the rates sent, and the ground
+/// truth of each picture (XXH3-64).
 #[derive(Default)]
 pub struct DriveHasher(Xxh3);
 

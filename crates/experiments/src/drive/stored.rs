@@ -7,8 +7,8 @@
 //! {"tick":431,"request":{"kind":"steer","throttle":1.0,"rudder":0.0}}
 //! {"tick":3600,"hash":"8d5f..."}
 //! ```
-//! A file without its last line was cut off, for instance because the program was killed. It is run again up to its
-//! last request.
+//! A file without its last line was cut off, for instance because the program was killed. It is run again up
+//! to its last request.
 
 use std::io::{BufWriter, Write as _};
 use std::path::{Path, PathBuf};

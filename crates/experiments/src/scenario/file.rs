@@ -108,7 +108,8 @@ pub struct ZoomSection {
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct AxisSection {
-    /// Time from a command to move to the motion in the picture, seconds. It includes the latency of the camera.
+    /// Time from a command to move to the motion in the picture, seconds. It includes the latency of the
+    /// camera.
     pub start_dead_time_s: f64,
     /// Time from a zero rate to the stop in the picture, seconds. It includes the latency of the camera.
     pub stop_dead_time_s: f64,
@@ -381,11 +382,13 @@ pub struct SensingSection {
     /// Time constant of the noise, seconds; 0 for independent noise of each picture.
     #[serde(default)]
     pub noise_time_s: f64,
-    /// Standard deviation of the bow's direction in the picture, degrees. Without it the direction is not measured.
+    /// Standard deviation of the bow's direction in the picture, degrees. Without it the direction is not
+    /// measured.
     pub heading_noise_deg: Option<f64>,
     /// Whether the position is rounded to whole pixels.
     pub rounded: bool,
-    /// Limits of |x| and |y|, pixels: a target outside of the picture is reported at the limit. Without them it is lost.
+    /// Limits of |x| and |y|, pixels: a target outside of the picture is reported at the limit. Without them
+    /// it is lost.
     pub clamped_at_px: Option<[f64; 2]>,
 }
 

@@ -39,8 +39,8 @@ pub struct LoadedScenario {
 }
 
 impl LoadedScenario {
-    /// The vehicle profile for the scenario: the laboratory's vehicle with the scenario's video latency and nominal
-    /// camera.
+    /// The vehicle profile for the scenario: the laboratory's vehicle with the scenario's video latency and
+    /// nominal camera.
     ///
     /// # Errors
     /// The target's way-points make no path.

@@ -1,7 +1,7 @@
 //! Scenario files (TOML), read and converted to [`barrelman_sim::Scenario`].
 //!
-//! The folder `config/scenarios` holds the built-in scenarios with their documentation. Any file of the same form can be
-//! used. An error shows the line of the mistake.
+//! The folder `config/scenarios` holds the built-in scenarios with their documentation. Any file of the same
+//! form can be used. An error shows the line of the mistake.
 
 mod built_in;
 mod choice;

@@ -1,16 +1,17 @@
 //! The text of a scenario with every key that its file may have: what `barrelman scenarios NAME` prints.
 //!
-//! A built-in file leaves out keys that have a default. The printed text holds them, each with its default and its
-//! meaning; a key without a default is a comment. So the printed file is the same scenario as the
-//! built-in one, and a start for another scenario. The built-in text itself stays as it is: its hash identifies campaigns.
+//! A built-in file leaves out keys that have a default. The printed text holds them, each with its default
+//! and its meaning; a key without a default is a comment. So the printed file is the same scenario as the
+//! built-in one, and a start for another scenario. The built-in text itself stays as it is: its hash
+//! identifies campaigns.
 
 use std::collections::BTreeSet;
 
 use barrelman_sim::sea::SeaState;
 use toml::Table;
 
-/// A key that a file may leave out: section, key, what the key is set to, and what it means. `None`: the key has no
-/// default, and the example stands in a comment.
+/// A key that a file may leave out: section, key, what the key is set to, and what it means. `None`: the key
+/// has no default, and the example stands in a comment.
 struct OptionalKey {
     section: &'static str,
     key: &'static str,

@@ -57,8 +57,8 @@ fn resolve(file: &ScenarioFile, overrides: &ScenarioOverrides) -> Result<(Scenar
     Ok((scenario, setting))
 }
 
-/// The carrier of the camera, chosen by the name of a setting: that of `overrides`, else the file's own. Returns the name
-/// too.
+/// The carrier of the camera, chosen by the name of a setting: that of `overrides`, else the file's own.
+/// Returns the name too.
 fn platform(file: &ScenarioFile, overrides: &ScenarioOverrides) -> Result<(String, Platform), ScenarioError> {
     let name = overrides.setting.as_ref().unwrap_or(&file.setting);
     let platform = match (file.sway.get(name), file.kite.get(name)) {

@@ -18,7 +18,8 @@ use crate::settings::{Credential, HttpSettings};
 pub struct Sigma(Inquiry);
 
 impl Sigma {
-    /// Reaches the vehicle, and gets a token where the credential is an API key. The token itself is not tried.
+    /// Reaches the vehicle, and gets a token where the credential is an API key. The token itself is not
+    /// tried.
     ///
     /// # Errors
     /// If the vehicle cannot be reached, its certificate is not accepted, or the API key is refused.

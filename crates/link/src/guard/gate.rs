@@ -1,5 +1,5 @@
-//! What the guard accepts of the program: a command within the limits, a time to live that is not too long, and a sign of
-//! life.
+//! What the guard accepts of the program: a command within the limits, a time to live that is not too long,
+//! and a sign of life.
 //!
 //! A plain struct without clock and pipe.
 
@@ -63,8 +63,8 @@ impl<C: GuardedCommand> Gate<C> {
         now.since(self.last_heard) >= SILENCE
     }
 
-    /// What passes of a request. A command that is not a number or above its limit is a fault of the program: the vehicle
-    /// rests. A time to live that is too long is shortened.
+    /// What passes of a request. A command that is not a number or above its limit is a fault of the program:
+    /// the vehicle rests. A time to live that is too long is shortened.
     pub fn pass(&self, requested: RequestedCommand<C>, now: Timestamp) -> RequestedCommand<C> {
         if !requested.command.is_within(self.limits) {
             return RequestedCommand::REST;

@@ -1,5 +1,6 @@
-//! The messages between the program and its guard, one to a packet of the socket pair: a kind, then fields in little-endian
-//! order. Times are those of the program's clock, which starts at a stated moment of `CLOCK_MONOTONIC`.
+//! The messages between the program and its guard, one to a packet of the socket pair: a kind, then fields in
+//! little-endian order. Times are those of the program's clock, which starts at a stated moment of
+//! `CLOCK_MONOTONIC`.
 
 use std::time::Duration;
 

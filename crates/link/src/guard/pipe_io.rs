@@ -17,7 +17,8 @@ use super::watch::BEAT;
 use crate::port::{Port, PortError};
 use crate::port_io::{MachineIo, PortIo, poll_for};
 
-/// The guard's port, pipe and clock. What comes through the pipe goes to the mailbox, as far as the gate lets it pass.
+/// The guard's port, pipe and clock. What comes through the pipe goes to the mailbox, as far as the gate lets
+/// it pass.
 pub(super) struct PipeIo<C> {
     pub(super) machine: MachineIo<C>,
     pub(super) pipe: Arc<Pipe>,

@@ -1,8 +1,8 @@
 //! Whether a guard hangs: a guard that runs says so every 50 ms, whatever else it does.
 //!
-//! A plain struct without clock and pipe. The silence is counted in the watcher's own looks, and one look counts for
-//! at most [`LONGEST_LOOK`]: a machine that lets neither run, or a program that was stopped itself, has not seen the
-//! guard hang. So the guard gets the time to speak before it is judged.
+//! A plain struct without clock and pipe. The silence is counted in the watcher's own looks, and one look
+//! counts for at most [`LONGEST_LOOK`]: a machine that lets neither run, or a program that was stopped
+//! itself, has not seen the guard hang. So the guard gets the time to speak before it is judged.
 
 use std::time::Duration;
 
@@ -10,12 +10,13 @@ use barrelman_vocab::Timestamp;
 
 /// A guard says at least this often that it runs.
 pub const BEAT: Duration = Duration::from_millis(50);
-/// A guard that is silent for this time hangs: three beats are missed. The port's writes are bounded by less, and the
-/// next guard has the rest of the 300 ms for its start and its first zeros.
+/// A guard that is silent for this time hangs: three beats are missed. The port's writes are bounded by less,
+/// and the next guard has the rest of the 300 ms for its start and its first zeros.
 pub const HUNG_AFTER: Duration = Duration::from_millis(180);
 /// The same while the guard opens its port: a connection, or a name that is looked up.
 pub const HUNG_WHILE_REOPENING: Duration = Duration::from_secs(5);
-/// The same for the first guard of a run: no rate is in force yet, and names and several addresses take their time.
+/// The same for the first guard of a run: no rate is in force yet, and names and several addresses take their
+/// time.
 pub const HUNG_WHILE_OPENING: Duration = Duration::from_secs(15);
 /// The same until its first word.
 pub const HUNG_AT_START: Duration = Duration::from_secs(3);

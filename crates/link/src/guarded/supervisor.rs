@@ -95,7 +95,8 @@ where
             self.client.state().pipe = None;
             let is_closing = self.client.state().is_closing;
             let reason = match end {
-                // A first guard that fails before it has opened the port ends the start of the run with its reason.
+                // A first guard that fails before it has opened the port ends the start of the run with its
+                // reason.
                 GuardEnd::Gone(reason) if self.opened.is_some() => {
                     self.answer_opening(FirstOpening::GuardFailed(reason));
                     served.reap();

@@ -1,4 +1,5 @@
-//! The link thread with a vehicle that takes requests and answers them, as over HTTP: the same worker as for bytes.
+//! The link thread with a vehicle that takes requests and answers them, as over HTTP: the same worker as for
+//! bytes.
 //!
 //! A command of this vehicle names its duration and expires by itself. The vehicle answers with a status.
 

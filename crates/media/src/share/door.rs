@@ -19,8 +19,8 @@ const PAUSE: Duration = Duration::from_millis(20);
 /// Size of a connection's buffer, of which the kernel makes twice as much.
 const SEND_BUFFER: usize = 208 * 1024;
 
-/// Bytes that wait unsent in a connection's buffer before it counts as full. A reader is hardly further behind
-/// than this and what its own buffer holds.
+/// Bytes that wait unsent in a connection's buffer before it counts as full. A reader is hardly further
+/// behind than this and what its own buffer holds.
 const MAX_UNSENT: i32 = 32 * 1024;
 
 /// A connection whose far end answers nothing for so long has gone, ms.

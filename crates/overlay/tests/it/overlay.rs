@@ -33,7 +33,8 @@ fn region_of(size: PictureSize) -> Region {
     Region::from_shares(VehicleProfile::fotokite_pro().region, size)
 }
 
-/// A target of a tenth of the picture's size. Its centre is given in image coordinates as shares of half the picture.
+/// A target of a tenth of the picture's size. Its centre is given in image coordinates as shares of half the
+/// picture.
 fn target_at(size: PictureSize, x: f64, y: f64) -> Localisation {
     let (width, height) = (f64::from(size.width), f64::from(size.height));
     let centre = ImagePoint { x: x * width / 2.0, y: y * height / 2.0 }.in_pixels(size);

@@ -1,5 +1,5 @@
-//! What the camera of one video frame sees: pixels to lines of sight, and to points on the water where height and tilt are
-//! known.
+//! What the camera of one video frame sees: pixels to lines of sight, and to points on the water where height
+//! and tilt are known.
 
 use barrelman_control::CameraModel;
 use barrelman_control::guidance::input::BoatFix;
@@ -9,8 +9,8 @@ use barrelman_vocab::{
     WaterCovariance, WaterFix, WaterPoint,
 };
 
-/// Standard deviations of what a point on the water is computed from, common errors apart: those of height and attitude
-/// move boat and marks together.
+/// Standard deviations of what a point on the water is computed from, common errors apart: those of height
+/// and attitude move boat and marks together.
 const NOISE: SightingNoise = SightingNoise {
     pixel_px: 3.0,
     height_m: 0.0,
@@ -25,8 +25,8 @@ const BOW_PX: f64 = 8.0;
 /// Bisections by which the horizon is found on a border of the picture.
 const HORIZON_STEPS: usize = 16;
 
-/// Random turn of the view to the right and up while the camera rests, radians per root of a second: yaw and place of a kite in
-/// the wind.
+/// Random turn of the view to the right and up while the camera rests, radians per root of a second: yaw and
+/// place of a kite in the wind.
 const SWAY_RAD_PER_ROOT_S: [f64; 2] = [0.029, 0.004];
 /// The same for each rad/s at which the camera turns: what the camera's model does not know of its axes.
 const SWAY_BY_RATE: f64 = 0.17;
@@ -40,13 +40,14 @@ pub struct FrameView {
     pub sees_water: bool,
     /// Size of the picture.
     picture: PictureSize,
-    /// How fast the view may turn beside the camera's model, to the right and up, radians per root of a second.
+    /// How fast the view may turn beside the camera's model, to the right and up, radians per root of a
+    /// second.
     sway_rad_per_root_s: [f64; 2],
 }
 
 impl FrameView {
-    /// The camera at the time of capture of a video frame; `None` for the height: height or tilt are not known, and only
-    /// lines of sight mean anything. `below`: the camera's apparent displacement.
+    /// The camera at the time of capture of a video frame; `None` for the height: height or tilt are not
+    /// known, and only lines of sight mean anything. `below`: the camera's apparent displacement.
     pub fn new(
         camera: &CameraModel,
         captured: Timestamp,
@@ -79,17 +80,17 @@ impl FrameView {
         self.view.fix(pixel, &NOISE).filter(|_| self.sees_water)
     }
 
-    /// How far a point on the water may seem to have moved after a time, as the view turns beside the camera's
-    /// model: the larger standard deviation, metres.
+    /// How far a point on the water may seem to have moved after a time, as the view turns beside the
+    /// camera's model: the larger standard deviation, metres.
     pub(super) fn sway_m(&self, point: WaterPoint, duration_s: f64) -> f64 {
         let moved = |((x, y), rate): ((f64, f64), f64)| rate * libm::hypot(x, y);
         let turned = self.view.slopes_at(point).into_iter().zip(self.sway_rad_per_root_s).map(moved);
         libm::sqrt(duration_s) * turned.fold(0.0, f64::max)
     }
 
-    /// The corners of what the picture shows of the water: near left, far left, far right, near right. Where the horizon is
-    /// in the picture, the far corners are the farthest points that are known on the left and right border. `None`: height
-    /// or tilt are not known, or the lower border is not on the water.
+    /// The corners of what the picture shows of the water: near left, far left, far right, near right. Where
+    /// the horizon is in the picture, the far corners are the farthest points that are known on the left and
+    /// right border. `None`: height or tilt are not known, or the lower border is not on the water.
     pub fn water_corners(&self) -> Option<[WaterPoint; 4]> {
         let (right, bottom) = (f64::from(self.picture.width), f64::from(self.picture.height));
         let point = |u: f64, v: f64| match self.view.sighting(PixelPoint { u, v }) {
@@ -118,8 +119,8 @@ impl FrameView {
         Some([near_left, far_left, far_right, near_right])
     }
 
-    /// The boat on the water, seen from where the camera's model says. The camera may be elsewhere; that is told from a boat that
-    /// `is_commanded`, whose motion is known.
+    /// The boat on the water, seen from where the camera's model says. The camera may be elsewhere; that is
+    /// told from a boat that `is_commanded`, whose motion is known.
     pub fn boat(&self, seen: &Localisation, is_commanded: bool) -> Option<BoatFix> {
         let centre = seen.bounds.centre();
         let water = self.fix(centre)?;

@@ -14,19 +14,23 @@
 //!       +-- stop boat, Stop, console lost: from every mode but Released -> Stopped -- guide, or let go and steer -->
 //! ```
 //!
-//! 1. A stop outranks everything. After a stop, a helm that is still held does nothing until it was let go, also one that was
-//!    without effect at the stop (for want of video or of a link); guidance takes another request. The same holds after a time in
-//!    which the boat took no commands: disarmed, in another mode, restarted, or without a link. Who arms a boat stands beside it.
-//! 2. Guidance starts with fresh video only, and moves the boat only while fresh localisations of the boat arrive. The last command lasts at most
-//!    [`GUIDED_LASTS`] after the last one, then the boat is neutral. A hold of more than [`HOLD_LASTS`] ends the guidance.
-//!    So does a boat that does not answer ([`VesselStop::NoAnswer`]): the wrong object may be followed.
-//! 3. A helm that is held lasts [`STEERED_LASTS`] after its last renewal, and needs fresh video: the operator steers by the
-//!    picture. It needs no track: a boat that is lost to the tracker must not be lost to the operator.
-//! 4. Nothing commands the boat while its link takes no commands.
-//!    A vessel whose profile says so keeps way for a while instead ([`VesselMode::KeepingWay`]): ahead with the rudder amidships, at
-//!    no more than the throttle that was in force. That holds for a guidance that does not see the boat any more (track lost or
-//!    coasting, video late or silent), and only where the boat went ahead far enough from all marks
-//!    ([`VesselGate::set_clear`]). Each request of the operator, each stop and each obstacle ends it; it does not begin again.
+//! 1. A stop outranks everything. After a stop, a helm that is still held does nothing until it was let go,
+//!    also one that was without effect at the stop (for want of video or of a link); guidance takes another
+//!    request. The same holds after a time in which the boat took no commands: disarmed, in another mode,
+//!    restarted, or without a link. Who arms a boat stands beside it.
+//! 2. Guidance starts with fresh video only, and moves the boat only while fresh localisations of the boat
+//!    arrive. The last command lasts at most [`GUIDED_LASTS`] after the last one, then the boat is neutral. A
+//!    hold of more than [`HOLD_LASTS`] ends the guidance. So does a boat that does not answer
+//!    ([`VesselStop::NoAnswer`]): the wrong object may be followed.
+//! 3. A helm that is held lasts [`STEERED_LASTS`] after its last renewal, and needs fresh video: the operator
+//!    steers by the picture. It needs no track: a boat that is lost to the tracker must not be lost to the
+//!    operator.
+//! 4. Nothing commands the boat while its link takes no commands. A vessel whose profile says so keeps way
+//!    for a while instead ([`VesselMode::KeepingWay`]): ahead with the rudder amidships, at no more than the
+//!    throttle that was in force. That holds for a guidance that does not see the boat any more (track lost
+//!    or coasting, video late or silent), and only where the boat went ahead far enough from all marks
+//!    ([`VesselGate::set_clear`]). Each request of the operator, each stop and each obstacle ends it; it does
+//!    not begin again.
 //! 5. The throttle grows by at most the profile's rate; less throttle takes effect at once.
 
 use core::time::Duration;
@@ -152,7 +156,8 @@ impl VesselGate {
         self.last_video_at = Some(now);
     }
 
-    /// Whether the boat has room to keep way, as of the newest fresh localisation. Without room, no way is kept from now on.
+    /// Whether the boat has room to keep way, as of the newest fresh localisation. Without room, no way is
+    /// kept from now on.
     pub const fn set_clear(&mut self, is_clear: bool) {
         self.is_clear = is_clear;
         if let (false, Holder::Guided { holding: Some(hold), .. }) = (is_clear, &mut self.holder) {
@@ -160,8 +165,9 @@ impl VesselGate {
         }
     }
 
-    /// Takes a report of the vessel or its link. Some stop the boat: a boat that somebody else steers, and one that goes by itself and
-    /// takes no commands any more, wait for another request, whether or not the link was up meanwhile.
+    /// Takes a report of the vessel or its link. Some stop the boat: a boat that somebody else steers, and
+    /// one that goes by itself and takes no commands any more, wait for another request, whether or not the
+    /// link was up meanwhile.
     pub fn on_report(&mut self, report: &Report) {
         if self.vessel.path() != CommandPath::Link {
             return;
@@ -195,15 +201,15 @@ impl VesselGate {
         matches!(self.holder, Holder::Guided { .. })
     }
 
-    /// Whether nothing but this program steers the boat: it is steered by hand or by guidance or is kept neutral, and its link takes
-    /// commands.
+    /// Whether nothing but this program steers the boat: it is steered by hand or by guidance or is kept
+    /// neutral, and its link takes commands.
     pub fn is_commanding(&self) -> bool {
         let is_held = matches!(self.holder, Holder::Neutral | Holder::ByHand { .. } | Holder::Guided { .. });
         is_held && self.vessel.obstacle().is_none()
     }
 
-    /// Stops the boat. A boat that this program does not command is left alone. The first cause counts. A helm that is held now,
-    /// also one that the boat does not obey, does nothing until it was let go.
+    /// Stops the boat. A boat that this program does not command is left alone. The first cause counts. A
+    /// helm that is held now, also one that the boat does not obey, does nothing until it was let go.
     pub const fn stop(&mut self, cause: VesselStop) {
         self.bar_helm();
         if !matches!(self.holder, Holder::Released | Holder::Stopped { .. }) {
@@ -300,8 +306,8 @@ impl VesselGate {
         }
     }
 
-    /// Why the guidance has waited for too long; `None`: it has not. A pilot that was held up counts as one that waited. A
-    /// destination is the operator's to give: that may take longer.
+    /// Why the guidance has waited for too long; `None`: it has not. A pilot that was held up counts as one
+    /// that waited. A destination is the operator's to give: that may take longer.
     fn held_too_long(&self, now: Timestamp) -> Option<VesselHold> {
         let (hold, since) = match self.holder {
             Holder::Guided { holding: Some(Hold { cause, since, .. }), .. } => (cause, since),
@@ -336,8 +342,8 @@ impl VesselGate {
         }
     }
 
-    /// Latest time of the next step. Way that is kept is renewed as often as a command of the guidance: a pilot that hangs keeps
-    /// none.
+    /// Latest time of the next step. Way that is kept is renewed as often as a command of the guidance: a
+    /// pilot that hangs keeps none.
     fn renew_by(&self, now: Timestamp) -> Option<Timestamp> {
         match self.holder {
             Holder::Guided { holding: Some(Hold { way: Some(way), .. }), .. } => {

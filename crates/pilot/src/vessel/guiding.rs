@@ -1,7 +1,8 @@
 //! The guidance of the boat: which law steers, and what the law is told.
 //!
-//! The line-of-sight law steers over the water. Where height or tilt of the camera are not known, the laboratory's law
-//! steers in the picture instead ([`GuidanceBasis::Picture`]): it knows no distances, no current and no circles.
+//! The line-of-sight law steers over the water. Where height or tilt of the camera are not known, the
+//! laboratory's law steers in the picture instead ([`GuidanceBasis::Picture`]): it knows no distances, no
+//! current and no circles.
 
 use barrelman_control::guidance::input::Progress;
 use barrelman_control::guidance::{
@@ -18,11 +19,12 @@ use super::marks::{MAX_MARKS, Marks};
 
 pub use super::no_water::{GO_AGAIN, NoWater};
 
-/// In the picture, the boat stops this many of its own lengths before a person: a boat of 1.2 m and a stand-off of 2 m,
-/// with room to stop.
+/// In the picture, the boat stops this many of its own lengths before a person: a boat of 1.2 m and a
+/// stand-off of 2 m, with room to stop.
 const PERSON_LENGTHS: f64 = 3.5;
 
-/// From neutral to rest a boat goes about as far as in this time at its speed: the lags of thrust and speed, and some more.
+/// From neutral to rest a boat goes about as far as in this time at its speed: the lags of thrust and speed,
+/// and some more.
 const RUN_OUT_S: f64 = 2.5;
 
 /// The law that guides the boat.
@@ -106,8 +108,8 @@ impl Guide {
         self.line_of_sight.expect_answer();
     }
 
-    /// Whether what is followed did not move as the commanded boat would have. Only over the water: in the picture, no distances
-    /// are known.
+    /// Whether what is followed did not move as the commanded boat would have. Only over the water: in the
+    /// picture, no distances are known.
     pub fn is_unanswered(&self) -> bool {
         matches!(self.newest, Some(Guidance { basis: GuidanceBasis::Water, .. }))
             && self.line_of_sight.is_unanswered()
@@ -123,8 +125,9 @@ impl Guide {
         self.newest
     }
 
-    /// Whether the boat had room to keep way at the last fresh localisation: it was under way over the water, and so far from all
-    /// marks that it cannot reach a circle or the destination with the way that its profile lets it keep.
+    /// Whether the boat had room to keep way at the last fresh localisation: it was under way over the water,
+    /// and so far from all marks that it cannot reach a circle or the destination with the way that its
+    /// profile lets it keep.
     pub const fn has_room(&self) -> bool {
         self.has_room
     }

@@ -4,10 +4,11 @@
 //! it is the point at which that line meets the water. The camera's model turns it back into a pixel of every
 //! later frame.
 //!
-//! A place, an area and home stay where they were marked, as uncertain as they were then. A person is followed
-//! by a tracker where an object is found under the mark: the mark is held, and is where the person is seen.
-//! While the person is not seen, the mark drifts on at the velocity that the places before tell ([`Drift`]),
-//! and the uncertainty of the place grows. The operator moves the mark of a person that is not held.
+//! A place, an area and home stay where they were marked, as uncertain as they were then. A person is
+//! followed by a tracker where an object is found under the mark: the mark is held, and is where the person
+//! is seen. While the person is not seen, the mark drifts on at the velocity that the places before tell
+//! ([`Drift`]), and the uncertainty of the place grows. The operator moves the mark of a person that is not
+//! held.
 
 use barrelman_control::guidance::{Destination, KeepOut};
 use barrelman_vocab::{

@@ -1,8 +1,10 @@
-//! Motion of the boat that nobody commands: neutral is commanded, and the boat reports that its drive goes on.
+//! Motion of the boat that nobody commands: neutral is commanded, and the boat reports that its drive goes
+//! on.
 //!
-//! A boat that has just been made neutral runs out, and one that floats drifts with current and wind: neither is a fault. What its
-//! drive makes does not get slower, or gets faster: a boat at more than [`MIN_SPEED_M_PER_S`] that has less than
-//! [`MIN_LOSS`] of its speed lost over [`SPAN`]. The speed is that over ground, of a boat that reports one.
+//! A boat that has just been made neutral runs out, and one that floats drifts with current and wind: neither
+//! is a fault. What its drive makes does not get slower, or gets faster: a boat at more than
+//! [`MIN_SPEED_M_PER_S`] that has less than [`MIN_LOSS`] of its speed lost over [`SPAN`]. The speed is that
+//! over ground, of a boat that reports one.
 
 use core::time::Duration;
 use std::collections::VecDeque;
@@ -13,7 +15,8 @@ use barrelman_vocab::{Timestamp, VesselCommand};
 
 /// A slower boat may be one that drifts.
 pub const MIN_SPEED_M_PER_S: f64 = 1.5;
-/// A boat that runs out loses at least this share of its speed over [`SPAN`]: one whose speed halves within 4 s loses 0.16.
+/// A boat that runs out loses at least this share of its speed over [`SPAN`]: one whose speed halves within 4
+/// s loses 0.16.
 pub const MIN_LOSS: f64 = 0.12;
 /// Over which time speeds are compared.
 pub const SPAN: Duration = Duration::from_millis(1_000);
@@ -44,8 +47,8 @@ impl UnaskedSpeed {
         self.moving
     }
 
-    /// A command is in force from now on; `None`: the boat is not commanded. A boat that was found moving is watched also after
-    /// it was released.
+    /// A command is in force from now on; `None`: the boat is not commanded. A boat that was found moving is
+    /// watched also after it was released.
     pub(super) fn on_command(&mut self, command: Option<VesselCommand>, now: Timestamp) {
         match command {
             Some(command) if command.is_neutral() => {

@@ -7,7 +7,8 @@ use barrelman_vocab::{ImagePoint, MarkKind, OperatorRequest, PixelPoint, VesselR
 use crate::scenes::INSIDE;
 use crate::vessel::{AHEAD, Bench, TARGET};
 
-/// The last mode within this time of a boat that is seen at these places, and when the mode began, seconds after now.
+/// The last mode within this time of a boat that is seen at these places, and when the mode began, seconds
+/// after now.
 fn mode_after(bench: &mut Bench, lasts_s: f64, place: impl Fn(f64) -> ImagePoint) -> (VesselMode, f64) {
     let (began, mut newest) = (bench.ms, (VesselMode::Absent, 0.0));
     for frame in 0.. {

@@ -1,5 +1,5 @@
-//! Requests of a console: selections on earlier frames, nudges, changes of the law. The rule of motion is explored
-//! exhaustively.
+//! Requests of a console: selections on earlier frames, nudges, changes of the law. The rule of motion is
+//! explored exhaustively.
 
 use core::time::Duration;
 

@@ -1,7 +1,8 @@
-//! Every sequence of events to a stated depth: no motion without a live link, fresh video and exactly one licence.
+//! Every sequence of events to a stated depth: no motion without a live link, fresh video and exactly one
+//! licence.
 //!
-//! The safety rule is stepped through a tree of events. Beside it, [`Past`] remembers only when what happened, and the rule
-//! of motion is evaluated on that past, without a state machine.
+//! The safety rule is stepped through a tree of events. Beside it, [`Past`] remembers only when what
+//! happened, and the rule of motion is evaluated on that past, without a state machine.
 
 use core::time::Duration;
 
@@ -107,7 +108,8 @@ impl Past {
         is_up && !is_taken && !self.0.iter().any(|(_, event, _)| *event == Event::Emergency)
     }
 
-    /// The licences in force: the newest consent to a purpose was not ended by a later event, and was renewed in time.
+    /// The licences in force: the newest consent to a purpose was not ended by a later event, and was renewed
+    /// in time.
     fn licences(&self, now: Timestamp) -> Vec<Purpose> {
         PURPOSES.into_iter().filter(|purpose| self.has_licence(*purpose, now)).collect()
     }
@@ -159,8 +161,8 @@ impl Past {
         renewal.is_some_and(|at| now.since(at) < lasts)
     }
 
-    /// Whether the newest search before an index began while the camera followed: the operator had engaged, and nothing
-    /// ended that.
+    /// Whether the newest search before an index began while the camera followed: the operator had engaged,
+    /// and nothing ended that.
     fn search_took_the_place_of_following(&self, index: usize) -> bool {
         let is_search = |(_, event, accepted): &(Timestamp, Event, bool)| {
             *accepted && *event == Event::Consent(Purpose::Search)

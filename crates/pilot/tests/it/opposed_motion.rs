@@ -1,4 +1,5 @@
-//! A picture that turns against the command stops the camera; sway, and a camera that differs from its profile, do not.
+//! A picture that turns against the command stops the camera; sway, and a camera that differs from its
+//! profile, do not.
 
 use core::time::Duration;
 use std::sync::{Arc, Mutex};
@@ -73,8 +74,8 @@ impl TrueCamera {
     }
 }
 
-/// Engages a pilot for `seconds`, in which the target is seen where `target` says, and the background as the true camera
-/// turns. Returns when and why the pilot stopped, in milliseconds.
+/// Engages a pilot for `seconds`, in which the target is seen where `target` says, and the background as the
+/// true camera turns. Returns when and why the pilot stopped, in milliseconds.
 fn run(
     camera: TrueCamera,
     seed: u64,

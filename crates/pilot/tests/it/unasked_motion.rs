@@ -1,4 +1,5 @@
-//! A camera that turns, and a boat that moves, although nothing of the kind is commanded: what is found, how soon, and what is no fault.
+//! A camera that turns, and a boat that moves, although nothing of the kind is commanded: what is found, how
+//! soon, and what is no fault.
 
 use barrelman_pilot::vessel::GuidanceLaw;
 use barrelman_pilot::{CommandPath, Input, Outcome, Pilot, PilotSettings, VesselSettings};

@@ -300,7 +300,8 @@ impl Law for PanRecorder {
     }
 }
 
-/// The pan that the law believes in after 4 s of fresh looks, with a report of the link at 1 s and a hang of the pilot.
+/// The pan that the law believes in after 4 s of fresh looks, with a report of the link at 1 s and a hang of
+/// the pilot.
 fn believed_pan(path: CommandPath, reported: LinkState, hang_ms: u64) -> f64 {
     let believed = Arc::new(Mutex::new(f64::NAN));
     let settings = settings();

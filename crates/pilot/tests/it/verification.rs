@@ -39,8 +39,8 @@ fn ask(scene: &mut Scene, request: CameraRequest) -> Outcome {
     scene.pilot.step(Input::Request(OperatorRequest::Camera(request)), at(scene.ms))
 }
 
-/// An engaged pilot whose target was right, seen by the detector in so many pictures of eight, is lost, and is found
-/// again on the left.
+/// An engaged pilot whose target was right, seen by the detector in so many pictures of eight, is lost, and
+/// is found again on the left.
 fn found_again(detected: usize) -> Scene {
     let tracks = [(Answer::Tracking(RIGHT), 9), (Answer::Lost, 10), (Answer::Tracking(LEFT), 1_000)];
     let answers = tracks.into_iter().flat_map(|(answer, count)| core::iter::repeat_n(answer, count));

@@ -110,8 +110,8 @@ impl Bench {
     }
 }
 
-/// What a boat that keeps way does half a second after its track was lost, on its way to a place far away; with more marks, and
-/// what the operator asks for meanwhile.
+/// What a boat that keeps way does half a second after its track was lost, on its way to a place far away;
+/// with more marks, and what the operator asks for meanwhile.
 fn after_loss(more: &[(MarkKind, PixelPoint)], meanwhile: Option<OperatorRequest>) -> Outcome {
     let mut bench = Bench::keeping_way();
     bench.see_water().see(INSIDE);
@@ -725,8 +725,8 @@ fn any_what() -> impl Strategy<Value = What> {
 }
 
 proptest! {
-    /// Whatever happens: the boat is under way only with a fresh look or a hand at the helm, each younger than its time to
-    /// live, never beyond the limits, and never after a stop.
+    /// Whatever happens: the boat is under way only with a fresh look or a hand at the helm, each younger
+    /// than its time to live, never beyond the limits, and never after a stop.
     #[test]
     fn the_boat_moves_only_with_a_reason(
         steps in prop::collection::vec((any_what(), prop_oneof![8 => 0_i64..60, 2 => 200_i64..600, 1 => -200_i64..0]), 1..150),

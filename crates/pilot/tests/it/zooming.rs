@@ -247,7 +247,8 @@ fn enlarged(scale: f64, captured: Timestamp) -> VideoFrame {
 #[test]
 fn the_picture_tells_the_focal_length_of_a_camera_that_reports_nothing_and_zooms_slower_than_its_profile() {
     let mut pilot = zooming_pilot();
-    // The picture grows by 0.02 per second at rest, and by 0.12 more from 2.1 s to 5.1 s: 0.25 by the profile.
+    // The picture grows by 0.02 per second at rest, and by 0.12 more from 2.1 s to 5.1 s: 0.25 by the
+    // profile.
     let grown = |s: f64| 0.02 * s + 0.12 * (s - 2.1).clamp(0.0, 3.0);
     let mut ratio = 1.0;
     for ms in (0..7000).step_by(50) {

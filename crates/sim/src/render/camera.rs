@@ -1,4 +1,5 @@
-//! The camera of one frame: a pose for each row, because a rolling shutter exposes the rows one after the other.
+//! The camera of one frame: a pose for each row, because a rolling shutter exposes the rows one after the
+//! other.
 
 use barrelman_vocab::{Angle, PixelPoint};
 
@@ -10,8 +11,8 @@ use crate::snapshot::Snapshot;
 const ROUNDS: usize = 3;
 /// The same for the vertices of a shape, starting from the row of the shape's middle.
 const VERTEX_ROUNDS: usize = 2;
-/// Newton steps for a vertex in single precision: exact within the picture, off by a thousandth of a pixel far
-/// outside.
+/// Newton steps for a vertex in single precision: exact within the picture, off by a thousandth of a pixel
+/// far outside.
 const STEPS: usize = 3;
 /// Points less far ahead than this are not projected, metres.
 const MIN_DEPTH_M: f32 = 0.05;
@@ -118,8 +119,8 @@ impl Camera {
         self.project(position).map_or(last / 2, |(point, _)| (point.v.max(0.0) as usize).min(last))
     }
 
-    /// Projects a vertex: pixel coordinates and 1 / depth. `None` behind the camera. `from` is its position relative
-    /// to that of the middle row, metres; `row` is a row near its image.
+    /// Projects a vertex: pixel coordinates and 1 / depth. `None` behind the camera. `from` is its position
+    /// relative to that of the middle row, metres; `row` is a row near its image.
     pub(super) fn project_vertex(&self, from: [f32; 3], mut row: usize) -> Option<(f32, f32, f32)> {
         let size = self.optics.picture;
         let (middle_u, middle_v) = (0.5 * size.width as f32, 0.5 * size.height as f32);
@@ -173,7 +174,8 @@ impl Camera {
     }
 }
 
-/// Upper bounds of the turn (as a tangent) and the motion (metres) of the camera from its middle row to any other.
+/// Upper bounds of the turn (as a tangent) and the motion (metres) of the camera from its middle row to any
+/// other.
 const MAX_TURN_TANGENT: f64 = 0.1;
 const MAX_MOVE_M: f64 = 0.2;
 

@@ -1,5 +1,5 @@
-//! A chunk: 64 neighbouring pixels of a row that are shaded together. Each quantity is an array of its own, so that
-//! every step is a plain loop that the compiler vectorises.
+//! A chunk: 64 neighbouring pixels of a row that are shaded together. Each quantity is an array of its own,
+//! so that every step is a plain loop that the compiler vectorises.
 
 /// Pixels in a chunk.
 pub(super) const CHUNK: usize = 64;

@@ -1,4 +1,5 @@
-//! From rows of light to samples: blur across rows, then the sensor, two rows at a time because they share their chroma.
+//! From rows of light to samples: blur across rows, then the sensor, two rows at a time because they share
+//! their chroma.
 
 use barrelman_vocab::rng;
 
@@ -103,7 +104,8 @@ pub(super) fn develop_two_rows(
     );
 }
 
-/// Reads a row of light and the next one: with motion blur, or with the softness of the lens where the picture rests.
+/// Reads a row of light and the next one: with motion blur, or with the softness of the lens where the
+/// picture rests.
 fn blur_two_rows(
     view: &FrameView<'_>,
     light: &LightRows,

@@ -12,7 +12,8 @@ const SLAB_M: f32 = 1.2;
 const JOINT_M: f32 = 0.008;
 
 multiversion! { simd;
-    /// Shades a chunk of floor. `origin` is the floor's point below the camera, metres modulo the textures' period.
+    /// Shades a chunk of floor. `origin` is the floor's point below the camera, metres modulo the textures'
+    /// period.
     pub(super) fn shade_floor(
         simd: Simd,
         light: &Lighting,

@@ -3,8 +3,9 @@
 //! ```text
 //! f(x, y) = sum F(i, j) exp(2 pi i (i x + j y) / n)          n a power of two, no scaling
 //! ```
-//! Radix-2 Stockham passes over whole rows: each pass reads two rows and writes two, all columns at once, which a
-//! compiler turns into vector instructions without changing any sum. A transposition in the middle makes columns rows.
+//! Radix-2 Stockham passes over whole rows: each pass reads two rows and writes two, all columns at once,
+//! which a compiler turns into vector instructions without changing any sum. A transposition in the middle
+//! makes columns rows.
 
 use barrelman_simd::{Simd, multiversion};
 

@@ -36,8 +36,8 @@ impl Frame {
         }
     }
 
-    /// Renders all rows into a picture of this size. The thread that shades the last band that a band needs also develops
-    /// that band, while the light is still in the cache.
+    /// Renders all rows into a picture of this size. The thread that shades the last band that a band needs
+    /// also develops that band, while the light is still in the cache.
     pub(super) fn render(&mut self, view: &FrameView<'_>, picture: &mut Picture, parallel: &dyn ParallelFor) {
         let blur = motion_blur_px(view);
         let count = self.light.bands();

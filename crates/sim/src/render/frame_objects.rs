@@ -1,5 +1,5 @@
-//! The objects of one frame: their shapes, their order from far to near, and an image tile of each object, of its
-//! reflection and of its shadow.
+//! The objects of one frame: their shapes, their order from far to near, and an image tile of each object, of
+//! its reflection and of its shadow.
 
 use std::sync::Mutex;
 
@@ -117,8 +117,8 @@ impl FrameObjects {
         }
     }
 
-    /// Renders the objects themselves; the target also up to half a picture beyond the border, so that its visible
-    /// share is known.
+    /// Renders the objects themselves; the target also up to half a picture beyond the border, so that its
+    /// visible share is known.
     pub(super) fn render_direct(
         &mut self,
         (camera, light): (&Camera, &Lighting),

@@ -1,4 +1,5 @@
-//! A part of the picture into which one shape is rendered: its samples while it is rasterised, its pixels afterwards.
+//! A part of the picture into which one shape is rendered: its samples while it is rasterised, its pixels
+//! afterwards.
 
 use std::ops::Range;
 
@@ -47,7 +48,8 @@ pub(super) struct ImageTile {
     pub(super) top: i32,
     pub(super) width: usize,
     pub(super) height: usize,
-    /// Columns and rows of the body: of all parts but the rigging. Empty unless the tile shows the target itself.
+    /// Columns and rows of the body: of all parts but the rigging. Empty unless the tile shows the target
+    /// itself.
     pub(super) body: (Range<i32>, Range<i32>),
     /// Red, green and blue times opacity, and opacity, of each pixel.
     pub(super) pixels: Vec<[f32; 4]>,
@@ -107,7 +109,8 @@ impl ImageTile {
         self.pixels[y as usize * self.width + x as usize][3]
     }
 
-    /// Composites the tile over a row of light: three channels of `padded` values each, `width` of them in the picture.
+    /// Composites the tile over a row of light: three channels of `padded` values each, `width` of them in
+    /// the picture.
     pub(super) fn composite_row(&self, row: usize, width: usize, padded: usize, values: &mut [f32]) {
         let y = row as i32 - self.top;
         if y < 0 || y as usize >= self.height {

@@ -1,5 +1,6 @@
-//! A shore: a beach with a ragged edge and a line of surf, grass behind it, trees as an upright wall of leaves, and
-//! distant hills. The land is flat and lies in the plane of the water, apart from those two walls.
+//! A shore: a beach with a ragged edge and a line of surf, grass behind it, trees as an upright wall of
+//! leaves, and distant hills. The land is flat and lies in the plane of the water, apart from those two
+//! walls.
 
 use super::chunk::{CHUNK, Chunk};
 use super::light::{Colour, Lighting, mix};

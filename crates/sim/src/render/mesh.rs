@@ -1,5 +1,5 @@
-//! Triangle meshes in the frame of reference of a body: x forward, y to the left, z up, metres, the origin in the
-//! middle of the waterline. [`Part`] determines the paint of a triangle.
+//! Triangle meshes in the frame of reference of a body: x forward, y to the left, z up, metres, the origin in
+//! the middle of the waterline. [`Part`] determines the paint of a triangle.
 
 /// The part of an object that a triangle belongs to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -99,7 +99,8 @@ impl Mesh {
         self
     }
 
-    /// A surface over rings of `around` points each, given by `point(ring, k)`; closed around, open at its ends.
+    /// A surface over rings of `around` points each, given by `point(ring, k)`; closed around, open at its
+    /// ends.
     pub(super) fn skin(
         &mut self,
         part: Part,
@@ -173,8 +174,8 @@ impl Mesh {
         });
     }
 
-    /// A box from its lower to its upper corner, divided along x into pieces of about `piece` metres, so that a lens
-    /// can bend it.
+    /// A box from its lower to its upper corner, divided along x into pieces of about `piece` metres, so that
+    /// a lens can bend it.
     pub(super) fn cuboid(&mut self, part: Part, low: [f32; 3], high: [f32; 3], piece: f32) {
         let count = ((high[0] - low[0]) / piece).max(1.0) as usize;
         for index in 0..count {

@@ -1,6 +1,7 @@
-//! Quantities that change slowly along a row, at every eighth pixel (a *node*): the footprint of the pixels, gusts,
-//! the variance of slopes below the pixels' resolution, and what follows from these for reflections. Between nodes
-//! they are interpolated linearly: over eight pixels a line of sight turns by one or two hundredths of a radian.
+//! Quantities that change slowly along a row, at every eighth pixel (a *node*): the footprint of the pixels,
+//! gusts, the variance of slopes below the pixels' resolution, and what follows from these for reflections.
+//! Between nodes they are interpolated linearly: over eight pixels a line of sight turns by one or two
+//! hundredths of a radian.
 
 use super::chunk::{CHUNK, Lane};
 

@@ -1,4 +1,5 @@
-//! The objects of a snapshot as shapes with poses: a pier becomes its sections, a shore the huts and crates on it.
+//! The objects of a snapshot as shapes with poses: a pier becomes its sections, a shore the huts and crates
+//! on it.
 
 pub(super) mod paint;
 mod shapes;

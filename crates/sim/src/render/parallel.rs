@@ -4,8 +4,8 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// An executor of independent pieces of work.
 pub trait ParallelFor {
-    /// Calls `work` once for each number below `count`, in any order and on any thread. Returns when all calls have
-    /// returned.
+    /// Calls `work` once for each number below `count`, in any order and on any thread. Returns when all
+    /// calls have returned.
     fn run(&self, count: usize, work: &(dyn Fn(usize) + Sync));
 }
 

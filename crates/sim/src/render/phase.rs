@@ -2,8 +2,8 @@
 
 /// Sine and cosine of `turns / 2^32` turns, to 2e-6.
 ///
-/// The phase is folded into the quarter turn about the nearest multiple of a half turn, where the Taylor series of
-/// the sine to x^9 and of the cosine to x^10 are used.
+/// The phase is folded into the quarter turn about the nearest multiple of a half turn, where the Taylor
+/// series of the sine to x^9 and of the cosine to x^10 are used.
 #[inline(always)]
 pub(super) fn sin_cos(turns: u32) -> (f32, f32) {
     // Nearest half turn, and what is left of it, in -1/4..1/4 turn.

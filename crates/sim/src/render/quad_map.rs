@@ -1,15 +1,16 @@
 //! Tiles of values for bilinear look-up at several scales.
 //!
-//! A *texel* holds 16 bits: two signed bytes, or one signed number. A *quad* packs a texel with its neighbours to the
-//! right, below, and both into one `u64`, so that a bilinear look-up is one load. *Level* l averages 2^l x 2^l texels
-//! of level 0. The quads of the level with `n` texels along its side lie at `n*n .. 2*n*n`.
+//! A *texel* holds 16 bits: two signed bytes, or one signed number. A *quad* packs a texel with its
+//! neighbours to the right, below, and both into one `u64`, so that a bilinear look-up is one load. *Level* l
+//! averages 2^l x 2^l texels of level 0. The quads of the level with `n` texels along its side lie at
+//! `n*n .. 2*n*n`.
 
 use barrelman_simd::{Simd, multiversion};
 
 use super::texture::ROUNDING;
 
-/// Quads of a map of any size: enough for 256 x 256 with all levels. The size is fixed so that a masked index needs
-/// no bounds check.
+/// Quads of a map of any size: enough for 256 x 256 with all levels. The size is fixed so that a masked index
+/// needs no bounds check.
 pub(super) const QUADS: usize = 1 << 17;
 
 /// A tile at all its scales.

@@ -1,14 +1,16 @@
-//! Rasterises one shape into an [`ImageTile`]: several samples for each pixel, each with its nearest triangle.
+//! Rasterises one shape into an [`ImageTile`]: several samples for each pixel, each with its nearest
+//! triangle.
 //!
-//! Edges of triangles are straight in the picture. The lens bends them slightly; shapes are divided finely enough that
-//! the difference does not show. A triangle with a vertex behind the camera is left out.
+//! Edges of triangles are straight in the picture. The lens bends them slightly; shapes are divided finely
+//! enough that the difference does not show. A triangle with a vertex behind the camera is left out.
 
 use super::image_tile::{ImageKind, ImageTile, NO_TRIANGLE, ProjectedVertex, Scene, Source};
 use super::mesh::Mesh;
 use super::resolve::{resolve_image, resolve_shadow};
 use crate::pose::WorldPoint;
 
-/// A triangle faces away, and is the back of a closed shape, where the facing of all its vertices is less than this.
+/// A triangle faces away, and is the back of a closed shape, where the facing of all its vertices is less
+/// than this.
 const MAX_BACK_FACING: f32 = -0.15;
 /// Samples of the target's tile; a larger tile gets fewer samples for each pixel.
 const MAX_TARGET_SAMPLES: usize = 110_000;
@@ -102,8 +104,8 @@ impl ImageTile {
         self.body = (pixels(low.0, high.0), pixels(low.1, high.1));
     }
 
-    /// Fits the tile around the projected vertices and chooses the samples for each pixel. Returns `false` where
-    /// nothing of the shape lies in the picture or its margin.
+    /// Fits the tile around the projected vertices and chooses the samples for each pixel. Returns `false`
+    /// where nothing of the shape lies in the picture or its margin.
     fn fit_to_vertices(&mut self, scene: &Scene<'_>, kind: ImageKind, max_samples: usize) -> bool {
         let (mut low, mut high) = ((f32::MAX, f32::MAX), (f32::MIN, f32::MIN));
         for vertex in self.vertices.iter().filter(|vertex| vertex.nearness > 0.0) {

@@ -1,5 +1,5 @@
-//! From the samples of an [`ImageTile`] to its pixels: which samples show the object above the water, and the colour of
-//! each pixel.
+//! From the samples of an [`ImageTile`] to its pixels: which samples show the object above the water, and the
+//! colour of each pixel.
 
 use super::image_tile::{ImageTile, NO_TRIANGLE, Source, WaterSide};
 use super::light::Colour;
@@ -19,7 +19,8 @@ pub(super) fn resolve_shadow(tile: &mut ImageTile) {
     }
 }
 
-/// Computes the colour and the opacity of all pixels, and how many samples would show the object in still water.
+/// Computes the colour and the opacity of all pixels, and how many samples would show the object in still
+/// water.
 pub(super) fn resolve_image(tile: &mut ImageTile, source: &Source<'_>) {
     classify_triangles(tile, source);
     for row in 0..tile.height {
@@ -94,7 +95,8 @@ fn resolve_pixel(tile: &mut ImageTile, source: &Source<'_>, column: usize, row: 
     [sum[0] * each, sum[1] * each, sum[2] * each, opacity]
 }
 
-/// The surface point of a sample, `None` where it is below the water; and whether it would be seen in still water.
+/// The surface point of a sample, `None` where it is below the water; and whether it would be seen in still
+/// water.
 fn surface_point(
     tile: &ImageTile,
     source: &Source<'_>,

@@ -1,4 +1,5 @@
-//! Reflections and shadows of objects as the water shows them: image tiles, shifted by the slopes of the surface.
+//! Reflections and shadows of objects as the water shows them: image tiles, shifted by the slopes of the
+//! surface.
 
 use super::chunk::{CHUNK, Chunk};
 use super::texture::round_to_i32;

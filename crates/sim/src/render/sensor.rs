@@ -1,9 +1,10 @@
-//! From light to samples: lens softness, motion blur, exposure and white balance, vignetting, tone curve, noise, and
-//! planar YUV 4:2:0 by BT.709 in limited range.
+//! From light to samples: lens softness, motion blur, exposure and white balance, vignetting, tone curve,
+//! noise, and planar YUV 4:2:0 by BT.709 in limited range.
 //!
-//! *Motion blur* is the mean of up to 12 taps along the motion of the picture during the exposure; the motion is the
-//! same for the whole picture and comes from the turning of the camera only. *Noise* is Gaussian with standard
-//! deviation `1.2 + 0.012 Y` (8 bit), read from a table at a position given by a hash of seed, tick and row.
+//! *Motion blur* is the mean of up to 12 taps along the motion of the picture during the exposure; the motion
+//! is the same for the whole picture and comes from the turning of the camera only. *Noise* is Gaussian with
+//! standard deviation `1.2 + 0.012 Y` (8 bit), read from a table at a position given by a hash of seed, tick
+//! and row.
 
 use barrelman_simd::{Simd, multiversion};
 use barrelman_vocab::video::{ColourMatrix, LumaWeights};
@@ -48,8 +49,8 @@ impl NoiseTable {
 pub(super) struct Development {
     /// Gains of red, green and blue.
     pub(super) gains: [f32; 3],
-    /// Vertical distance of the row, and horizontal distance of its first pixel, from the centre over half the
-    /// diagonal; step from pixel to pixel.
+    /// Vertical distance of the row, and horizontal distance of its first pixel, from the centre over half
+    /// the diagonal; step from pixel to pixel.
     pub(super) y: f32,
     pub(super) x0: f32,
     pub(super) step: f32,

@@ -20,8 +20,8 @@ pub struct RenderSettings {
     pub grid: WaveGrid,
     /// Colour of the water.
     pub water: WaterColour,
-    /// From the exposure of the first row to that of the last, seconds: converts the difference of their poses into
-    /// the rate that blurs the picture.
+    /// From the exposure of the first row to that of the last, seconds: converts the difference of their
+    /// poses into the rate that blurs the picture.
     pub readout_s: f64,
     /// Effects to render.
     pub effects: Effects,

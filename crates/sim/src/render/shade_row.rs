@@ -19,8 +19,8 @@ use crate::tick::TICKS_PER_SECOND;
 
 /// Sea states from this number on are rendered with relief.
 const MIN_RELIEF_STATE: u8 = 2;
-/// The foam's textures repeat after 4 m along the wind and 32/3 m across: this length holds whole numbers of both,
-/// metres.
+/// The foam's textures repeat after 4 m along the wind and 32/3 m across: this length holds whole numbers of
+/// both, metres.
 const FOAM_PERIOD_M: f64 = 32.0;
 /// The same for the floor's textures and slabs, metres.
 const FLOOR_PERIOD_M: f64 = 307.2;

@@ -1,9 +1,10 @@
 //! Light from water: the sky reflected by facets, the sun's glitter, the body of the water, foam, and haze.
 //!
-//! Reflection follows Schlick's form of Fresnel's law, reduced by the standard deviation sigma of the facets' slopes
-//! as in `bruneton2010`: `F = 0.02 + 0.98 (1 - cos)^5 / (1 + 22.7 sigma^1.5)`. At grazing angles mostly facets that
-//! lean towards the viewer are visible; their mean slope is shifted by `sigma^2 vh / (vz + 0.6 sigma vh)`. The
-//! glitter is a Gaussian lobe in the space of slopes about the slope that would reflect the sun, as an eighth power.
+//! Reflection follows Schlick's form of Fresnel's law, reduced by the standard deviation sigma of the facets'
+//! slopes as in `bruneton2010`: `F = 0.02 + 0.98 (1 - cos)^5 / (1 + 22.7 sigma^1.5)`. At grazing angles
+//! mostly facets that lean towards the viewer are visible; their mean slope is shifted by
+//! `sigma^2 vh / (vz + 0.6 sigma vh)`. The glitter is a Gaussian lobe in the space of slopes about the slope
+//! that would reflect the sun, as an eighth power.
 
 use barrelman_simd::{Simd, multiversion};
 
@@ -23,7 +24,8 @@ pub(super) struct WaterBody {
     pub(super) aerated: Colour,
 }
 
-/// Half of the sun's disc as a standard deviation of slopes, squared, so that calm water shows more than a point.
+/// Half of the sun's disc as a standard deviation of slopes, squared, so that calm water shows more than a
+/// point.
 const SUN_VARIANCE: f32 = 2.5e-4;
 
 /// Texture that breaks foam up.
@@ -107,7 +109,8 @@ struct Facets {
 }
 
 impl Facets {
-    /// Composes the colours of a chunk. The pair is the share of haze at each pixel, and whether the water is bare.
+    /// Composes the colours of a chunk. The pair is the share of haze at each pixel, and whether the water is
+    /// bare.
     #[inline(always)]
     fn compose(&self, light: &Lighting, body: &WaterBody, (haze, is_bare): (&Lane, bool), chunk: &mut Chunk) {
         let Self { reflect, fresnel, glint, thin } = self;
@@ -141,8 +144,8 @@ impl Facets {
 }
 
 multiversion! { simd;
-    /// Shades a chunk of water. `start` is its first column, and whether the water is bare: in full light, without
-    /// foam, wake and images of objects.
+    /// Shades a chunk of water. `start` is its first column, and whether the water is bare: in full light,
+    /// without foam, wake and images of objects.
     pub(super) fn shade_water(
         simd: Simd,
         light: &Lighting,

@@ -1,9 +1,9 @@
 //! Where rays meet the waves, and the slopes there: from three tiles, each at the level that fits the pixel's
-//! footprint. Slopes that a level has averaged away are kept as variance, which later widens reflections and glitter.
-//! Distant water therefore neither aliases nor turns into a mirror (`bruneton2010`).
+//! footprint. Slopes that a level has averaged away are kept as variance, which later widens reflections and
+//! glitter. Distant water therefore neither aliases nor turns into a mirror (`bruneton2010`).
 //!
-//! *Relief*: the ray is followed twice to the elevation found where it meets the plane, so that crests stand in front
-//! of troughs. A crest that hides what lies behind it is not handled.
+//! *Relief*: the ray is followed twice to the elevation found where it meets the plane, so that crests stand
+//! in front of troughs. A crest that hides what lies behind it is not handled.
 
 use barrelman_simd::{Simd, multiversion};
 
@@ -79,8 +79,8 @@ impl<'a> TileLookup<'a> {
         }
     }
 
-    /// Computes levels, indices of quads and positions within them for all pixels. The quads are loaded in a loop of
-    /// their own, so that all but the loads is vectorised.
+    /// Computes levels, indices of quads and positions within them for all pixels. The quads are loaded in a
+    /// loop of their own, so that all but the loads is vectorised.
     #[inline(always)]
     fn find(&self, chunk: &Chunk, footprint: &Lane, found: &mut QuadLookup) {
         let coarsest = self.coarsest();
@@ -182,8 +182,8 @@ fn bilinear(a: f32, b: f32, c: f32, d: f32, fu: f32, fv: f32) -> f32 {
     upper + fv * (lower - upper)
 }
 
-/// Factors from 1 to 2 that spread the change of level over neighbouring pixels without a visible pattern. Rows use
-/// the same order with different starts; the order is stored twice so that it can start anywhere.
+/// Factors from 1 to 2 that spread the change of level over neighbouring pixels without a visible pattern.
+/// Rows use the same order with different starts; the order is stored twice so that it can start anywhere.
 const DITHER: [f32; 2 * CHUNK] = {
     let mut factors = [0.0; 2 * CHUNK];
     let mut i = 0;
@@ -247,7 +247,8 @@ fn raise(water: &WaterSurface<'_>, chunk: &mut Chunk, found: &mut QuadLookup) {
 }
 
 multiversion! { simd;
-    /// Computes slopes, elevation and whitecaps of a chunk whose rays are cast. `start` is its row and first column.
+    /// Computes slopes, elevation and whitecaps of a chunk whose rays are cast. `start` is its row and first
+    /// column.
     pub(super) fn sample_surface(
         simd: Simd,
         water: &WaterSurface<'_>,

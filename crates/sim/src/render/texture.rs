@@ -1,5 +1,5 @@
-//! Textures made from noise: clouds, gusts, grain, and the lace of foam. All are square and periodic, and a bilinear
-//! look-up is one load.
+//! Textures made from noise: clouds, gusts, grain, and the lace of foam. All are square and periodic, and a
+//! bilinear look-up is one load.
 
 use crate::noise;
 
@@ -59,8 +59,8 @@ impl Texture {
         Self { quads }
     }
 
-    /// Fractal noise: octaves from cells of `coarsest` down to `finest` texels, each `fall` times the one before,
-    /// scaled to fill 0..1.
+    /// Fractal noise: octaves from cells of `coarsest` down to `finest` texels, each `fall` times the one
+    /// before, scaled to fill 0..1.
     pub(super) fn fractal(seed: u64, coarsest: usize, finest: usize, fall: f64) -> Self {
         let mut sums = vec![0.0; TEXELS];
         let (mut cell, mut weight, mut stream) = (coarsest, 1.0, 0);

@@ -1,5 +1,5 @@
-//! The truth about a rendered picture: which pixels show the target, how much of it is visible, where the middle of
-//! its waterline is projected to, and its heading in the picture.
+//! The truth about a rendered picture: which pixels show the target, how much of it is visible, where the
+//! middle of its waterline is projected to, and its heading in the picture.
 
 use barrelman_vocab::{Angle, PixelBox, PixelPoint};
 
@@ -13,15 +13,16 @@ use crate::snapshot::{Snapshot, Target};
 pub struct RenderedTruth {
     /// Pixels of which the unhidden target covers at least half.
     pub mask: TargetMask,
-    /// Smallest upright box around the mask without the rigging: mast and flag, a few pixels wide, would change the box
-    /// by up to half with the heading and the wind. `None` where no such pixel is in the mask.
+    /// Smallest upright box around the mask without the rigging: mast and flag, a few pixels wide, would
+    /// change the box by up to half with the heading and the wind. `None` where no such pixel is in the mask.
     pub bounds: Option<PixelBox>,
-    /// Visible share of the target, 0 to 1: of what would be seen on still water, unhidden and wholly in the picture.
+    /// Visible share of the target, 0 to 1: of what would be seen on still water, unhidden and wholly in the
+    /// picture.
     pub visible_share: f64,
     /// Projection of the middle of the waterline, inside the picture or not; `None` behind the camera.
     pub waterline: Option<PixelPoint>,
-    /// Heading in the picture: 0 along image right, anticlockwise as seen, below 360 degrees. `None` along the line
-    /// of sight, or behind the camera.
+    /// Heading in the picture: 0 along image right, anticlockwise as seen, below 360 degrees. `None` along
+    /// the line of sight, or behind the camera.
     pub heading: Option<Angle>,
     /// From the optical centre to the middle of the waterline, metres.
     pub range_m: f64,

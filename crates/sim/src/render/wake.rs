@@ -1,13 +1,13 @@
 //! The boat's wake: the waves it raises and the foam its jet leaves, on a grid that moves with the boat.
 //!
 //! The elevation h (m) follows a damped wave equation, `h'' = c^2 laplace(h) - d h'`, at fixed steps of
-//! [`STEP_TICKS`]; the boat raises the water at its bow and lowers it at its stern. One speed c stands for all waves
-//! of the wake: the arms of the V lie right at the speeds of the trials, but the inner pattern of a real wake is
-//! missing. Foam decays and spreads. The boat's position is interpolated between snapshots, so that the wake does not
-//! depend on the frame rate.
+//! [`STEP_TICKS`]; the boat raises the water at its bow and lowers it at its stern. One speed c stands for
+//! all waves of the wake: the arms of the V lie right at the speeds of the trials, but the inner pattern of a
+//! real wake is missing. Foam decays and spreads. The boat's position is interpolated between snapshots, so
+//! that the wake does not depend on the frame rate.
 //!
-//! The grid is a torus: each cell of the world has a fixed slot. Slots of cells that leave the window are cleared for
-//! those that enter it.
+//! The grid is a torus: each cell of the world has a fixed slot. Slots of cells that leave the window are
+//! cleared for those that enter it.
 
 use barrelman_simd::{Simd, multiversion};
 
@@ -231,8 +231,8 @@ multiversion! { simd;
     }
 }
 
-/// Updates all cells of a map that repeats in both directions. `update` gets the cell's value in `values`, its Laplacian,
-/// and its value in `out`, and returns the new value in `out`.
+/// Updates all cells of a map that repeats in both directions. `update` gets the cell's value in `values`,
+/// its Laplacian, and its value in `out`, and returns the new value in `out`.
 #[inline(always)]
 fn update_cells(values: &[f32], out: &mut [f32], update: impl Fn(f32, f32, f32) -> f32) {
     for row in 0..SIDE {

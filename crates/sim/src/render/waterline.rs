@@ -24,7 +24,8 @@ impl Waterline {
     }
 }
 
-/// Elevation of the small waves along a waterline at a point of the world, metres: no hull is cut along a straight line.
+/// Elevation of the small waves along a waterline at a point of the world, metres: no hull is cut along a
+/// straight line.
 pub(super) fn ripple_elevation(world: [f32; 3]) -> f32 {
     let wave = |x: f32| {
         let x = x - libm::floorf(x);

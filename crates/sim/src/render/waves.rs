@@ -1,14 +1,15 @@
 //! The surface of the water for rendering: slopes on three tiles of increasing fineness.
 //!
-//! Tile 0 carries the waves of the [`Sea`], the same that move the boat, on the sea's own lattice. Tiles 1 and 2
-//! carry ripples: random waves with a flat curvature spectrum, `S(k) = B D(angle) / k^4` (the saturation range, as in
-//! `elfouhaily1997`), with B such that all slopes together have the variance measured by `cox1954` under this wind.
-//! Waves shorter than tile 2's grid are unresolved variance. Each tile is rotated by a different angle, so that the
-//! repetition does not show.
+//! Tile 0 carries the waves of the [`Sea`], the same that move the boat, on the sea's own lattice. Tiles 1
+//! and 2 carry ripples: random waves with a flat curvature spectrum, `S(k) = B D(angle) / k^4` (the
+//! saturation range, as in `elfouhaily1997`), with B such that all slopes together have the variance measured
+//! by `cox1954` under this wind. Waves shorter than tile 2's grid are unresolved variance. Each tile is
+//! rotated by a different angle, so that the repetition does not show.
 //!
-//! In each frame, the spectrum at its tick goes through one inverse Fourier transform for both slopes (as real and
-//! imaginary part), and tile 0 through two more: elevation with the crests that break now, and crests that broke
-//! earlier, from which whitecaps come. Nothing carries over from frame to frame: any tick can be rendered.
+//! In each frame, the spectrum at its tick goes through one inverse Fourier transform for both slopes (as
+//! real and imaginary part), and tile 0 through two more: elevation with the crests that break now, and
+//! crests that broke earlier, from which whitecaps come. Nothing carries over from frame to frame: any tick
+//! can be rendered.
 
 use barrelman_simd::{Simd, multiversion};
 use barrelman_vocab::rng;
@@ -179,8 +180,8 @@ impl Ripples {
     }
 }
 
-/// Amplitude of a ripple times the square of its wave number, by its direction from the wind's; the finer tile
-/// spreads wider.
+/// Amplitude of a ripple times the square of its wave number, by its direction from the wind's; the finer
+/// tile spreads wider.
 fn ripple_amplitude(from_wind: f64, index: u64, random: u64) -> f64 {
     let along = libm::cos(from_wind).max(0.0);
     let spread = along * along + 0.05 + 0.07 * index as f64;
@@ -307,8 +308,8 @@ impl Swell {
     }
 }
 
-/// Writes waves into a spectrum, indexed [i][j]: two real fields, as real and imaginary part of their transform. For
-/// each, `fields` gives (c, d) of `a (c cos(phase) - d sin(phase))`, at its own tick.
+/// Writes waves into a spectrum, indexed [i][j]: two real fields, as real and imaginary part of their
+/// transform. For each, `fields` gives (c, d) of `a (c cos(phase) - d sin(phase))`, at its own tick.
 fn add_waves(sea: &Sea, n: usize, ticks: [u64; 2], map: &mut Map, fields: impl Fn(&Wave) -> [(f64, f64); 2]) {
     map.re.fill(0.0);
     map.im.fill(0.0);
@@ -351,8 +352,8 @@ multiversion! { simd;
 }
 
 multiversion! { simd;
-    /// Foam from crests now and at two earlier ticks (`first`, `second`): writes its cover, 0 to 127, into `first`,
-    /// and its freshness into `second`.
+    /// Foam from crests now and at two earlier ticks (`first`, `second`): writes its cover, 0 to 127, into
+    /// `first`, and its freshness into `second`.
     fn whitecaps(
         simd: Simd,
         threshold: f32,

@@ -11,7 +11,8 @@ fn glassy() -> Sea {
     Sea::new(SeaState::new(0).expect("a state"), wind, 1)
 }
 
-/// Speed ahead (mean over the last 5 s) and turn rate after 40 s with this throttle. `rudder: None` holds the course.
+/// Speed ahead (mean over the last 5 s) and turn rate after 40 s with this throttle. `rudder: None` holds the
+/// course.
 fn steady(throttle: f64, rudder: Option<f64>) -> (f64, f64) {
     let sea = glassy();
     let mut boat = JetBoat::at_rest((0.0, 0.0), Angle::ZERO);
@@ -117,7 +118,8 @@ fn it_rides_rougher_seas_more_than_smooth_ones() {
     assert!((2.5..9.0).contains(&pitch), "the table has 5.1 degrees: {pitch}");
 }
 
-/// Change of the heading, radians, of a boat that had way on, in four seconds without thrust and with full rudder.
+/// Change of the heading, radians, of a boat that had way on, in four seconds without thrust and with full
+/// rudder.
 fn turned_while_coasting(steering: Steering) -> f64 {
     let sea = glassy();
     let mut boat = JetBoat::at_rest((0.0, 0.0), Angle::ZERO).with_steering(steering);

@@ -114,9 +114,9 @@ fn snapshot(scene: Scene, sea: &Sea, frame: u64) -> Snapshot {
     }
 }
 
-/// The scenes whose pictures are compared, each with the number of its sea state and the expected hash of each frame.
-/// A hash covers samples, visible share and mask. It changes whenever its picture does; look at the picture before
-/// replacing it.
+/// The scenes whose pictures are compared, each with the number of its sea state and the expected hash of
+/// each frame. A hash covers samples, visible share and mask. It changes whenever its picture does; look at
+/// the picture before replacing it.
 #[rustfmt::skip]
 const EXPECTED: [(Scene, u8, [u64; 4]); 4] = [
     (Scene::Arena, 1, [0x745a_1520_91d4_4fe6, 0x1924_cfff_9296_6176, 0x480d_f45c_3272_feae, 0xae0f_eb8b_30e6_7862]),
@@ -251,9 +251,9 @@ const SURE_CHANGE: u32 = 28;
 /// Fine pixels along each side of a pixel.
 const FINER: usize = 3;
 
-/// The mask marks the pixels that the target covers by half. Pictures three times as fine, with the target and
-/// without, show whether that is so: at least half of the fine pixels must have changed. Returns the IoU of mask and
-/// changed pixels over all views.
+/// The mask marks the pixels that the target covers by half. Pictures three times as fine, with the target
+/// and without, show whether that is so: at least half of the fine pixels must have changed. Returns the IoU
+/// of mask and changed pixels over all views.
 fn overlap(views: u64) -> f64 {
     let sea = sea(1);
     let size = PictureSize::new(224, 168);

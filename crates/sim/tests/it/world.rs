@@ -148,7 +148,8 @@ fn way_points_in_one_place_make_no_world() {
     assert!(World::new(&scenario, 1).is_err());
 }
 
-/// The target's way to the end of its path: its length, the speed half a metre before the end, and the end point.
+/// The target's way to the end of its path: its length, the speed half a metre before the end, and the end
+/// point.
 fn way(script: PursuitScript) -> (f64, f64, (f64, f64)) {
     let mut target = Pursuit::new(script, 3).expect("the way-points make a path");
     let (mut length, mut before_end, mut tick) = (0.0, 0.0, 0);

@@ -20,8 +20,8 @@ pub struct CalibrateArgs {
 /// What is calibrated.
 #[derive(Debug, Subcommand)]
 pub enum CalibrateCommand {
-    /// Measure sign, gain, dead times and lag of each camera axis, and the convention of the reported tilt, from slow
-    /// test motions.
+    /// Measure sign, gain, dead times and lag of each camera axis, and the convention of the reported tilt,
+    /// from slow test motions.
     Axes(CalibrateAxesArgs),
 }
 

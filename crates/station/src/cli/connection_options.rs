@@ -23,33 +23,39 @@ pub struct ConnectionOptions {
     /// SHA-256 fingerprint of the certificate of a camera at rtsps://: no other certificate is accepted.
     #[arg(long, value_name = "HEX", conflicts_with = "video_ca_file")]
     pub video_certificate_sha256: Option<String>,
-    /// File of authorities (PEM) that sign the certificate of a camera at rtsps://; default: the well-known ones.
+    /// File of authorities (PEM) that sign the certificate of a camera at rtsps://; default: the well-known
+    /// ones.
     #[arg(long, value_name = "FILE")]
     pub video_ca_file: Option<PathBuf>,
-    /// The vehicle's link: serial:/dev/ttyACM0?baud=115200, tcp://host:port, udp://host:port (Fotokite Pro, MAVLink gimbal),
-    /// http://host:port/api or https://host/api (Fotokite Sigma), onvif://host or onvifs://host (ONVIF), or sim: for the
-    /// simulated world's camera. Without a link: a dry run.
+    /// The vehicle's link: serial:/dev/ttyACM0?baud=115200, tcp://host:port, udp://host:port (Fotokite Pro,
+    /// MAVLink gimbal), http://host:port/api or https://host/api (Fotokite Sigma), onvif://host or
+    /// onvifs://host (ONVIF), or sim: for the simulated world's camera. Without a link: a dry run.
     #[arg(long, value_name = "URL")]
     pub link: Option<String>,
-    /// File whose first line is the access token of a vehicle at http:// or https://, or `api-key ` and an API key.
+    /// File whose first line is the access token of a vehicle at http:// or https://, or `api-key ` and an
+    /// API key.
     #[arg(long, value_name = "FILE")]
     pub link_token_file: Option<PathBuf>,
     /// File whose first line is user:password of a camera at onvif:// or onvifs://.
     #[arg(long, value_name = "FILE")]
     pub link_login_file: Option<PathBuf>,
-    /// SHA-256 fingerprint of the certificate of a vehicle at https:// or onvifs://: no other certificate is accepted.
+    /// SHA-256 fingerprint of the certificate of a vehicle at https:// or onvifs://: no other certificate is
+    /// accepted.
     #[arg(long, value_name = "HEX", conflicts_with = "link_ca_file")]
     pub link_certificate_sha256: Option<String>,
-    /// File of authorities (PEM) that sign the certificate of a vehicle at https:// or onvifs://; default: the well-known ones.
+    /// File of authorities (PEM) that sign the certificate of a vehicle at https:// or onvifs://; default:
+    /// the well-known ones.
     #[arg(long, value_name = "FILE")]
     pub link_ca_file: Option<PathBuf>,
-    /// File whose first line is the key of a MAVLink vehicle that signs its packets: 64 hexadecimal digits, or a passphrase.
+    /// File whose first line is the key of a MAVLink vehicle that signs its packets: 64 hexadecimal digits,
+    /// or a passphrase.
     #[arg(long, value_name = "FILE")]
     pub link_signing_key_file: Option<PathBuf>,
 }
 
 impl ConnectionOptions {
-    /// The configuration file with the login and the link's secrets of the command line; without a file, an empty one.
+    /// The configuration file with the login and the link's secrets of the command line; without a file, an
+    /// empty one.
     ///
     /// # Errors
     /// If the file cannot be read or parsed.

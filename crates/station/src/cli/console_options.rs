@@ -18,19 +18,20 @@ pub struct ConsoleOptions {
     /// Address of the console; default: 127.0.0.1:8480, or the next free port.
     #[arg(long, value_name = "ADDR", value_parser = parse_listen)]
     pub listen: Option<SocketAddr>,
-    /// File with the console's tokens, two lines: control, watch; where it is missing, tokens are made and kept in it. Without this
-    /// option, tokens are made for this run and printed as links.
+    /// File with the console's tokens, two lines: control, watch; where it is missing, tokens are made and
+    /// kept in it. Without this option, tokens are made for this run and printed as links.
     #[arg(long, value_name = "FILE")]
     pub console_token_file: Option<PathBuf>,
-    /// Renew the tokens of the file when they are so old, hours: links that were not opened by then open nothing. Pages that are
-    /// open stay.
+    /// Renew the tokens of the file when they are so old, hours: links that were not opened by then open
+    /// nothing. Pages that are open stay.
     #[arg(long, value_name = "HOURS", value_parser = parse_hours)]
     pub token_ttl: Option<f64>,
-    /// Show this map under boat and marks, where latitude and longitude are known: a folder of tiles ZOOM/X/Y.png, or an
-    /// MBTiles file. Nothing is fetched.
+    /// Show this map under boat and marks, where latitude and longitude are known: a folder of tiles
+    /// ZOOM/X/Y.png, or an MBTiles file. Nothing is fetched.
     #[arg(long, value_name = "PATH")]
     pub map: Option<PathBuf>,
-    /// What happens when the controlling page is gone (closed for 2 s, or silent for 3 s): the camera goes on, or stops.
+    /// What happens when the controlling page is gone (closed for 2 s, or silent for 3 s): the camera goes
+    /// on, or stops.
     #[arg(long, value_enum, value_name = "WHAT")]
     pub on_console_lost: Option<OnConsoleLost>,
     /// Serve HTTPS with this certificate (PEM, with those of the authorities above it), instead of one of the
@@ -43,7 +44,8 @@ pub struct ConsoleOptions {
     /// Serve HTTPS on loopback, too, and Foxglove there for a token. Off loopback that is the default.
     #[arg(long, conflicts_with = "insecure")]
     pub tls_on_loopback: bool,
-    /// Serve HTTP off loopback: anyone who can read the network can read the token, and command camera and boat.
+    /// Serve HTTP off loopback: anyone who can read the network can read the token, and command camera and
+    /// boat.
     #[arg(long)]
     pub insecure: bool,
 }

@@ -57,11 +57,12 @@ pub struct EmulateVesselArgs {
     /// MAVLink: the boat is not armed.
     #[arg(long)]
     pub disarmed: bool,
-    /// MAVLink: the remote control's switch chooses MANUAL after this time, seconds; HOLD where the boat is in MANUAL.
+    /// MAVLink: the remote control's switch chooses MANUAL after this time, seconds; HOLD where the boat is
+    /// in MANUAL.
     #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = parse_positive)]
     pub sticks_after: Option<f64>,
-    /// Laboratory: keep the last command for ever, as the laboratory's receiver does; otherwise the boat is neutral half a second
-    /// after the last datagram.
+    /// Laboratory: keep the last command for ever, as the laboratory's receiver does; otherwise the boat is
+    /// neutral half a second after the last datagram.
     #[arg(long)]
     pub keep_last: bool,
     /// The simulated world, if there is one.
@@ -87,8 +88,8 @@ pub struct EmulateFotokiteSigmaArgs {
     /// Listen on this address (HTTP).
     #[arg(long, value_name = "ADDR", value_parser = parse_listen, default_value = "127.0.0.1:3128")]
     pub listen: SocketAddr,
-    /// The token that permits reading and control. The token `TEXT-read` permits reading alone, and the API key
-    /// `TEXT-key` is exchanged for the token.
+    /// The token that permits reading and control. The token `TEXT-read` permits reading alone, and the API
+    /// key `TEXT-key` is exchanged for the token.
     #[arg(long, value_name = "TEXT", default_value = "emulated")]
     pub token: String,
     /// Offer no WebSocket: its path is not found.
@@ -100,10 +101,10 @@ pub struct EmulateFotokiteSigmaArgs {
     /// Log every request and every change of the rates to this file, one JSON object per line.
     #[arg(long, value_name = "FILE.jsonl")]
     pub log: Option<PathBuf>,
-    /// Inject faults: KIND@SECONDS[+DURATION], several with commas. KIND: takeover (another client has the control), reboot
-    /// (status 503, and the control is forgotten), hang (requests wait until the end of the fault), silence (requests are
-    /// carried out and not answered), delay (answers come 0.4 s late), corrupt (answers are damaged) or expire (the tokens
-    /// have expired). Times count from the program's start.
+    /// Inject faults: KIND@SECONDS[+DURATION], several with commas. KIND: takeover (another client has the
+    /// control), reboot (status 503, and the control is forgotten), hang (requests wait until the end of the
+    /// fault), silence (requests are carried out and not answered), delay (answers come 0.4 s late), corrupt
+    /// (answers are damaged) or expire (the tokens have expired). Times count from the program's start.
     #[arg(long, value_name = "SPEC")]
     pub fault: Option<String>,
     /// Overwrite an existing log.
@@ -138,7 +139,8 @@ pub struct EmulateOnvifArgs {
     /// State no zoom.
     #[arg(long)]
     pub no_zoom: bool,
-    /// Turn in proportion to the speed, 1 rad/s at the speed 1; default: with a dead zone, and faster at higher speeds.
+    /// Turn in proportion to the speed, 1 rad/s at the speed 1; default: with a dead zone, and faster at
+    /// higher speeds.
     #[arg(long)]
     pub linear: bool,
     /// The least and the largest time-out of a motion, seconds.
@@ -159,9 +161,10 @@ pub struct EmulateOnvifArgs {
     /// Log every request and every change of the rates to this file, one JSON object per line.
     #[arg(long, value_name = "FILE.jsonl")]
     pub log: Option<PathBuf>,
-    /// Inject faults: KIND@SECONDS[+DURATION], several with commas. KIND: reboot (status 503, and the motion ends), hang
-    /// (requests wait until the end of the fault), silence (requests are carried out and not answered), delay (answers come 0.4
-    /// s late), corrupt (answers are damaged) or expire (the login is refused). Times count from the program's start.
+    /// Inject faults: KIND@SECONDS[+DURATION], several with commas. KIND: reboot (status 503, and the motion
+    /// ends), hang (requests wait until the end of the fault), silence (requests are carried out and not
+    /// answered), delay (answers come 0.4 s late), corrupt (answers are damaged) or expire (the login is
+    /// refused). Times count from the program's start.
     #[arg(long, value_name = "SPEC")]
     pub fault: Option<String>,
     /// Overwrite an existing log.
@@ -186,7 +189,8 @@ and in another terminal
 #[group(skip)]
 #[command(group = ArgGroup::new("port").required(true).args(["pty", "listen"]))]
 pub struct EmulateFotokiteProArgs {
-    /// Create a pseudo-terminal with a symbolic link at this path. A link that a killed emulator left is replaced.
+    /// Create a pseudo-terminal with a symbolic link at this path. A link that a killed emulator left is
+    /// replaced.
     #[arg(long, value_name = "PATH")]
     pub pty: Option<PathBuf>,
     /// Listen on this address, as the pass-through server does (TCP).
@@ -198,8 +202,8 @@ pub struct EmulateFotokiteProArgs {
     /// Log every line and state to this file, one JSON object per line.
     #[arg(long, value_name = "FILE.jsonl")]
     pub log: Option<PathBuf>,
-    /// Inject faults: KIND@SECONDS[+DURATION], several with commas. KIND: stall, drop, delay, duplicate, corrupt,
-    /// disconnect, reboot, takeover, silence or cut. Times count from the program's start.
+    /// Inject faults: KIND@SECONDS[+DURATION], several with commas. KIND: stall, drop, delay, duplicate,
+    /// corrupt, disconnect, reboot, takeover, silence or cut. Times count from the program's start.
     #[arg(long, value_name = "SPEC")]
     pub fault: Option<String>,
     /// End a rate this long after the last command for its axis, seconds; default: never.
@@ -230,7 +234,8 @@ pub struct EmulateGimbalArgs {
     /// Create a pseudo-terminal with a symbolic link at this path, instead of an address.
     #[arg(long, value_name = "PATH", conflicts_with = "listen")]
     pub pty: Option<PathBuf>,
-    /// Whose habits: ardupilot obeys everybody and keeps a rate for ever, px4 obeys the primary control alone.
+    /// Whose habits: ardupilot obeys everybody and keeps a rate for ever, px4 obeys the primary control
+    /// alone.
     #[arg(long, value_enum, value_name = "NAME", default_value_t)]
     pub habits: HabitsName,
     /// Do not answer requests for the gimbal's information.
@@ -245,7 +250,8 @@ pub struct EmulateGimbalArgs {
     /// Lose this number of claims.
     #[arg(long, value_name = "N", default_value_t)]
     pub drop_claims: u32,
-    /// What the camera at component 100 says of itself: that it zooms, that it does not (fixed), or nothing (silent).
+    /// What the camera at component 100 says of itself: that it zooms, that it does not (fixed), or nothing
+    /// (silent).
     #[arg(long, value_enum, value_name = "KIND", default_value_t)]
     pub camera: CameraKindName,
     /// Lose this share of the packets in both directions, percent.
@@ -260,9 +266,9 @@ pub struct EmulateGimbalArgs {
     /// Log every message and every change of the rates to this file, one JSON object per line.
     #[arg(long, value_name = "FILE.jsonl")]
     pub log: Option<PathBuf>,
-    /// Inject faults: KIND@SECONDS[+DURATION], several with commas. KIND: stall, drop, delay, duplicate, corrupt,
-    /// disconnect, reboot, takeover (another commander claims the control), silence or cut. Times count from the program's
-    /// start.
+    /// Inject faults: KIND@SECONDS[+DURATION], several with commas. KIND: stall, drop, delay, duplicate,
+    /// corrupt, disconnect, reboot, takeover (another commander claims the control), silence or cut. Times
+    /// count from the program's start.
     #[arg(long, value_name = "SPEC")]
     pub fault: Option<String>,
     /// Overwrite an existing log, and replace a symbolic link at the path of --pty.
@@ -296,8 +302,8 @@ pub enum CameraKindName {
 #[derive(Debug, Args)]
 #[group(skip)]
 pub struct WorldArgs {
-    /// Move the camera of this simulated world, and serve its video: sim:SCENARIO?seed=1&size=WxH. The world starts with
-    /// the first viewer.
+    /// Move the camera of this simulated world, and serve its video: sim:SCENARIO?seed=1&size=WxH. The world
+    /// starts with the first viewer.
     #[arg(long, value_name = "SIM")]
     pub world: Option<String>,
     /// Address of the world's video (RTSP, path /world).

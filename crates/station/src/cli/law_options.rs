@@ -16,8 +16,8 @@ pub struct LawOptions {
     /// What the optimal law saves; default: intermittent.
     #[arg(long, value_parser = named_values::<OptimalMode>())]
     pub mode: Option<OptimalMode>,
-    /// Horizon of the optimal law: the time within which it brings the target back, seconds, 0.5 to 5; a longer horizon
-    /// moves the camera less. Default: the mode's.
+    /// Horizon of the optimal law: the time within which it brings the target back, seconds, 0.5 to 5; a
+    /// longer horizon moves the camera less. Default: the mode's.
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     pub horizon: Option<f64>,
     /// What the optimal law shows; default: boat.

@@ -80,8 +80,8 @@ pub struct MetricsArgs {
   barrelman report recordings/*.mcap optimal.jsonl --output report.html
   barrelman report arena1_*.csv arena2_*.csv --output paper.html --svg figures")]
 pub struct ReportArgs {
-    /// The logs: CSV of the laboratory, exported CSV, recordings, or campaign files of `trials --output` (their metrics;
-    /// a campaign file has no figures over time).
+    /// The logs: CSV of the laboratory, exported CSV, recordings, or campaign files of `trials --output`
+    /// (their metrics; a campaign file has no figures over time).
     #[arg(required = true)]
     pub logs: Vec<PathBuf>,
     /// Write the page to this file.

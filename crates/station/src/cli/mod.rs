@@ -1,7 +1,7 @@
 //! The command line: the commands, their options, and examples.
 //!
-//! Values are checked while they are parsed; a wrong value ends the program with clap's message and exit code 2. The
-//! module [`crate::commands`] runs the commands.
+//! Values are checked while they are parsed; a wrong value ends the program with clap's message and exit
+//! code 2. The module [`crate::commands`] runs the commands.
 
 mod demo;
 
@@ -59,7 +59,8 @@ pub use trials::{CompareArgs, GuidedBy, MergeArgs, PerceptionName, TrialsArgs};
 pub use usage_error::UsageError;
 pub use values::Shard;
 
-/// Keeps an unmanned surface vehicle in the view of a small tethered UAV, with gentle movements of the camera.
+/// Keeps an unmanned surface vehicle in the view of a small tethered UAV, with gentle movements of the
+/// camera.
 #[derive(Debug, Parser)]
 #[command(
     name = "barrelman",

@@ -21,7 +21,8 @@ pub struct RegionArgs {
 }
 
 impl RegionArgs {
-    /// Refuses a region for a campaign file, which holds metrics of a fixed region. `has_picture`: `--picture` is given.
+    /// Refuses a region for a campaign file, which holds metrics of a fixed region. `has_picture`:
+    /// `--picture` is given.
     ///
     /// # Errors
     /// If a region, a frame size or a picture size is given.

@@ -44,7 +44,8 @@ pub struct RenderArgs {
     /// Size of the picture; the field of view stays the same. Default: the scenario's.
     #[arg(long, value_name = "WxH", value_parser = parse_world_size)]
     pub size: Option<PictureSize>,
-    /// Widest vector instructions of the renderer: scalar, sse2, avx2 or avx512. The pictures are the same with each.
+    /// Widest vector instructions of the renderer: scalar, sse2, avx2 or avx512. The pictures are the same
+    /// with each.
     #[arg(long, value_name = "LEVEL", default_value_t = SimdLevel::Avx512)]
     pub simd: SimdLevel,
     /// Overwrite existing output files.

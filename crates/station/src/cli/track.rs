@@ -22,8 +22,8 @@ use super::values::{parse_box, parse_listen, parse_mp4_path};
 pub struct TrackArgs {
     /// The recording: an MP4 or MOV with H.264, a Y4M, or a folder of pictures.
     pub video: String,
-    /// Track what is in this box of the start frame: left, top, width, height in pixels. Without it, a page in the browser
-    /// shows the frame, to draw the box in, where there is a display or --listen.
+    /// Track what is in this box of the start frame: left, top, width, height in pixels. Without it, a page
+    /// in the browser shows the frame, to draw the box in, where there is a display or --listen.
     #[arg(long, value_name = "X,Y,W,H", allow_hyphen_values = true, value_parser = parse_box)]
     pub select: Option<PixelBox>,
     /// Address of the page for drawing the box; default: 127.0.0.1:8480, or the next free port.

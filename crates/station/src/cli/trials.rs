@@ -40,8 +40,8 @@ pub struct TrialsArgs {
     /// The scenario: one of `barrelman scenarios`, or the path of a .toml file.
     #[arg(required_unless_present = "drive")]
     pub scenario: Option<String>,
-    /// Run one trial with the steering of this drive, which `demo --store` wrote. Scenario and seed are the drive's; so
-    /// are picture size, tracker and camera law, unless given.
+    /// Run one trial with the steering of this drive, which `demo --store` wrote. Scenario and seed are the
+    /// drive's; so are picture size, tracker and camera law, unless given.
     #[arg(long, value_name = "FILE.jsonl", conflicts_with_all = ["scenario", "trials", "seed", "shard", "boat_speed"])]
     pub drive: Option<PathBuf>,
     /// Number of trials.
@@ -53,7 +53,8 @@ pub struct TrialsArgs {
     /// The law.
     #[command(flatten)]
     pub law: LawOptions,
-    /// Rate of the schema on both axes, rad/s; default: the vehicle's. The simulated vehicle's limits are raised to it.
+    /// Rate of the schema on both axes, rad/s; default: the vehicle's. The simulated vehicle's limits are
+    /// raised to it.
     #[arg(long, value_name = "RAD_PER_S", allow_negative_numbers = true, value_parser = parse_rate)]
     pub rate: Option<f64>,
     /// The source of localisations.
@@ -62,8 +63,8 @@ pub struct TrialsArgs {
     /// The tracker, with `--perception pixels`; default: `fused`.
     #[arg(long, value_enum, value_name = "NAME")]
     pub tracker: Option<TrackerName>,
-    /// How the kite moves: a setting of the scenario (`lab1`: still, indoor or windy; `arena1`: calm or tether); default:
-    /// the scenario's.
+    /// How the kite moves: a setting of the scenario (`lab1`: still, indoor or windy; `arena1`: calm or
+    /// tether); default: the scenario's.
     #[arg(long, value_name = "NAME")]
     pub setting: Option<String>,
     /// The plant: the scenario's, or sampled for each trial from the scenario's intervals.
@@ -87,18 +88,20 @@ pub struct TrialsArgs {
     /// Size of the picture; the field of view stays the same. Default: the scenario's.
     #[arg(long, value_name = "WxH", value_parser = parse_world_size)]
     pub size: Option<PictureSize>,
-    /// Number of trials at the same time; default: the number of cores. The results are the same for any number.
+    /// Number of trials at the same time; default: the number of cores. The results are the same for any
+    /// number.
     #[arg(long, value_name = "N", value_parser = parse_count)]
     pub threads: Option<usize>,
     /// Run only every Nth trial, from the Ith on: one of N parts that `merge` joins.
     #[arg(long, value_name = "I/N", value_parser = parse_shard)]
     pub shard: Option<Shard>,
-    /// Widest vector instructions of the renderer: scalar, sse2, avx2 or avx512. The results are the same with each.
+    /// Widest vector instructions of the renderer: scalar, sse2, avx2 or avx512. The results are the same
+    /// with each.
     #[arg(long, value_name = "LEVEL", default_value_t = SimdLevel::Avx512)]
     pub simd: SimdLevel,
     /// Record every trial into this folder: SCENARIO-SEED.mcap, and with pixels its film, the annotated video
-    /// SCENARIO-SEED.mp4. The .mcap of a trial in pixels holds no pictures: `replay` renders them again from scenario, seed
-    /// and commands.
+    /// SCENARIO-SEED.mp4. The .mcap of a trial in pixels holds no pictures: `replay` renders them again from
+    /// scenario, seed and commands.
     #[arg(long, value_name = "DIR")]
     pub record: Option<PathBuf>,
     /// Continue the file of --output: trials in the file are not run again.
@@ -167,9 +170,11 @@ pub struct MergeArgs {
 pub struct CompareArgs {
     /// A campaign file.
     pub first: PathBuf,
-    /// A second campaign file, with the same scenario, seeds and settings of the world; law and tracker may differ.
+    /// A second campaign file, with the same scenario, seeds and settings of the world; law and tracker may
+    /// differ.
     pub second: PathBuf,
-    /// Compare campaigns of different worlds, too: of other settings, plants, picture sizes, or of truth and pixels.
+    /// Compare campaigns of different worlds, too: of other settings, plants, picture sizes, or of truth and
+    /// pixels.
     #[arg(long)]
     pub anyway: bool,
     /// Print JSON.

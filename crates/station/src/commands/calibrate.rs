@@ -1,8 +1,8 @@
 //! `barrelman calibrate axes`: measures the camera's axes by slow test motions.
 //!
-//! A run without a tracker's selection makes the motions under the licence to calibrate, with every stop of a run. The file
-//! of the configuration is not changed: the keys that change are printed, and the complete configuration is written where
-//! that was asked for.
+//! A run without a tracker's selection makes the motions under the licence to calibrate, with every stop of a
+//! run. The file of the configuration is not changed: the keys that change are printed, and the complete
+//! configuration is written where that was asked for.
 
 use std::io::{BufRead as _, Write as _, stdin, stdout};
 use std::process::ExitCode;

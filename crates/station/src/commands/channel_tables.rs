@@ -1,7 +1,7 @@
 //! Writes one CSV file for each channel of a recording, with a bounded number of open files.
 //!
-//! A recording may have thousands of channels, more than a process may have open files. The [`MAX_OPEN`] files written
-//! to last stay open; other files are closed, and reopened for appending.
+//! A recording may have thousands of channels, more than a process may have open files. The [`MAX_OPEN`]
+//! files written to last stay open; other files are closed, and reopened for appending.
 
 use std::collections::BTreeMap;
 use std::io::{BufWriter, Write as _};
@@ -86,8 +86,8 @@ impl<'a> ChannelTables<'a> {
         Ok(file)
     }
 
-    /// A path that no other file of this export has. Topics such as /a/b and /a_b give the same name, so the second one
-    /// is numbered.
+    /// A path that no other file of this export has. Topics such as /a/b and /a_b give the same name, so the
+    /// second one is numbered.
     fn path_of(&mut self, topic: &str) -> PathBuf {
         let mut name = topic.trim_matches('/').replace('/', "_");
         while let Some(number) = self.used_names.get_mut(&name) {

@@ -1,7 +1,7 @@
 //! `barrelman check`: checks the configuration, the video source and the link, and suggests remedies.
 //!
-//! The check opens the port and takes its lock, as `run` does, but moves nothing: a ground station on a line is sent nothing, other
-//! vehicles are asked what they have.
+//! The check opens the port and takes its lock, as `run` does, but moves nothing: a ground station on a line
+//! is sent nothing, other vehicles are asked what they have.
 
 use std::path::Path;
 use std::process::ExitCode;
@@ -34,8 +34,8 @@ use barrelman_link_http::Trust;
 use barrelman_video::media::{self, CodedFormat, DecoderElement, MediaProgram};
 use barrelman_video::{VideoFrames, VideoSink, VideoState, VideoUrl};
 
-/// How long a live source may take to deliver its first picture: 5 s by the built-in engine, 5 s to connect by GStreamer,
-/// and up to 5 s to the next key frame.
+/// How long a live source may take to deliver its first picture: 5 s by the built-in engine, 5 s to connect
+/// by GStreamer, and up to 5 s to the next key frame.
 const FIRST_PICTURE_TIMEOUT: Duration = Duration::from_secs(15);
 /// Where this project's udev rule is when it was installed by hand.
 const UDEV_RULE: &str = "/etc/udev/rules.d/70-barrelman.rules";
@@ -50,7 +50,8 @@ fn names_its_video(link: &str) -> bool {
 /// Runs the command.
 ///
 /// # Errors
-/// If the output cannot be written. A problem of the configuration, the video or the link is a result, not an error.
+/// If the output cannot be written. A problem of the configuration, the video or the link is a result, not an
+/// error.
 pub fn run(args: &CheckArgs, clock: Clock) -> Result<ExitCode> {
     let mut results = Vec::new();
     let configuration = check_configuration(args, &mut results);

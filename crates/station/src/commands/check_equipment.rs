@@ -1,4 +1,5 @@
-//! The gimbal devices, cameras and video streams of a MAVLink vehicle: which of them are used, and what chooses them.
+//! The gimbal devices, cameras and video streams of a MAVLink vehicle: which of them are used, and what
+//! chooses them.
 
 use barrelman_host::redaction::without_logins;
 use barrelman_vocab::ZoomAbility;
@@ -9,7 +10,8 @@ use barrelman_wire::mavlink::probe::Findings;
 
 use super::check_result::{CheckResult, Verdict};
 
-/// The devices, where there are several; all cameras and streams. `chosen`: the component of the camera that zooms.
+/// The devices, where there are several; all cameras and streams. `chosen`: the component of the camera that
+/// zooms.
 pub(super) fn equipment_results(findings: &Findings, chosen: Option<ComponentId>) -> Vec<CheckResult> {
     let mut results = Vec::new();
     let devices = findings.choice.devices();

@@ -1,5 +1,5 @@
-//! The check of a MAVLink gimbal: who is heard, what the gimbal has, who has the control. Heartbeats and requests are sent, no claim
-//! and no rate.
+//! The check of a MAVLink gimbal: who is heard, what the gimbal has, who has the control. Heartbeats and
+//! requests are sent, no claim and no rate.
 
 use std::io;
 use std::time::{Duration, Instant};

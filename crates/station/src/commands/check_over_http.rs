@@ -1,4 +1,5 @@
-//! `barrelman check` of a vehicle that is asked over HTTP: it reads states, and asks for neither control nor motion.
+//! `barrelman check` of a vehicle that is asked over HTTP: it reads states, and asks for neither control nor
+//! motion.
 
 use barrelman_link::url::HttpAddress;
 use barrelman_link_http::fotokite_sigma::Sigma;

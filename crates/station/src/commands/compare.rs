@@ -16,7 +16,8 @@ use crate::cli::CompareArgs;
 /// Runs the command.
 ///
 /// # Errors
-/// If a file cannot be read, the campaigns have no trial in common, or their worlds differ without `--anyway`.
+/// If a file cannot be read, the campaigns have no trial in common, or their worlds differ without
+/// `--anyway`.
 pub fn run(args: &CompareArgs) -> Result<ExitCode> {
     let (first, second) = (Campaign::read(&args.first)?, Campaign::read(&args.second)?);
     let differences = first.settings.world_differences(&second.settings);

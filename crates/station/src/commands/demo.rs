@@ -1,7 +1,7 @@
 //! `barrelman demo`: a simulated boat that a person steers in the browser, and the camera that follows it.
 //!
-//! World and pilot run in lock step, tick by tick, as in a trial; the clock only decides when the next tick runs. So a
-//! stored drive replays bit for bit.
+//! World and pilot run in lock step, tick by tick, as in a trial; the clock only decides when the next tick
+//! runs. So a stored drive replays bit for bit.
 
 use std::io::{Write as _, stdout};
 use std::path::Path;

@@ -16,8 +16,9 @@ pub(super) fn has_display() -> bool {
         .any(|name| std::env::var_os(name).is_some_and(|value| !value.is_empty()))
 }
 
-/// Serves the page with a frame until the box is drawn. The link is printed, and opened in the user's browser where that
-/// is asked for and the link holds no token: every user of the computer can read the command line of a program.
+/// Serves the page with a frame until the box is drawn. The link is printed, and opened in the user's browser
+/// where that is asked for and the link holds no token: every user of the computer can read the command line
+/// of a program.
 ///
 /// # Errors
 /// If the video has no such frame, or the page cannot be served.
@@ -46,7 +47,8 @@ fn may_open_browser(settings: &ConsoleSettings) -> bool {
     !settings.tokens.are_asked_for()
 }
 
-/// Opens the page in the user's browser, where the system knows one. Without one, the link is on the terminal.
+/// Opens the page in the user's browser, where the system knows one. Without one, the link is on the
+/// terminal.
 fn open_browser(link: &str) {
     let _ = Command::new("xdg-open")
         .arg(link)

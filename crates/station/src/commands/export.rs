@@ -1,4 +1,5 @@
-//! `barrelman export`: converts a recording to one CSV file a channel, a CSV file of the trial, and an MP4 of the video.
+//! `barrelman export`: converts a recording to one CSV file a channel, a CSV file of the trial, and an MP4 of
+//! the video.
 
 use std::fs::File;
 use std::io::{BufReader, BufWriter, Write as _, stdout};
@@ -36,8 +37,8 @@ const ANNOTATED: &str = "annotated.mp4";
 /// Runs the command.
 ///
 /// # Errors
-/// If the recording cannot be read or an output not be written. Of a truncated recording everything before the cut is
-/// exported.
+/// If the recording cannot be read or an output not be written. Of a truncated recording everything before
+/// the cut is exported.
 pub fn run(args: &ExportArgs) -> Result<ExitCode> {
     let context = || format!("{} cannot be exported", args.recording.display());
     // Opened before the folder is made: a wrong path leaves no empty folder behind.

@@ -1,8 +1,9 @@
 //! `barrelman demo --clip`: the live loop with the real protocol, without a camera.
 //!
-//! The command renders a practice clip, starts an emulated ground station on a pseudo-terminal, and runs the live loop
-//! between the two: the same video thread, pilot, link and recorder as with a vehicle. The camera of the clip does not
-//! move, so commands show in the emulator's log and the annotated video, not in the picture itself.
+//! The command renders a practice clip, starts an emulated ground station on a pseudo-terminal, and runs the
+//! live loop between the two: the same video thread, pilot, link and recorder as with a vehicle. The camera
+//! of the clip does not move, so commands show in the emulator's log and the annotated video, not in the
+//! picture itself.
 
 use std::io::{BufWriter, Write, stdout};
 use std::path::{Path, PathBuf};
@@ -166,7 +167,8 @@ fn write_clip(practice: &PracticeClip, file: OutputFile) -> Result<()> {
     Ok(writer.finish()?)
 }
 
-/// Writes the boat's place in every frame, in the format of `truth.csv`. The clip has no scale, so the range is empty.
+/// Writes the boat's place in every frame, in the format of `truth.csv`. The clip has no scale, so the range
+/// is empty.
 fn write_truth(practice: &PracticeClip, file: OutputFile) -> Result<()> {
     let mut file = BufWriter::new(file);
     writeln!(file, "frame,time_s,x,y,w,h,cx,cy,visible,heading_deg,range_m")?;

@@ -1,8 +1,8 @@
 //! `barrelman render`: renders a clip of a scenario, with the exact truth.
 //!
-//! The world is that of a trial with `--perception truth`: the motor schema keeps the boat in view, so the camera moves as
-//! in a trial. The clip shows the picture without the bars of a letter-boxed frame, so the truth is in pixels of the
-//! clip.
+//! The world is that of a trial with `--perception truth`: the motor schema keeps the boat in view, so the
+//! camera moves as in a trial. The clip shows the picture without the bars of a letter-boxed frame, so the
+//! truth is in pixels of the clip.
 
 use std::io::{BufWriter, Write as _, stdout};
 use std::path::PathBuf;
@@ -157,8 +157,8 @@ impl StepObserver for ClipWriter {
     }
 }
 
-/// A row of a truth file. A target without a visible pixel has `visible` 0 and an empty box; its waterline is still given,
-/// unless the target is behind the camera.
+/// A row of a truth file. A target without a visible pixel has `visible` 0 and an empty box; its waterline is
+/// still given, unless the target is behind the camera.
 pub fn truth_row(frame: u64, at: Timestamp, truth: &RenderedTruth) -> String {
     let (x, y, w, h) = truth.bounds.map_or((0.0, 0.0, 0.0, 0.0), |b| (b.u, b.v, b.w, b.h));
     let visible = if truth.bounds.is_some() { truth.visible_share } else { 0.0 };

@@ -1,7 +1,7 @@
 //! `barrelman replay`: runs a recording through the pilot again.
 //!
-//! The recording is read once and not held in memory. Queued at a time are at most [`MAX_QUEUED_BYTES`] of encoded video,
-//! a few decoded frames (see [`StoredVideo`]), and [`MAX_QUEUED_OUTCOMES`] outcomes.
+//! The recording is read once and not held in memory. Queued at a time are at most [`MAX_QUEUED_BYTES`] of
+//! encoded video, a few decoded frames (see [`StoredVideo`]), and [`MAX_QUEUED_OUTCOMES`] outcomes.
 
 use std::collections::BTreeMap;
 use std::fs::File;
@@ -20,11 +20,12 @@ use crate::config::{self, Configuration};
 use barrelman_host::input;
 use barrelman_host::program::identity;
 
-/// Limit of the encoded video that waits for its step. In this program's recordings about ten units wait, because the
-/// pilot takes the newest frame. A gigabyte is three seconds of raw video at 3840 x 2160 and 30 frames per second.
+/// Limit of the encoded video that waits for its step. In this program's recordings about ten units wait,
+/// because the pilot takes the newest frame. A gigabyte is three seconds of raw video at 3840 x 2160 and 30
+/// frames per second.
 pub const MAX_QUEUED_BYTES: usize = 1 << 30;
-/// Limit of the outcomes that wait for the recorded outcome of the same step. In this program's recordings that outcome
-/// comes next. Beyond the limit the oldest outcome is dropped.
+/// Limit of the outcomes that wait for the recorded outcome of the same step. In this program's recordings
+/// that outcome comes next. Beyond the limit the oldest outcome is dropped.
 pub const MAX_QUEUED_OUTCOMES: usize = 2048;
 
 /// Runs the command.

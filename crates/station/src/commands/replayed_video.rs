@@ -1,4 +1,5 @@
-//! The video frames of a replay: decoded from the recording, or rendered again where the recording holds none.
+//! The video frames of a replay: decoded from the recording, or rendered again where the recording holds
+//! none.
 
 use anyhow::{Context, Result, anyhow, bail};
 use barrelman_experiments::campaign::recorded_trial;
@@ -90,8 +91,8 @@ impl ReplayedVideo {
     /// The frame of a fingerprint.
     ///
     /// # Errors
-    /// If the recording neither holds the frame nor says how to render it, or if its picture is another than the recorded
-    /// one.
+    /// If the recording neither holds the frame nor says how to render it, or if its picture is another than
+    /// the recorded one.
     pub fn frame(&mut self, fingerprint: &FrameFingerprint) -> Result<VideoFrame> {
         if self.has_units {
             return self.stored_frame(fingerprint);

@@ -116,7 +116,8 @@ fn reported_trial(mut input: TrialInput, args: &ReportArgs, sortie: Option<Sorti
     ReportedTrial { entry, set, sortie, trace: Some(TrialTrace { log: input.log, region, shadow }) }
 }
 
-/// The vehicle of a recording, if its law is not the motor schema: the motor schema's shadow is computed for it.
+/// The vehicle of a recording, if its law is not the motor schema: the motor schema's shadow is computed for
+/// it.
 fn shadowed_vehicle(start: &RecordingStart) -> Option<VehicleProfile> {
     let file = config::parse(&start.configuration).ok()?;
     let configuration = Configuration::resolve_recorded(&file).ok()?;

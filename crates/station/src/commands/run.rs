@@ -1,4 +1,5 @@
-//! `barrelman run`: one live run. This file reads the arguments and reports the end; `live::session` is the run.
+//! `barrelman run`: one live run. This file reads the arguments and reports the end; `live::session` is the
+//! run.
 
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -125,8 +126,8 @@ fn reported(end: RunEnd) -> ExitCode {
     }
 }
 
-/// The box that the operator draws in the first frame of a file, before anything is opened that moves or records. A file
-/// with `--hands-on` plays on while the operator selects, as a stream does.
+/// The box that the operator draws in the first frame of a file, before anything is opened that moves or
+/// records. A file with `--hands-on` plays on while the operator selects, as a stream does.
 fn drawn_selection(
     args: &RunArgs,
     source: &Source,
@@ -203,7 +204,8 @@ fn share(configuration: &Configuration, console: Option<&ConsoleSettings>) -> Re
     setup.context("--share, or share.address").map(Some)
 }
 
-/// Where Foxglove reads, where that is asked for: off loopback through a door with the encryption of the console.
+/// Where Foxglove reads, where that is asked for: off loopback through a door with the encryption of the
+/// console.
 ///
 /// # Errors
 /// If there are no tokens for other devices, or the address cannot be served.
@@ -222,7 +224,8 @@ fn foxglove(
     door.with_context(|| format!("--foxglove {address}")).map(|door| Some(FoxgloveEntrance::Door(door)))
 }
 
-/// The tokens that other devices show: the console's, or without a console those of the file, where one is named.
+/// The tokens that other devices show: the console's, or without a console those of the file, where one is
+/// named.
 ///
 /// # Errors
 /// If they cannot be read.
@@ -235,7 +238,8 @@ fn tokens(config: &ConsoleConfig, console: Option<&ConsoleSettings>) -> Result<T
     })
 }
 
-/// Opens the console's socket. A live run always asks for a token: any program of this machine could reach the socket.
+/// Opens the console's socket. A live run always asks for a token: any program of this machine could reach
+/// the socket.
 fn open_console(args: &RunArgs, config: &ConsoleConfig) -> Result<ConsoleSettings> {
     let options = &args.console;
     let tokens = options.kept_tokens(config.tokens.clone());
@@ -289,8 +293,8 @@ pub(super) fn override_key<T: Clone>(key: &mut Option<T>, value: &Option<T>) {
     }
 }
 
-/// The configuration of a run: the file, overridden by the command line. The flag tells whether the file states the
-/// latency of the video.
+/// The configuration of a run: the file, overridden by the command line. The flag tells whether the file
+/// states the latency of the video.
 fn effective_configuration(args: &RunArgs) -> Result<(Configuration, bool)> {
     let connection = &args.connection;
     let mut file = connection.config_file()?;

@@ -1,4 +1,5 @@
-//! `barrelman snapshot`: writes one frame of a video as PNG, with a grid of pixel coordinates to read a selection from.
+//! `barrelman snapshot`: writes one frame of a video as PNG, with a grid of pixel coordinates to read a
+//! selection from.
 
 use std::io::{Write as _, stdout};
 use std::process::ExitCode;

@@ -1,8 +1,9 @@
 //! The video of a recording, decoded on demand.
 //!
-//! A recording may hold any number of units whose frame no step needs, and a small unit may be a large picture. So units
-//! are queued encoded, up to a number of bytes, and decoded in order until the wanted frame comes. Decoded frames are
-//! queued only where one unit gives several: the frames that the decoder held back, at most sixteen.
+//! A recording may hold any number of units whose frame no step needs, and a small unit may be a large
+//! picture. So units are queued encoded, up to a number of bytes, and decoded in order until the wanted frame
+//! comes. Decoded frames are queued only where one unit gives several: the frames that the decoder held back,
+//! at most sixteen.
 
 use std::collections::VecDeque;
 
@@ -58,8 +59,8 @@ impl StoredVideo {
         Ok(())
     }
 
-    /// Queues the next unit of a video that no step uses just now. Where much of it waits, the oldest is decoded
-    /// and dropped: the decoder has to have seen it before a later picture.
+    /// Queues the next unit of a video that no step uses just now. Where much of it waits, the oldest is
+    /// decoded and dropped: the decoder has to have seen it before a later picture.
     pub fn add_unused(&mut self, unit: EncodedUnit) {
         self.queued_bytes += bytes_of(&unit);
         self.units.push_back(unit);

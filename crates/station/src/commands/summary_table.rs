@@ -1,4 +1,5 @@
-//! The table of metrics that `trials`, `merge` and `metrics` print, 80 columns wide where the names are short.
+//! The table of metrics that `trials`, `merge` and `metrics` print, 80 columns wide where the names are
+//! short.
 
 use std::fmt::Write as _;
 use std::io::{Write as _, stdout};

@@ -164,7 +164,8 @@ fn drawn_selection(args: &TrackArgs, url: &VideoUrl) -> Result<PixelBox> {
     draw_selection(url, args.start_frame, settings, AfterPicking::Nothing, opens_browser)
 }
 
-/// CPU time of all threads of the program. While the tracker runs, no other thread does, so a difference is the tracker's.
+/// CPU time of all threads of the program. While the tracker runs, no other thread does, so a difference is
+/// the tracker's.
 fn cpu_time() -> Duration {
     let time = clock_gettime(ClockId::ProcessCPUTime);
     // CPU time counts from zero: neither part is negative.
@@ -183,8 +184,8 @@ fn progress_bar(frames: &VideoFrames) -> ProgressBar {
 struct TrackWriter {
     tracker: Box<dyn Tracker>,
     rows: BufWriter<Box<dyn Write>>,
-    /// Whether the header is written. The header comes with the first row, so that a refused selection leaves no file
-    /// behind.
+    /// Whether the header is written. The header comes with the first row, so that a refused selection leaves
+    /// no file behind.
     has_rows: bool,
     film: Option<Film>,
     explanation: Option<Explanation>,

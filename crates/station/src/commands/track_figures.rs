@@ -1,4 +1,5 @@
-//! What `track` says of a track: the figures of `--json`, the summary in words, and warnings about a selection.
+//! What `track` says of a track: the figures of `--json`, the summary in words, and warnings about a
+//! selection.
 
 use std::time::Duration;
 

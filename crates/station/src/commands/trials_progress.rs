@@ -1,7 +1,8 @@
 //! The progress of a campaign: trials done, speed, and the time left.
 //!
-//! A trial in pixels takes a minute or so, and its result comes at its end. The progress counts the simulated time of the
-//! running trials, too, and says from it how fast the machine simulates and how long the rest takes.
+//! A trial in pixels takes a minute or so, and its result comes at its end. The progress counts the simulated
+//! time of the running trials, too, and says from it how fast the machine simulates and how long the rest
+//! takes.
 
 use std::io::IsTerminal as _;
 use std::sync::Arc;

@@ -22,8 +22,8 @@ pub struct ConsoleSection {
     /// Further names by which the console is opened, besides the addresses of this machine.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub hosts: Option<Vec<String>>,
-    /// File with the console's tokens, two lines: control, watch. Where it is missing, tokens are made and kept in it; without this
-    /// key, tokens are made for each run.
+    /// File with the console's tokens, two lines: control, watch. Where it is missing, tokens are made and
+    /// kept in it; without this key, tokens are made for each run.
     #[schemars(example = "/etc/barrelman/console-tokens")]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub token_file: Option<PathBuf>,
@@ -50,8 +50,8 @@ pub struct ConsoleSection {
     /// Whether the console is served over HTTPS on loopback, too. Off loopback HTTPS is the default.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub tls_on_loopback: Option<bool>,
-    /// Whether the console is served over HTTP off loopback: anyone who can read the network can read the token,
-    /// and command camera and boat.
+    /// Whether the console is served over HTTP off loopback: anyone who can read the network can read the
+    /// token, and command camera and boat.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub insecure: Option<bool>,
 }

@@ -156,8 +156,8 @@ pub struct LinkSection {
     #[schemars(example = "/etc/barrelman/camera-login")]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub login_file: Option<PathBuf>,
-    /// SHA-256 fingerprint of the certificate of a vehicle at `https://` or `onvifs://`, 64 hexadecimal digits:
-    /// no other one is accepted.
+    /// SHA-256 fingerprint of the certificate of a vehicle at `https://` or `onvifs://`, 64 hexadecimal
+    /// digits: no other one is accepted.
     #[schemars(example = "0123456789abcdef0123456789abcdef0123456789abcdef0123456789abcdef")]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub certificate_sha256: Option<String>,
@@ -283,8 +283,8 @@ pub struct VehicleSection {
     #[schemars(example = 0)]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub gimbal_device: Option<u8>,
-    /// Component of the MAVLink camera that zooms, where `camera.zoom.ratio` is above 1: 100, the default, to 105;
-    /// 1 is the autopilot's own.
+    /// Component of the MAVLink camera that zooms, where `camera.zoom.ratio` is above 1: 100, the default, to
+    /// 105; 1 is the autopilot's own.
     #[schemars(range(min = 1, max = 105))]
     #[schemars(example = 100)]
     #[serde(skip_serializing_if = "Option::is_none")]

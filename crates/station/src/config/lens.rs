@@ -1,7 +1,8 @@
 //! The table `[camera.lens]`, or a file with the same keys: the lens as OpenCV's calibration gives it.
 //!
-//! The model is that of Brown and Conrady with five coefficients, and it is used as it is. The principal point counts as in
-//! OpenCV, where the centre of the first pixel is (0, 0); inside of the program it is (0.5, 0.5).
+//! The model is that of Brown and Conrady with five coefficients, and it is used as it is. The principal
+//! point counts as in OpenCV, where the centre of the first pixel is (0, 0); inside of the program it is
+//! (0.5, 0.5).
 
 use std::path::Path;
 

@@ -246,8 +246,8 @@ fn trust_files(
     Ok(TrustFiles { certificate_sha256: certificate_sha256.clone(), ca_file: ca_file.clone() })
 }
 
-/// Checks that each axis turns at the rates that are commanded by hand, in a search and in a calibration, and reaches its least
-/// rate within its limit.
+/// Checks that each axis turns at the rates that are commanded by hand, in a search and in a calibration, and
+/// reaches its least rate within its limit.
 fn ensure_axes_turn(profile: &VehicleProfile) -> Result<()> {
     let axes = [
         ("pan", &profile.camera.pan, profile.limits.pan),
@@ -295,7 +295,8 @@ fn login_source(video: &VideoSection) -> Result<Option<LoginSource>> {
     }
 }
 
-/// The profile `base` with the values of a file. Limits are at most `max`, motor schema rates at most their axis' limit.
+/// The profile `base` with the values of a file. Limits are at most `max`, motor schema rates at most their
+/// axis' limit.
 fn overridden(base: VehicleProfile, vehicle: &VehicleSection, max: AxisRates) -> Result<VehicleProfile> {
     let base = match &vehicle.speeds {
         Some(speeds) => speeds.apply_to(base)?,

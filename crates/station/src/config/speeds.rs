@@ -20,8 +20,9 @@ pub struct SpeedsSection {
     #[schemars(example = [[0.1, 0.05], [1.0, 0.5]])]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub tilt: Option<Vec<[f64; 2]>>,
-    /// Without points: the rate at the speed 1, taken for both axes, with rates in between in proportion. Give
-    /// the fastest that is possible: a camera that is slower turns less than asked, and loses no boat by it.
+    /// Without points: the rate at the speed 1, taken for both axes, with rates in between in proportion.
+    /// Give the fastest that is possible: a camera that is slower turns less than asked, and loses no boat by
+    /// it.
     #[schemars(range(min = 0.05, max = 10.0))]
     #[schemars(example = 3.0)]
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -38,7 +39,8 @@ impl SpeedsSection {
         Self { pan: points(&speeds.pan), tilt: points(&speeds.tilt), full_rad_per_s: None }
     }
 
-    /// The vehicle with these curves: its limits are at most the largest rates, and its least rates those of the curves.
+    /// The vehicle with these curves: its limits are at most the largest rates, and its least rates those of
+    /// the curves.
     ///
     /// # Errors
     /// If the section does not suit the vehicle, or its points are no curves.

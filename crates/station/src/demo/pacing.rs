@@ -1,7 +1,7 @@
 //! When the ticks of a demo are due: at the pace of the clock, and never faster.
 //!
-//! A world that waits for its pilot may fall behind the clock. A small delay is caught up; a larger one is given up, so
-//! that the world runs slower than the clock. [`Pacing::pace`] reports the pace.
+//! A world that waits for its pilot may fall behind the clock. A small delay is caught up; a larger one is
+//! given up, so that the world runs slower than the clock. [`Pacing::pace`] reports the pace.
 
 use std::time::Duration;
 

@@ -1,4 +1,5 @@
-//! A session of the demo: one drive after the other, with the console, the terminal and the threads that they need.
+//! A session of the demo: one drive after the other, with the console, the terminal and the threads that they
+//! need.
 
 use std::io::{Write as _, stdout};
 use std::sync::Arc;

@@ -1,4 +1,5 @@
-//! The link of a run: to a port, behind a guard where the vehicle keeps its last rate, or to a simulated camera.
+//! The link of a run: to a port, behind a guard where the vehicle keeps its last rate, or to a simulated
+//! camera.
 //!
 //! Ports, sessions and the guard are in the crate `barrelman-link`. `sim:` has neither port nor thread: a
 //! [`barrelman_emulators::camera_link::CameraLink`] passes the rates to the simulated world.

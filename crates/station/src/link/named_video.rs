@@ -1,8 +1,8 @@
 //! The address of its video that a vehicle names: what may be opened of it.
 //!
-//! Who answers for the vehicle, or speaks in its name, chooses no file, no simulated world, no other machine and no login. Only
-//! `rtsp://` and `rtsps://` are opened, on the host of the link, or on the host that the configuration names
-//! (`link.video_host`). The vehicle's text is never looked up in the DNS.
+//! Who answers for the vehicle, or speaks in its name, chooses no file, no simulated world, no other machine
+//! and no login. Only `rtsp://` and `rtsps://` are opened, on the host of the link, or on the host that the
+//! configuration names (`link.video_host`). The vehicle's text is never looked up in the DNS.
 
 use std::net::{IpAddr, ToSocketAddrs as _};
 

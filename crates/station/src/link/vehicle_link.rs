@@ -6,9 +6,9 @@ use barrelman_vocab::{Timestamp, VehicleRates};
 
 /// Sends camera rates to a vehicle.
 pub trait VehicleLink {
-    /// Requests rates, in the vehicle's own signs, and replaces the rates requested before. Rates that move the camera
-    /// are in force until `renew_by`: without a renewal by then, the link rests the camera (dead-man's switch). Does
-    /// not block.
+    /// Requests rates, in the vehicle's own signs, and replaces the rates requested before. Rates that move
+    /// the camera are in force until `renew_by`: without a renewal by then, the link rests the camera
+    /// (dead-man's switch). Does not block.
     fn send(&self, rates: VehicleRates, renew_by: Option<Timestamp>);
 
     /// The operator takes the control of the vehicle back, if another client has taken it. Does not block.
@@ -52,7 +52,8 @@ impl Link {
         matches!(self, Self::Port(_) | Self::Guarded(_) | Self::Expiring(_))
     }
 
-    /// Ends the link with zeros. Returns whether the camera rests: the zeros were sent, or its motion ends without them.
+    /// Ends the link with zeros. Returns whether the camera rests: the zeros were sent, or its motion ends
+    /// without them.
     pub fn close(self) -> bool {
         match self {
             Self::Port(link) => link.close(),

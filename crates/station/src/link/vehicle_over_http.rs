@@ -1,4 +1,5 @@
-//! A vehicle that is asked over HTTP: whether profile and address fit together, and what the vehicle says of its video.
+//! A vehicle that is asked over HTTP: whether profile and address fit together, and what the vehicle says of
+//! its video.
 
 use anyhow::{Result, anyhow, bail};
 use barrelman_link::LinkUrl;
@@ -12,7 +13,8 @@ use crate::config::Configuration;
 use crate::link::named_video::{PermittedHosts, named_video};
 use crate::secrets;
 
-/// How the vehicle of a configuration is reached over HTTP; `None`: it is reached otherwise, or there is none.
+/// How the vehicle of a configuration is reached over HTTP; `None`: it is reached otherwise, or there is
+/// none.
 ///
 /// # Errors
 /// If the profile and the address do not fit together, or a secret is not usable.

@@ -1,5 +1,5 @@
-//! The calibration of a live run: asks the pilot for the test motions once video and link are there, records what they do to
-//! the picture, and ends the run.
+//! The calibration of a live run: asks the pilot for the test motions once video and link are there, records
+//! what they do to the picture, and ends the run.
 
 use std::sync::mpsc::SyncSender;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};

@@ -1,5 +1,6 @@
 //! The recording's messages for Foxglove and Lichtblick while they are recorded: a WebSocket server on this
-//! machine, in threads that a run without it does not have. Other devices come through a door that wants a token.
+//! machine, in threads that a run without it does not have. Other devices come through a door that wants a
+//! token.
 
 use std::net::{Ipv4Addr, SocketAddr};
 

@@ -1,5 +1,5 @@
-//! What would kill the guard together with the program, so that nothing is left that could send zeros: a PID namespace (a
-//! container), and a unit of systemd that is killed as a whole.
+//! What would kill the guard together with the program, so that nothing is left that could send zeros: a PID
+//! namespace (a container), and a unit of systemd that is killed as a whole.
 
 use std::fs;
 use std::process::{Command, Stdio};

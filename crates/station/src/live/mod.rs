@@ -6,8 +6,8 @@
 //! link thread -----telemetry----------> events -> run_loop: Pilot::step -> link, recorder, overlay, status
 //! terminal thread --keys, signals---------+
 //! ```
-//! [`session`] opens and closes the parts of a run. Only [`run_loop`] steps the pilot. The other threads make no
-//! decisions.
+//! [`session`] opens and closes the parts of a run. Only [`run_loop`] steps the pilot. The other threads make
+//! no decisions.
 
 pub mod session;
 

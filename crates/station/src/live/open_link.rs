@@ -81,7 +81,8 @@ pub(super) fn open_link(
     }
 }
 
-/// Takes the lock of a vehicle's address: one run commands a vehicle. Waits for the guard of a run that was killed.
+/// Takes the lock of a vehicle's address: one run commands a vehicle. Waits for the guard of a run that was
+/// killed.
 ///
 /// # Errors
 /// If another run has the vehicle.
@@ -92,7 +93,8 @@ pub(super) fn take_lock(url: &LinkUrl, role: VehicleRole) -> Result<Option<Arc<V
     Ok(VehicleLock::take(&url.endpoint, role, waits)?.map(Arc::new))
 }
 
-/// Passes a report to the loop. What the link says after the loop has ended is logged here. Returns whether there was room.
+/// Passes a report to the loop. What the link says after the loop has ended is logged here. Returns whether
+/// there was room.
 fn pass_on(report: LinkReport, events: &SyncSender<Event>) -> bool {
     match report {
         LinkReport::Stopped(RestEvidence::AtRest) => {

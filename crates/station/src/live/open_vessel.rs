@@ -20,7 +20,8 @@ use crate::link::vessel_link::Boat;
 use crate::link::{GuardedLink, GuardedLinkSettings, LinkHandle, LinkReport, LinkUrl};
 use crate::simulated_source::LiveWorld;
 
-/// Opens the link to the boat: to that of the simulated world, or to a port, behind the guard unless there is none.
+/// Opens the link to the boat: to that of the simulated world, or to a port, behind the guard unless there is
+/// none.
 ///
 /// # Errors
 /// If there is no such boat, or the port cannot be opened.

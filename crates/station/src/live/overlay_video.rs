@@ -1,7 +1,7 @@
 //! The annotated video of a run: rendered and encoded on a thread of its own.
 //!
-//! The loop never waits for this thread. Where rendering is slower than the video, frames are dropped from the annotated
-//! video, and counted.
+//! The loop never waits for this thread. Where rendering is slower than the video, frames are dropped from
+//! the annotated video, and counted.
 
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::thread::JoinHandle;

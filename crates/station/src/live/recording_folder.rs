@@ -1,4 +1,5 @@
-//! The folder of the recordings that `run` makes without being asked: names, quota, and the reserve of the disk.
+//! The folder of the recordings that `run` makes without being asked: names, quota, and the reserve of the
+//! disk.
 
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
@@ -52,8 +53,8 @@ pub fn library(config: &RecordingConfig) -> Option<Library> {
     Some(Library::new(config.folder.clone(), std::env::current_exe().ok()?))
 }
 
-/// Opens the next recording in the folder. The oldest recordings make room where the quota is used up; one that another
-/// program writes, and has locked, stays.
+/// Opens the next recording in the folder. The oldest recordings make room where the quota is used up; one
+/// that another program writes, and has locked, stays.
 ///
 /// # Errors
 /// If the folder cannot be used, or the disk is full.

@@ -1,11 +1,12 @@
 //! The run loop: receives the next event, steps the pilot, and distributes the outcome.
 //!
-//! The loop makes no decision about the camera; the pilot does. A run ends when the video ends, when the operator or
-//! the system requests it, or when a part of the program fails. In each case the pilot first receives a stop, so that
-//! rest is the last command sent.
+//! The loop makes no decision about the camera; the pilot does. A run ends when the video ends, when the
+//! operator or the system requests it, or when a part of the program fails. In each case the pilot first
+//! receives a stop, so that rest is the last command sent.
 //!
-//! Everything around the loop is a trait: the events with their time ([`EventSource`]), the link ([`VehicleLink`]), the
-//! observers of steps ([`LiveStepObserver`]), and the status output ([`StatusOutput`]). Requests come through the
+//! Everything around the loop is a trait: the events with their time ([`EventSource`]), the link
+//! ([`VehicleLink`]), the observers of steps ([`LiveStepObserver`]), and the status output
+//! ([`StatusOutput`]). Requests come through the
 //! [`Gateway`]: before each event the loop takes a pressed stop, then the requests that wait, in their order.
 
 use std::sync::Arc;
@@ -165,8 +166,8 @@ impl RunLoop<'_> {
         end
     }
 
-    /// Takes what the operator requested; then waits for the next event or the pilot's deadline, whichever is first, and
-    /// handles it.
+    /// Takes what the operator requested; then waits for the next event or the pilot's deadline, whichever is
+    /// first, and handles it.
     fn wait_and_handle(&mut self, state: &mut LoopState) -> Option<Ending> {
         let now = self.events.now();
         if let Some(gap) = self.events.suspension() {
@@ -199,8 +200,9 @@ impl RunLoop<'_> {
         }
     }
 
-    /// Takes a pressed stop. The requests that were made before it are superseded. A stop that would change nothing is
-    /// acknowledged without a step, and so without a record: anyone who may only watch could fill the disk with stops.
+    /// Takes a pressed stop. The requests that were made before it are superseded. A stop that would change
+    /// nothing is acknowledged without a step, and so without a record: anyone who may only watch could fill
+    /// the disk with stops.
     fn take_stop(&mut self, state: &mut LoopState) {
         let Some(press) = self.gateway.stop_latch().pending() else { return };
         self.gateway.refuse_waiting();
@@ -255,7 +257,8 @@ impl RunLoop<'_> {
         state.refusal.take().filter(|_| self.ends_on_refused_selection).map(failed)
     }
 
-    /// The lens does not fit pictures of another aspect ratio: that ends the run at the first picture, and is told at a later one.
+    /// The lens does not fit pictures of another aspect ratio: that ends the run at the first picture, and is
+    /// told at a later one.
     fn check_lens(&self, state: &mut LoopState, picture: PictureSize) -> Option<Ending> {
         let before = state.picture.replace(picture);
         if before == Some(picture) {
@@ -269,7 +272,8 @@ impl RunLoop<'_> {
         None
     }
 
-    /// The machine was suspended, or the loop was away: what arrived before says nothing about now, although its age seems small.
+    /// The machine was suspended, or the loop was away: what arrived before says nothing about now, although
+    /// its age seems small.
     fn on_suspension(&mut self, state: &mut LoopState, gap: Duration) {
         tracing::error!(
             "the program did not run for {:.1} s (it was stopped or held up, or the machine was suspended): camera and boat \

@@ -1,7 +1,9 @@
-//! One live run from the opening of its parts to their closing, in an order that never leaves the camera turning.
+//! One live run from the opening of its parts to their closing, in an order that never leaves the camera
+//! turning.
 //!
 //! 1. The terminal thread catches signals. From here on no signal ends the program without zeros.
-//! 2. The link, the recording, the annotated video, the video source, the console and the status line are opened.
+//! 2. The link, the recording, the annotated video, the video source, the console and the status line are
+//!    opened.
 //! 3. The loop runs until something ends it.
 //! 4. The link is closed first: zeros and the vehicle's own stop. The other parts follow.
 
@@ -64,7 +66,8 @@ pub struct Session<'a> {
     pub http: Option<HttpSettings>,
     /// The output files.
     pub outputs: Outputs,
-    /// The operator's selection in the first video frame. Without a selection, a simulated world selects its target.
+    /// The operator's selection in the first video frame. Without a selection, a simulated world selects its
+    /// target.
     pub selection: Option<PixelBox>,
     /// Whether the operator selects, also in a simulated world.
     pub waits_for_selection: bool,

@@ -1,6 +1,7 @@
 //! Keeps the machine awake during a run with a vehicle: `systemd-inhibit` as a child process.
 //!
-//! The child holds the inhibitor as long as its standard input is open, and so no longer than this program lives.
+//! The child holds the inhibitor as long as its standard input is open, and so no longer than this program
+//! lives.
 
 use std::io;
 use std::os::unix::process::CommandExt as _;

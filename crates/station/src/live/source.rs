@@ -74,8 +74,8 @@ impl Source {
         }
     }
 
-    /// Starts the source. `is_recorded`: a simulated world encodes its pictures, so that a replay decodes what the
-    /// pilot saw.
+    /// Starts the source. `is_recorded`: a simulated world encodes its pictures, so that a replay decodes
+    /// what the pilot saw.
     ///
     /// # Errors
     /// If the system has no more threads.

@@ -2,7 +2,8 @@
 //!
 //! What matters most comes first: a terminal shows as much of the line as fits.
 //!
-//! [`StatusLine`] formats the newest snapshot and decides when a line is due; it has no clock and does no output.
+//! [`StatusLine`] formats the newest snapshot and decides when a line is due; it has no clock and does no
+//! output.
 
 use std::time::Duration;
 

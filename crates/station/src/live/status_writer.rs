@@ -1,7 +1,7 @@
 //! Writes status lines on a thread of its own.
 //!
-//! An output without a reader, or a terminal held with Ctrl-S, must not block the pilot. A line that cannot be written
-//! in time is dropped; the next line replaces it.
+//! An output without a reader, or a terminal held with Ctrl-S, must not block the pilot. A line that cannot
+//! be written in time is dropped; the next line replaces it.
 
 use std::io::{IsTerminal as _, Write, stdout};
 use std::sync::mpsc::{SyncSender, sync_channel};
@@ -26,7 +26,8 @@ const LAST_LINE_TIMEOUT: Duration = Duration::from_millis(200);
 /// How status lines follow each other.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LineStyle {
-    /// Each line overwrites the one before, and is cut to the width of the terminal: the rest of a longer one would stay.
+    /// Each line overwrites the one before, and is cut to the width of the terminal: the rest of a longer one
+    /// would stay.
     Overwritten {
         /// The width of the terminal, characters; `None`: asked for at each line.
         columns: Option<usize>,

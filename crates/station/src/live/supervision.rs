@@ -1,8 +1,9 @@
-//! What the service manager (systemd) hears of a run: that the run is ready, that its loop makes turns, that it ends.
+//! What the service manager (systemd) hears of a run: that the run is ready, that its loop makes turns, that
+//! it ends.
 //!
-//! The service manager starts a program again whose loop makes no turns. So the loop itself gives each sign of life, by asking for
-//! its next event. The thread that passes the signs on gives none of its own: a service manager that takes nothing holds up that
-//! thread, and not the loop.
+//! The service manager starts a program again whose loop makes no turns. So the loop itself gives each sign
+//! of life, by asking for its next event. The thread that passes the signs on gives none of its own: a
+//! service manager that takes nothing holds up that thread, and not the loop.
 
 use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
 use std::time::Duration;

@@ -1,8 +1,8 @@
 //! Keys, signals, and the state of the standard output, on one thread.
 //!
-//! Signals become bytes in pipes. A second signal only adds a byte, so it cannot skip the zeros at the end of a run.
-//! Where the input is a terminal, its keys arrive one by one and without echo; the settings of the terminal are restored
-//! at the end.
+//! Signals become bytes in pipes. A second signal only adds a byte, so it cannot skip the zeros at the end of
+//! a run. Where the input is a terminal, its keys arrive one by one and without echo; the settings of the
+//! terminal are restored at the end.
 
 use std::io::{IsTerminal as _, Read as _};
 use std::os::fd::{AsFd, BorrowedFd};

@@ -52,7 +52,8 @@ impl RunLoop<'_> {
         Ok(())
     }
 
-    /// The field of view that the pilot is told of at the change to a video; `None`: both videos have the same.
+    /// The field of view that the pilot is told of at the change to a video; `None`: both videos have the
+    /// same.
     fn field_of_view_of(&self, number: VideoNumber) -> Option<Angle> {
         let second = self.second_field_of_view?;
         Some(match number {

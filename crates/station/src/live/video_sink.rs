@@ -1,5 +1,5 @@
-//! What a live run does with the output of a video thread: the tracked video's frames go to the loop, units to
-//! the recording and the console.
+//! What a live run does with the output of a video thread: the tracked video's frames go to the loop, units
+//! to the recording and the console.
 
 use std::sync::Arc;
 use std::sync::mpsc::SyncSender;

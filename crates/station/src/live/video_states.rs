@@ -7,8 +7,8 @@ use barrelman_vocab::{StopCause, VideoNumber};
 use super::run_loop::{Ending, LoopState, RunEnd, RunLoop, failed};
 
 impl RunLoop<'_> {
-    /// Logs a change of a video. The first failed connection is logged; the following ones are counted. The end
-    /// of the tracked video ends the run; that of the other one does not.
+    /// Logs a change of a video. The first failed connection is logged; the following ones are counted. The
+    /// end of the tracked video ends the run; that of the other one does not.
     pub(super) fn on_video_state(
         &mut self,
         state: &mut LoopState,

@@ -1,4 +1,5 @@
-//! What a share needs from the start of a run: its socket, the password of its readers, and `barrelman-media`.
+//! What a share needs from the start of a run: its socket, the password of its readers, and
+//! `barrelman-media`.
 
 use std::net::TcpListener;
 

@@ -21,11 +21,12 @@ use crate::live::threads::spawn;
 const IDLE_WAIT: Duration = Duration::from_millis(100);
 /// Longest wait for a frame before a look what the readers need.
 const FRAME_WAIT: Duration = Duration::from_millis(20);
-/// The nice value of this thread and of `barrelman-media`: where processors are busy, the run loop comes first.
+/// The nice value of this thread and of `barrelman-media`: where processors are busy, the run loop comes
+/// first.
 const PRIORITY: i32 = 5;
 
-/// The thread of a run. It ends after this is dropped. The drop does not wait: `barrelman-media` ends with the
-/// program.
+/// The thread of a run. It ends after this is dropped. The drop does not wait: `barrelman-media` ends with
+/// the program.
 #[derive(Debug)]
 pub struct ShareThread {
     slot: Arc<ShareSlot>,
@@ -97,7 +98,8 @@ impl Work {
         }
     }
 
-    /// Serves until the slot is closed, or the password is no longer in force: its readers go with the process.
+    /// Serves until the slot is closed, or the password is no longer in force: its readers go with the
+    /// process.
     ///
     /// # Errors
     /// Why `barrelman-media` does not serve any more.

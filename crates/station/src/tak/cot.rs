@@ -1,7 +1,8 @@
 //! Events of Cursor on Target, version 2.0, as XML.
 //!
 //! An event says what is where until when. `ce` and `le` are standard deviations, metres, in the plane and of
-//! the height above the ellipsoid (`hae`); [`UNKNOWN`] stands for what is not known. Types follow MIL-STD-2525.
+//! the height above the ellipsoid (`hae`); [`UNKNOWN`] stands for what is not known. Types follow
+//! MIL-STD-2525.
 
 use std::io;
 use std::io::Write;

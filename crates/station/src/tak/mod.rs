@@ -1,11 +1,12 @@
-//! Boat, camera and marks on the maps of TAK (ATAK, WinTAK, TAK servers), as events of Cursor on Target (CoT).
+//! Boat, camera and marks on the maps of TAK (ATAK, WinTAK, TAK servers), as events of Cursor on Target
+//! (CoT).
 //!
 //! ```text
 //! thread tak: newest snapshot -> scene -> cot (XML) -> sender (UDP) -> line (TCP, TLS)
 //! ```
 //! Once a second the thread sends an event for each subject whose latitude and longitude are known. It reads
-//! the snapshot and requests nothing. What must not be here: a place that the program does not know, a log line
-//! for each event that cannot be sent.
+//! the snapshot and requests nothing. What must not be here: a place that the program does not know, a log
+//! line for each event that cannot be sent.
 
 mod address;
 mod cot;

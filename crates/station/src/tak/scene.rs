@@ -47,8 +47,8 @@ pub(super) struct Located {
     /// When it was there.
     pub(super) at: Timestamp,
     pub(super) place: GeoPoint,
-    /// Standard deviation, metres: of the line of sight alone, without the errors of the camera's own place and
-    /// direction, which no vehicle reports. `None`: nothing is known of it.
+    /// Standard deviation, metres: of the line of sight alone, without the errors of the camera's own place
+    /// and direction, which no vehicle reports. `None`: nothing is known of it.
     pub(super) std_dev_m: Option<f64>,
     pub(super) motion: Motion,
 }
@@ -77,8 +77,9 @@ fn camera(snapshot: &Snapshot, outcome: &Outcome) -> Option<Located> {
     Some(Located { subject, at: outcome.at, place, std_dev_m: None, motion: Motion::default() })
 }
 
-/// The boat where the line of sight meets the water, which is known where its error is small enough. Its speed is
-/// known to the guidance alone. A selection that is not confirmed yet is no boat, nor is what a detector doubts.
+/// The boat where the line of sight meets the water, which is known where its error is small enough. Its
+/// speed is known to the guidance alone. A selection that is not confirmed yet is no boat, nor is what a
+/// detector doubts.
 fn boat(snapshot: &Snapshot, outcome: &Outcome) -> Option<Located> {
     let Track::Tracking(seen) = outcome.track else { return None };
     if outcome.is_target_uncertain() {

@@ -21,7 +21,8 @@ use crate::live::threads::spawn;
 /// Time from the events of one turn to those of the next.
 const INTERVAL: Duration = Duration::from_secs(1);
 
-/// The thread of a run. It ends after this is dropped. The drop does not wait: the thread may just be connecting.
+/// The thread of a run. It ends after this is dropped. The drop does not wait: the thread may just be
+/// connecting.
 #[derive(Debug)]
 pub struct TakThread {
     _runs: SyncSender<()>,

@@ -5,8 +5,8 @@
 //! thread mavlink  gateway <------ requests --'   ^
 //!                    '---------- answers --------'
 //! ```
-//! A ground station selects through the operator gateway, like a page, and never engages. What must not be here: a decision about
-//! the camera's motion, knowledge of messages (`wire`).
+//! A ground station selects through the operator gateway, like a page, and never engages. What must not be
+//! here: a decision about the camera's motion, knowledge of messages (`wire`).
 
 mod thread;
 mod view;

@@ -162,7 +162,8 @@ impl Work {
         }))
     }
 
-    /// Waits until something arrives at `port`, or the run ends, at most for `wait`. Returns whether the port is readable.
+    /// Waits until something arrives at `port`, or the run ends, at most for `wait`. Returns whether the port
+    /// is readable.
     fn wait(&self, port: Option<&Port>, wait: Duration) -> bool {
         let waker = PollFd::new(&*self.waker, PollFlags::IN);
         let Some(port) = port else {

@@ -173,7 +173,8 @@ fn a_recorded_trial_replays_to_the_same_commands() {
     succeeded(&barrelman(&["replay", argument(&recording), "--compare"]));
 }
 
-/// The hash of a recorded trial: topic, time and payload of all messages, and the bytes of the annotated video.
+/// The hash of a recorded trial: topic, time and payload of all messages, and the bytes of the annotated
+/// video.
 fn hash_of(recording: &Path) -> u64 {
     let bytes = std::fs::read(recording).unwrap();
     let mut hash = Xxh3::new();

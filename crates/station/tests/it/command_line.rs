@@ -7,7 +7,8 @@ use clap::CommandFactory as _;
 
 use crate::program::{barrelman, barrelman_in, empty_folder, failed};
 
-/// Runs a command that must fail with this exit code and a message that contains all words, and print no result.
+/// Runs a command that must fail with this exit code and a message that contains all words, and print no
+/// result.
 #[track_caller]
 fn refused(arguments: &[&str], code: i32, words: &[&str]) {
     let output = barrelman(arguments);

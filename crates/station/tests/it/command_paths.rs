@@ -18,8 +18,8 @@ use crate::program::{argument, barrelman, empty_folder, failed, succeeded};
 
 const CONFIGURATION: &str = "[law]\nname = \"schema\"\n[tracker]\nname = \"camshift\"\n";
 
-/// Records an engaged pilot whose link comes up after a second, and whose commands took `made`; the recording states
-/// `stated`. Returns the file, and whether the camera was commanded to move before the link was up.
+/// Records an engaged pilot whose link comes up after a second, and whose commands took `made`; the recording
+/// states `stated`. Returns the file, and whether the camera was commanded to move before the link was up.
 fn record(name: &str, made: CommandPath, stated: CommandPath) -> (PathBuf, bool) {
     let configuration = Configuration::resolve(&config::parse(CONFIGURATION).unwrap()).unwrap();
     let start = RecordingStart {

@@ -1,5 +1,5 @@
-//! A calibrated lens: read from a file, scaled to the picture, compared with OpenCV's projections, and refused where it does not
-//! fit.
+//! A calibrated lens: read from a file, scaled to the picture, compared with OpenCV's projections, and
+//! refused where it does not fit.
 
 use std::path::{Path, PathBuf};
 
@@ -49,7 +49,8 @@ fn a_lens_that_does_not_fit_the_picture_says_what_to_do() {
     }
 }
 
-/// The loaded lens, at the size of its calibration and at half of it, sees each point where `cv2.projectPoints` does.
+/// The loaded lens, at the size of its calibration and at half of it, sees each point where
+/// `cv2.projectPoints` does.
 #[test]
 fn a_loaded_lens_sees_where_opencv_does() {
     let folder = empty_folder("lens-opencv");

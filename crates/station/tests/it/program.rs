@@ -20,7 +20,8 @@ pub(crate) fn succeeded(output: &Output) -> String {
     String::from_utf8(output.stdout.clone()).unwrap()
 }
 
-/// The standard error of a run that must have failed with this exit code and a message that contains all words.
+/// The standard error of a run that must have failed with this exit code and a message that contains all
+/// words.
 #[track_caller]
 pub(crate) fn failed(output: &Output, code: i32, words: &[&str]) -> String {
     let message = String::from_utf8_lossy(&output.stderr).into_owned();

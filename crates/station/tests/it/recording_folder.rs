@@ -13,8 +13,8 @@ const OLDEST: &str = "run-20260101T000000Z.mcap";
 const OLD: &str = "run-20260201T000000Z.mcap";
 const FOREIGN: &str = "sortie.mcap";
 
-/// Opens the next recording in a folder with files of 600 bytes. The names of the files that are there afterwards, the
-/// new one left out.
+/// Opens the next recording in a folder with files of 600 bytes. The names of the files that are there
+/// afterwards, the new one left out.
 fn kept(name: &str, files: &[&str], quota_bytes: f64) -> Vec<String> {
     let folder = empty_folder(name);
     for file in files {

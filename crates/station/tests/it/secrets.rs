@@ -22,7 +22,8 @@ fn barrelman(options: &[&str]) -> Output {
     command.args(options).env("BARRELMAN_TEST_LOGIN", format!("admin:{PASSWORD}")).output().unwrap()
 }
 
-/// Runs a command that must fail without printing the password. Returns its standard output and standard error.
+/// Runs a command that must fail without printing the password. Returns its standard output and standard
+/// error.
 #[track_caller]
 fn refused(options: &[&str], words: &str) -> String {
     let output = barrelman(options);

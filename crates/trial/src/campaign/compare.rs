@@ -1,10 +1,10 @@
 //! Paired comparison of two campaigns on the same seeds.
 //!
-//! Trials of the same name (`SCENARIO/SEED`) have the same target motion, sway and noise, so that differences come from
-//! the settings of the campaigns. For each metric: both means, the ratio of the means, and the mean difference, the
-//! last two with bootstrap intervals over the pairs. A trial may leave a metric undefined (the sensitivity of a trial
-//! without a complete excursion): the paired figures rest on the pairs in which both define it, and the mean over all
-//! trials that define it stands beside them.
+//! Trials of the same name (`SCENARIO/SEED`) have the same target motion, sway and noise, so that differences
+//! come from the settings of the campaigns. For each metric: both means, the ratio of the means, and the mean
+//! difference, the last two with bootstrap intervals over the pairs. A trial may leave a metric undefined
+//! (the sensitivity of a trial without a complete excursion): the paired figures rest on the pairs in which
+//! both define it, and the mean over all trials that define it stands beside them.
 
 use std::collections::BTreeMap;
 
@@ -62,7 +62,8 @@ pub struct PairedMetric {
     pub first: f64,
     /// Mean over the second campaign's trials of those pairs.
     pub second: f64,
-    /// Mean over all trials of the first campaign that define the metric: the figure that `metrics` gives for its file.
+    /// Mean over all trials of the first campaign that define the metric: the figure that `metrics` gives for
+    /// its file.
     pub first_of_all: MeanOfAll,
     /// The same of the second campaign.
     pub second_of_all: MeanOfAll,

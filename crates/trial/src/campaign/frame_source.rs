@@ -9,8 +9,8 @@ use crate::target_in_picture::TargetInPicture;
 pub trait FrameSource {
     /// Captures the world in its present state.
     fn capture(&mut self, world: &World) -> CapturedFrame;
-    /// Returns the video frame that the pilot receives for a captured one. The two differ where a codec lies between
-    /// camera and pilot.
+    /// Returns the video frame that the pilot receives for a captured one. The two differ where a codec lies
+    /// between camera and pilot.
     fn deliver(&mut self, captured: &CapturedFrame) -> VideoFrame {
         captured.frame.clone()
     }

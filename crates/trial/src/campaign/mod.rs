@@ -1,11 +1,12 @@
 //! Simulated trials and campaigns: one scenario, one law, many seeds.
 //!
-//! [`simulation`] runs one trial in lock step: world, sensor or [`rendered_camera`], pilot, world. A [`StepObserver`]
-//! records or displays the trial. [`world_replay`] renders the pictures of a recorded trial again. [`entry`] is the result of one trial, a line of a campaign's file. [`compare`] pairs
-//! the trials of two campaigns by seed.
+//! [`simulation`] runs one trial in lock step: world, sensor or [`rendered_camera`], pilot, world. A
+//! [`StepObserver`] records or displays the trial. [`world_replay`] renders the pictures of a recorded trial
+//! again. [`entry`] is the result of one trial, a line of a campaign's file. [`compare`] pairs the trials of
+//! two campaigns by seed.
 //!
-//! The result of a trial depends only on its scenario, its seed and its settings. Scheduling of trials (threads,
-//! processes, order) is not part of this module.
+//! The result of a trial depends only on its scenario, its seed and its settings. Scheduling of trials
+//! (threads, processes, order) is not part of this module.
 
 pub mod simulation;
 

@@ -29,8 +29,8 @@ pub struct RenderedCamera<'a> {
 const MAX_POOLED: usize = 32;
 
 impl<'a> RenderedCamera<'a> {
-    /// The camera of a trial. `simd` is the highest level of vector instructions that the renderer may use; the pictures
-    /// are bit-identical at every level.
+    /// The camera of a trial. `simd` is the highest level of vector instructions that the renderer may use;
+    /// the pictures are bit-identical at every level.
     pub fn new(
         world: &World,
         camera: CameraSetup,

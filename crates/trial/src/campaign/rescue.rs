@@ -1,8 +1,9 @@
-//! A trial in which the boat goes to a person by guidance: what the simulated operator marks, and how the boat goes.
+//! A trial in which the boat goes to a person by guidance: what the simulated operator marks, and how the
+//! boat goes.
 //!
-//! The first person of the scenario is the one to go to. As soon as the boat is tracked, the operator marks all people in
-//! the picture and lets the boat go. Every [`MARKED_ANEW`], the operator moves the marks that no tracker holds, as the
-//! people drift. A mark is off by up to [`MARK_ERROR_PX`].
+//! The first person of the scenario is the one to go to. As soon as the boat is tracked, the operator marks
+//! all people in the picture and lets the boat go. Every [`MARKED_ANEW`], the operator moves the marks that
+//! no tracker holds, as the people drift. A mark is off by up to [`MARK_ERROR_PX`].
 
 use core::time::Duration;
 

@@ -58,8 +58,8 @@ fn or_the_scenarios(value: Option<String>) -> String {
 }
 
 impl CampaignSettings {
-    /// How the world, or the kind of figures, differs from that of `other`: where it does, a difference between their
-    /// trials tells nothing about laws or trackers.
+    /// How the world, or the kind of figures, differs from that of `other`: where it does, a difference
+    /// between their trials tells nothing about laws or trackers.
     pub fn world_differences(&self, other: &Self) -> Vec<SettingDifference> {
         differences(&WORLD, self, other)
     }

@@ -1,8 +1,8 @@
 //! Means with confidence intervals.
 //!
-//! [`mean_interval`] is Student's interval, for values of independent trials. [`Bootstrap`] resamples trials with
-//! numbers from a hash, so that it is repeatable; it serves ratios and paired differences, whose distribution is
-//! unknown.
+//! [`mean_interval`] is Student's interval, for values of independent trials. [`Bootstrap`] resamples trials
+//! with numbers from a hash, so that it is repeatable; it serves ratios and paired differences, whose
+//! distribution is unknown.
 
 use barrelman_sim::noise;
 use serde::Serialize;
@@ -37,8 +37,8 @@ pub fn mean_interval(values: &[f64]) -> Option<Interval> {
     Some(Interval { value: mean, low: mean - half, high: mean + half })
 }
 
-/// The 97.5 % quantile of Student's t distribution. From 4 degrees of freedom on by the Cornish-Fisher expansion, with a
-/// relative error of at most 0.2 %; below from a table.
+/// The 97.5 % quantile of Student's t distribution. From 4 degrees of freedom on by the Cornish-Fisher
+/// expansion, with a relative error of at most 0.2 %; below from a table.
 pub fn student_t_975(degrees: usize) -> f64 {
     match degrees {
         0 => f64::INFINITY,
@@ -76,9 +76,9 @@ impl Bootstrap {
     /// 10,000 resamples, 95 %.
     pub const DEFAULT: Self = Self { resamples: 10_000, seed: 1, confidence: 0.95 };
 
-    /// The statistic of `count` trials with its interval over resampled trials. `statistic` receives the indices of the
-    /// trials to evaluate, with repetitions. Resamples whose statistic is not finite are left out. `None` where `count`
-    /// is 0, or where no value is finite.
+    /// The statistic of `count` trials with its interval over resampled trials. `statistic` receives the
+    /// indices of the trials to evaluate, with repetitions. Resamples whose statistic is not finite are left
+    /// out. `None` where `count` is 0, or where no value is finite.
     pub fn interval(&self, count: usize, statistic: impl Fn(&[usize]) -> f64) -> Option<Interval> {
         if count == 0 {
             return None;

@@ -1,8 +1,9 @@
 //! The pictures of a recorded trial in pixels, rendered again.
 //!
-//! A recording of a trial in pixels holds no pictures: scenario, seed and the recorded commands determine them, to the
-//! bit. The world is run again with the commands as they were recorded, whatever the replaying pilot would command, so a
-//! recording is replayed through another law or tracker on the pictures that it was made with.
+//! A recording of a trial in pixels holds no pictures: scenario, seed and the recorded commands determine
+//! them, to the bit. The world is run again with the commands as they were recorded, whatever the replaying
+//! pilot would command, so a recording is replayed through another law or tracker on the pictures that it was
+//! made with.
 
 use std::collections::VecDeque;
 
@@ -53,8 +54,8 @@ impl<'a> WorldReplay<'a> {
         self.commands.push_back((at, rates, order));
     }
 
-    /// The frame with this sequence number, captured at `at`; `None` where the world has no such frame. All rates up to
-    /// `at` must have been added.
+    /// The frame with this sequence number, captured at `at`; `None` where the world has no such frame. All
+    /// rates up to `at` must have been added.
     pub fn frame(&mut self, sequence: u64, at: Timestamp) -> Option<VideoFrame> {
         while self.world.now() <= at {
             self.tick();

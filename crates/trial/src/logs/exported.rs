@@ -1,9 +1,9 @@
 //! The CSV of a trial: `barrelman export` writes it from a recording, `barrelman law` from a log.
 //!
-//! Columns are identified by name: `time_s,x,y` and the rates are required; `picture_width,picture_height` give the size of
-//! the frame (by default the laboratory's); others are ignored. x or y is empty while the track is lost. The rates are
-//! `pan_rate,tilt_rate` (positive to the right and upwards), or `pitch_rate,yaw_rate` in the Fotokite Pro's
-//! own signs, as `barrelman law` writes them.
+//! Columns are identified by name: `time_s,x,y` and the rates are required; `picture_width,picture_height`
+//! give the size of the frame (by default the laboratory's); others are ignored. x or y is empty while the
+//! track is lost. The rates are `pan_rate,tilt_rate` (positive to the right and upwards), or
+//! `pitch_rate,yaw_rate` in the Fotokite Pro's own signs, as `barrelman law` writes them.
 
 use barrelman_vocab::{AngularRate, CameraCommand, ImagePoint, PictureSize};
 

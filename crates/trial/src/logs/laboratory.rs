@@ -1,9 +1,11 @@
 //! The authors' laboratory logs (`biswas2017`).
 //!
-//! The first row follows the header `x_val,y_val,pitch,yaw,val,time` without a line end. Rows have 7 fields (x, y in px
-//! from the centre with y up; pitch rate, yaw rate in rad/s as sent; P; a loop time; Unix time in whole seconds), or 6
-//! without the loop time; the first row decides. The rows have a constant rate, [`ROWS_PER_SECOND`], which is used
-//! instead of the times. The rates have the Fotokite Pro's own signs; a log's command has the program's. P refers to a 640x480 frame of which the picture fills 640x360. Pitch, yaw and P may be blank.
+//! The first row follows the header `x_val,y_val,pitch,yaw,val,time` without a line end. Rows have 7 fields
+//! (x, y in px from the centre with y up; pitch rate, yaw rate in rad/s as sent; P; a loop time; Unix time in
+//! whole seconds), or 6 without the loop time; the first row decides. The rows have a constant rate,
+//! [`ROWS_PER_SECOND`], which is used instead of the times. The rates have the Fotokite Pro's own signs; a
+//! log's command has the program's. P refers to a 640x480 frame of which the picture fills 640x360. Pitch,
+//! yaw and P may be blank.
 
 use barrelman_vocab::{AngularRate, CameraCommand, ImagePoint, PictureSize, VehicleProfile, VehicleRates};
 

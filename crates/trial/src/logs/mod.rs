@@ -1,7 +1,7 @@
 //! Logs of trials: positions of the target and camera commands over time.
 //!
-//! Metrics and laws work on a [`TrialLog`]. It is read from the laboratory's CSV ([`laboratory`]), from a CSV exported
-//! from a recording ([`exported`]), or from a recording itself ([`recorded`]).
+//! Metrics and laws work on a [`TrialLog`]. It is read from the laboratory's CSV ([`laboratory`]), from a CSV
+//! exported from a recording ([`exported`]), or from a recording itself ([`recorded`]).
 
 mod trial_log;
 

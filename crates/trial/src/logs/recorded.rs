@@ -10,8 +10,8 @@ use super::water_log::WaterLog;
 use crate::records::{RecordedInput, RecordedOutcome, RecordedTruth};
 use crate::target_in_picture::JudgedTrack;
 
-/// Selects the outcomes that are rows of a log: from the first localisation on, every outcome of a look at a picture, and
-/// every other outcome that changed the command.
+/// Selects the outcomes that are rows of a log: from the first localisation on, every outcome of a look at a
+/// picture, and every other outcome that changed the command.
 #[derive(Debug, Clone, Default)]
 pub struct RowSelector {
     /// The rates of the last row.
@@ -19,8 +19,8 @@ pub struct RowSelector {
 }
 
 impl RowSelector {
-    /// Whether the next outcome is a row. `is_in_pixels`: the recording is one of a simulated trial in pixels, whose log
-    /// begins with the first picture.
+    /// Whether the next outcome is a row. `is_in_pixels`: the recording is one of a simulated trial in
+    /// pixels, whose log begins with the first picture.
     pub fn accepts(&mut self, outcome: &RecordedOutcome, is_in_pixels: bool) -> bool {
         let is_measured = outcome.track.localisation().is_some() || (is_in_pixels && outcome.age.is_some());
         let begins = self.last_rates.is_none() && is_measured;

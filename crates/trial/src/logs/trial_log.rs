@@ -13,10 +13,11 @@ use crate::target_in_picture::JudgedTrack;
 pub struct LogRow {
     /// Time since the trial's first row, s.
     pub time_s: f64,
-    /// Position of the target as localised, `None` while the track was lost; in a simulated trial in pixels the true
-    /// position, also out of the picture.
+    /// Position of the target as localised, `None` while the track was lost; in a simulated trial in pixels
+    /// the true position, also out of the picture.
     pub position: Option<ImagePoint>,
-    /// The command as it was sent: pan positive to the right, tilt upwards; `None` where the log does not contain it.
+    /// The command as it was sent: pan positive to the right, tilt upwards; `None` where the log does not
+    /// contain it.
     pub command: Option<CameraCommand>,
 }
 
@@ -35,8 +36,8 @@ pub struct TrialLog {
     pub records_track_loss: bool,
     /// The ground truth of each row, where the trial was simulated.
     pub truth: Option<Vec<RowTruth>>,
-    /// Number of selections, in a simulated trial in pixels. The positions of its rows are the truth; what the tracker
-    /// said is in [`RowTruth::track`].
+    /// Number of selections, in a simulated trial in pixels. The positions of its rows are the truth; what
+    /// the tracker said is in [`RowTruth::track`].
     pub selections: Option<usize>,
     /// How the boat went to a person, in a simulated trial with guidance.
     pub guidance: Option<GuidanceMetrics>,
@@ -44,7 +45,8 @@ pub struct TrialLog {
     pub water: Option<WaterLog>,
 }
 
-/// The ground truth at a row of a simulated trial. World coordinates: x to the right and y ahead of the first view.
+/// The ground truth at a row of a simulated trial. World coordinates: x to the right and y ahead of the first
+/// view.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RowTruth {
     /// Whether the target was out of the picture.

@@ -2,8 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-/// Figures of the guidance. Fields are `null` where they are not defined. All are from the truth, from the moment at which
-/// the guidance was engaged.
+/// Figures of the guidance. Fields are `null` where they are not defined. All are from the truth, from the
+/// moment at which the guidance was engaged.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct GuidanceMetrics {
     /// Whether the boat came within 4 m of the person.

@@ -17,24 +17,26 @@ pub const MAX_WRONG_IOU: f64 = 0.1;
 /// A target that comes back had been invisible for at least this long, s.
 pub const MIN_ABSENCE_S: f64 = 1.0;
 
-/// Figures of the tracker in a trial in pixels. Fields are `null` where they are not defined, all of them where the trial
-/// is not in pixels.
+/// Figures of the tracker in a trial in pixels. Fields are `null` where they are not defined, all of them
+/// where the trial is not in pixels.
 ///
-/// The target is *visible* where at least half of it can be seen in the picture, and *tracked* where the state is
-/// `tracking` and the box overlaps the visible part by IoU 0.3 or more.
+/// The target is *visible* where at least half of it can be seen in the picture, and *tracked* where the
+/// state is `tracking` and the box overlaps the visible part by IoU 0.3 or more.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 #[serde(default)]
 pub struct PerceptionMetrics {
     /// Share of the time with a visible target in which it is tracked, 0 to 1.
     pub tracked: Option<f64>,
-    /// Longest time with a visible target that is not tracked, s. Time in which the target is not visible does not count,
-    /// and does not end the interval.
+    /// Longest time with a visible target that is not tracked, s. Time in which the target is not visible
+    /// does not count, and does not end the interval.
     pub blind_s: Option<f64>,
-    /// Share of the time with a confidence of 0.8 or more, tracking or coasting, and an IoU below 0.1, 0 to 1.
+    /// Share of the time with a confidence of 0.8 or more, tracking or coasting, and an IoU below 0.1, 0
+    /// to 1.
     pub sure_wrong: Option<f64>,
     /// From the first picture to the first time that the target is tracked, s.
     pub first_track_s: Option<f64>,
-    /// Mean time from the moment at which the target is visible again, after at least 1 s without, until it is tracked, s.
+    /// Mean time from the moment at which the target is visible again, after at least 1 s without, until it
+    /// is tracked, s.
     pub reacquire_s: Option<f64>,
     /// Number of selections.
     pub selections: Option<usize>,

@@ -61,8 +61,8 @@ pub struct TrialEntry {
 pub struct PooledMetrics {
     /// Mean of the trials' sensitivities, 1/s.
     pub mean_sensitivity: Option<f64>,
-    /// The mean sensitivity divided by the arena's published n; outside the paper's arenas by the mean number of
-    /// excursions.
+    /// The mean sensitivity divided by the arena's published n; outside the paper's arenas by the mean number
+    /// of excursions.
     pub normalised_sensitivity: Option<f64>,
     /// Share of successful trials, 0 to 1.
     pub success_rate: Option<f64>,

@@ -10,7 +10,8 @@ use super::mean::mean;
 use super::perception::PerceptionMetrics;
 use crate::logs::{RowTruth, TrialLog};
 
-/// A target closer to the picture's border than this share of half its width or height counts as at the border.
+/// A target closer to the picture's border than this share of half its width or height counts as at the
+/// border.
 pub const BORDER_SHARE: f64 = 0.05;
 /// Longest uninterrupted loss of the target that does not make the trial a lost one, s.
 pub const MAX_LOST_S: f64 = 2.0;
@@ -76,14 +77,15 @@ pub const MAX_BLIND_S: f64 = 5.0;
 pub const MIN_TRACKED: f64 = 0.95;
 
 impl TrialMetrics {
-    /// Whether the trial is a simulated one in pixels: its figures are taken from the truth, and its tracker is judged.
+    /// Whether the trial is a simulated one in pixels: its figures are taken from the truth, and its tracker
+    /// is judged.
     pub const fn is_in_pixels(&self) -> bool {
         self.perception.selections.is_some()
     }
 
-    /// Whether the trial succeeded: the target was not lost, or, where the log does not record losses, the trial does
-    /// not end outside the region. In pixels the target was also tracked: for 95 % of the time in which it was visible,
-    /// and never for more than 5 s not.
+    /// Whether the trial succeeded: the target was not lost, or, where the log does not record losses, the
+    /// trial does not end outside the region. In pixels the target was also tracked: for 95 % of the time in
+    /// which it was visible, and never for more than 5 s not.
     pub fn is_success(&self) -> bool {
         let PerceptionMetrics { tracked, blind_s, .. } = self.perception;
         let is_tracked = !self.is_in_pixels()
@@ -187,7 +189,8 @@ impl CommandTotals {
     }
 }
 
-/// RMS of the second derivative of the achieved rates, both axes together, rad/s³; `None` for fewer than three rows.
+/// RMS of the second derivative of the achieved rates, both axes together, rad/s³; `None` for fewer than
+/// three rows.
 fn jerk(log: &TrialLog, truth: &[RowTruth]) -> Option<f64> {
     let squares = (1..truth.len().saturating_sub(1)).map(|index| {
         let (before_s, after_s) = (log.row_duration_s(index - 1), log.row_duration_s(index));

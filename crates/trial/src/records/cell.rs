@@ -1,8 +1,9 @@
-//! Values of a message as the cells of a CSV: texts quoted, variants by name, bytes, lists and maps by their length, nested
-//! messages as JSON.
+//! Values of a message as the cells of a CSV: texts quoted, variants by name, bytes, lists and maps by their
+//! length, nested messages as JSON.
 //!
-//! The JSON is that of protobuf (absent fields are left away, numbers that are not finite are texts), except that fields
-//! keep their names from the schema, numbers of 64 bits stay numbers, and bytes are told by their length, as in a cell.
+//! The JSON is that of protobuf (absent fields are left away, numbers that are not finite are texts), except
+//! that fields keep their names from the schema, numbers of 64 bits stay numbers, and bytes are told by their
+//! length, as in a cell.
 
 use std::borrow::Cow;
 use std::fmt::Write as _;

@@ -1,9 +1,10 @@
 //! The columns of a channel's table, by the schema of its messages.
 //!
-//! A nested message becomes columns of its own, like `percept.p`. A schema may nest itself, or fan out so that its columns
-//! grow exponentially with its depth, so there are bounds: a message that lies in its own kind, deeper than [`MAX_DEPTH`],
-//! or whose fields would make more than [`MAX_COLUMNS`] columns, is one column that holds JSON. Messages nearer to the
-//! root get their columns first. Memory and time are linear in the schema and in [`MAX_COLUMNS`] times [`MAX_DEPTH`].
+//! A nested message becomes columns of its own, like `percept.p`. A schema may nest itself, or fan out so
+//! that its columns grow exponentially with its depth, so there are bounds: a message that lies in its own
+//! kind, deeper than [`MAX_DEPTH`], or whose fields would make more than [`MAX_COLUMNS`] columns, is one
+//! column that holds JSON. Messages nearer to the root get their columns first. Memory and time are linear in
+//! the schema and in [`MAX_COLUMNS`] times [`MAX_DEPTH`].
 
 use std::collections::VecDeque;
 

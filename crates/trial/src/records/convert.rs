@@ -1,6 +1,7 @@
 //! Conversion of entries to stored messages and back.
 //!
-//! A stored message that lacks a required field, or has a number that stands for no known variant, is [`Malformed`].
+//! A stored message that lacks a required field, or has a number that stands for no known variant, is
+//! [`Malformed`].
 
 mod malformed;
 

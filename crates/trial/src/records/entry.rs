@@ -50,7 +50,8 @@ pub enum Entry {
 pub struct RecordedVideo {
     /// The address, without passwords.
     pub address: String,
-    /// Whether the video was live: a live decoder returns pictures at once, that of a file in the order of display.
+    /// Whether the video was live: a live decoder returns pictures at once, that of a file in the order of
+    /// display.
     pub is_live: bool,
 }
 
@@ -192,10 +193,11 @@ pub struct RecordedVessel {
     pub destination: Option<(u32, Option<WaterPoint>)>,
     /// The marks that are on the water.
     pub marks: Vec<RecordedMark>,
-    /// Corners of what the picture shows of the water, from the near left one clockwise as seen from above; `None` where
-    /// height or tilt are not known.
+    /// Corners of what the picture shows of the water, from the near left one clockwise as seen from above;
+    /// `None` where height or tilt are not known.
     pub view: Option<[WaterPoint; 4]>,
-    /// The boat on its way; `None` where the vehicle does not report its position and the direction of its camera from north.
+    /// The boat on its way; `None` where the vehicle does not report its position and the direction of its
+    /// camera from north.
     pub boat_on_earth: Option<GeoPoint>,
 }
 

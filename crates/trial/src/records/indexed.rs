@@ -90,8 +90,8 @@ impl<R: Read + Seek> IndexedRecording<R> {
         Ok(found)
     }
 
-    /// Gives the entries of the videos and the steps from a time on, in the order of their times, until `each`
-    /// returns false.
+    /// Gives the entries of the videos and the steps from a time on, in the order of their times, until
+    /// `each` returns false.
     ///
     /// # Errors
     /// If the input cannot be read, or is damaged.

@@ -1,8 +1,9 @@
 //! Recordings: the inputs and outcomes of a run and the video as received, in one MCAP file.
 //!
-//! A recording is a sequence of [`Entry`]s; [`RecordingWriter`] and [`RecordingReader`] convert them to MCAP messages and
-//! back. `proto/barrelman.proto` is the schema of this program's messages; the video uses Foxglove's schemas. A truncated
-//! file (a killed process) is readable up to the end of its last complete chunk.
+//! A recording is a sequence of [`Entry`]s; [`RecordingWriter`] and [`RecordingReader`] convert them to MCAP
+//! messages and back. `proto/barrelman.proto` is the schema of this program's messages; the video uses
+//! Foxglove's schemas. A truncated file (a killed process) is readable up to the end of its last complete
+//! chunk.
 //!
 //! Numbers are stored bit-exactly, except that -0.0 is read as 0.0: protobuf omits zeros.
 

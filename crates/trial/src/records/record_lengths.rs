@@ -1,17 +1,17 @@
-//! Checks lengths ahead of the MCAP reader, which trusts them: those of the records in a chunk, as a damaged one would make
-//! it read beyond the chunk's end, and those of the texts in a record, for which it takes memory before it reads, up to 4 GiB
-//! each. Records that no table and no replay needs (attachments, indices, metadata) are passed on as records of a private kind,
-//! which the MCAP reader ignores.
+//! Checks lengths ahead of the MCAP reader, which trusts them: those of the records in a chunk, as a damaged
+//! one would make it read beyond the chunk's end, and those of the texts in a record, for which it takes
+//! memory before it reads, up to 4 GiB each. Records that no table and no replay needs (attachments, indices,
+//! metadata) are passed on as records of a private kind, which the MCAP reader ignores.
 
 use std::io::{self, Read};
 
-/// Longest accepted record, bytes: more than a raw picture of 7680 x 4320 needs. Bounds the memory that a damaged length
-/// can allocate.
+/// Longest accepted record, bytes: more than a raw picture of 7680 x 4320 needs. Bounds the memory that a
+/// damaged length can allocate.
 pub(super) const MAX_RECORD_BYTES: usize = 64 << 20;
 /// Bytes of a record's opcode and length.
 const RECORD_HEAD: usize = 1 + 8;
-/// Bytes of a chunk's fields before its records, without the name of the compression: two times, size and checksum of the
-/// records, length of the name, stored length of the records.
+/// Bytes of a chunk's fields before its records, without the name of the compression: two times, size and
+/// checksum of the records, length of the name, stored length of the records.
 const CHUNK_HEAD: usize = 8 + 8 + 8 + 4 + 4 + 8;
 /// Offset of the length of the compression's name in a chunk's fields, bytes.
 const CHUNK_NAME_LENGTH: usize = 28;
@@ -22,7 +22,8 @@ const HEADER: u8 = 0x01;
 const SCHEMA: u8 = 0x03;
 const CHANNEL: u8 = 0x04;
 const CHUNK: u8 = 0x06;
-/// Opcodes of records that are not needed: index of a chunk, attachment and its index, metadata and their index.
+/// Opcodes of records that are not needed: index of a chunk, attachment and its index, metadata and their
+/// index.
 const NOT_NEEDED: [u8; 5] = [0x08, 0x09, 0x0a, 0x0c, 0x0d];
 /// Bytes of a schema and of a channel before their texts; a header begins with texts.
 const SCHEMA_NUMBERS: usize = 2;

@@ -1,9 +1,9 @@
 //! Any channel of a recording as a table: one row per message, one column per field.
 //!
-//! Fields of nested messages become columns such as `percept.p`, within the bounds of [`columns`](super::columns); a
-//! message beyond the bounds becomes one column of JSON. Absent fields are empty; bytes are represented by their length.
-//! The schemas come from the file, so that channels of later versions can be read too; channels that are not protobuf
-//! are ignored.
+//! Fields of nested messages become columns such as `percept.p`, within the bounds of
+//! [`columns`](super::columns); a message beyond the bounds becomes one column of JSON. Absent fields are
+//! empty; bytes are represented by their length. The schemas come from the file, so that channels of later
+//! versions can be read too; channels that are not protobuf are ignored.
 
 use std::collections::BTreeMap;
 use std::io::Read;
@@ -25,8 +25,8 @@ pub struct TableRow {
     pub columns: Vec<String>,
     /// The cells, quoted where CSV needs it (RFC 4180).
     pub cells: Vec<String>,
-    /// The columns that hold JSON, because the messages in them nest too deep, too widely or in their own kind; the same
-    /// for every row of a topic.
+    /// The columns that hold JSON, because the messages in them nest too deep, too widely or in their own
+    /// kind; the same for every row of a topic.
     pub json_columns: Vec<String>,
 }
 

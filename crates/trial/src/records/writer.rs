@@ -1,7 +1,7 @@
 //! Writes entries as an MCAP file.
 //!
-//! Messages collect in a chunk in memory; [`RecordingWriter::flush`] closes the chunk and writes it to the output, so that
-//! a killed process loses only the entries after the last flush.
+//! Messages collect in a chunk in memory; [`RecordingWriter::flush`] closes the chunk and writes it to the
+//! output, so that a killed process loses only the entries after the last flush.
 
 use std::collections::BTreeMap;
 use std::io::Write;

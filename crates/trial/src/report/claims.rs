@@ -89,7 +89,8 @@ impl<'a> Count<'a> {
         if self.failed.is_empty() { "none".to_owned() } else { self.failed().to_string() }
     }
 
-    /// The names of the failed trials: `: a, b and c`, with their set where there are several; empty without any.
+    /// The names of the failed trials: `: a, b and c`, with their set where there are several; empty without
+    /// any.
     fn failed_names(&self) -> String {
         let of_set = |(set, names): &(&str, Vec<&str>)| {
             if self.sets > 1 { format!("{} ({set})", listed(names)) } else { listed(names) }

@@ -46,8 +46,8 @@ impl Figure {
         )
     }
 
-    /// An SVG element for a page that contains the style. The title is a label: a title element would appear as a tooltip
-    /// over the whole figure.
+    /// An SVG element for a page that contains the style. The title is a label: a title element would appear
+    /// as a tooltip over the whole figure.
     pub fn inline(&self) -> String {
         format!(
             "<svg class=\"fig\" style=\"max-width:{}px\" aria-label=\"{}\" {}><desc>{}</desc>{}</svg>",

@@ -97,8 +97,8 @@ pub(super) fn peak_row(excursion: &Excursion, p_at: &dyn Fn(usize) -> Option<f64
     known_ps.max_by(|a, b| a.1.total_cmp(&b.1).then(b.0.cmp(&a.0))).map_or(excursion.first, |(row, _)| row)
 }
 
-/// Writes h and b at the points of the excursions (b, h) as far as there is room: large excursions first, the largest
-/// with the letters.
+/// Writes h and b at the points of the excursions (b, h) as far as there is room: large excursions first, the
+/// largest with the letters.
 fn label_excursions(canvas: &mut Canvas, found: &[Excursion], points: &[(Point, Point)]) {
     let mut order: Vec<usize> = (0..found.len()).collect();
     let area = |index: usize| found[index].b_s * found[index].h;

@@ -23,7 +23,8 @@ pub struct Report {
     pub version: String,
 }
 
-/// A report of at most this many trials unfolds the figures of all; a larger one those of the first trial of each group.
+/// A report of at most this many trials unfolds the figures of all; a larger one those of the first trial of
+/// each group.
 const MAX_UNFOLDED: usize = 3;
 /// Figures wider than this, in units of paper, have a row of their own.
 const MAX_NARROW: f64 = 500.0;
@@ -42,8 +43,8 @@ const SCRIPT: &str = "const open=()=>{const t=document.getElementById(location.h
     addEventListener('beforeprint',()=>document.querySelectorAll('details').forEach(d=>d.open=true));";
 
 impl Report {
-    /// A report of these trials, in the order of their arenas and sets, and of their names within a set: by the numbers
-    /// in them.
+    /// A report of these trials, in the order of their arenas and sets, and of their names within a set: by
+    /// the numbers in them.
     pub fn new(mut trials: Vec<ReportedTrial>, version: String) -> Self {
         let place = |trial: &ReportedTrial| (trial.entry.arena.is_none(), trial.entry.arena);
         trials.sort_by(|a, b| {

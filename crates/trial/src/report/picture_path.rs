@@ -1,5 +1,5 @@
-//! Figure of the path in the picture: image coordinates (x right, y up, pixels), the region, the sectors at 45 degrees,
-//! and the excursions.
+//! Figure of the path in the picture: image coordinates (x right, y up, pixels), the region, the sectors at
+//! 45 degrees, and the excursions.
 
 use super::canvas::{Anchor, Canvas, Point, distance};
 use super::figure::Figure;

@@ -4,8 +4,8 @@ use super::canvas::{Anchor, Canvas, Point};
 use super::path_data;
 use super::scale::Scale;
 
-/// Width of a figure, and what it leaves free around the drawing, units of paper. The path in the picture has the same: the
-/// page shows them beside each other.
+/// Width of a figure, and what it leaves free around the drawing, units of paper. The path in the picture has
+/// the same: the page shows them beside each other.
 pub(super) const WIDTH: f64 = 372.0;
 pub(super) const LEFT: f64 = 40.0;
 pub(super) const TOP: f64 = 22.0;
@@ -87,8 +87,8 @@ impl PlanView {
         canvas.text_on_lines("small", anchor, (x + off, y + 4.0), "camera");
     }
 
-    /// The part of a polygon (metres) that the view shows, on the paper: clipped at each border after the other
-    /// (`sutherland1974`).
+    /// The part of a polygon (metres) that the view shows, on the paper: clipped at each border after the
+    /// other (`sutherland1974`).
     pub(super) fn clipped(&self, polygon: &[(f64, f64)]) -> Vec<Point> {
         let ((left, right), (low, high)) = (self.x.values, self.y.values);
         // Distance within each border.

@@ -1,5 +1,5 @@
-//! Figure of the sensitivities of an arena: a dot for each trial, a row for each set, with the mean, its 95 % interval
-//! (Student) and the published value.
+//! Figure of the sensitivities of an arena: a dot for each trial, a row for each set, with the mean, its 95 %
+//! interval (Student) and the published value.
 
 use super::canvas::{Anchor, Canvas, distance};
 use super::figure::Figure;

@@ -5,8 +5,8 @@ use std::fmt::Write as _;
 /// A colour of the palette: name, value in the light scheme, value in the dark scheme.
 type Colour = (&'static str, &'static str, &'static str);
 
-/// `track` is for the target's path, `out` for excursions, `region` for the boundary P = 1, `tilt` and `pan` for
-/// commands.
+/// `track` is for the target's path, `out` for excursions, `region` for the boundary P = 1, `tilt` and `pan`
+/// for commands.
 const PALETTE: [Colour; 9] = [
     ("paper", "#fdfcf9", "#15191c"),
     ("ink", "#20272b", "#e8e5de"),

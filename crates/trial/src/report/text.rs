@@ -1,7 +1,7 @@
 //! Text of a page and of figures: escaping, and numbers as people read them.
 
-/// Escapes text for the content and the quoted attributes of HTML and XML. Characters that XML does not have become
-/// U+FFFD.
+/// Escapes text for the content and the quoted attributes of HTML and XML. Characters that XML does not have
+/// become U+FFFD.
 pub(super) fn escape(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());
     escape_to(text, &mut escaped);
@@ -23,8 +23,8 @@ fn escape_to(text: &str, out: &mut String) {
     }
 }
 
-/// Text from outside (names of files and scenarios) in a template of the page, escaped by [`escape`]. The template's own
-/// escaping does not replace the characters that XML does not have.
+/// Text from outside (names of files and scenarios) in a template of the page, escaped by [`escape`]. The
+/// template's own escaping does not replace the characters that XML does not have.
 pub(super) struct Text<'a>(pub(super) &'a str);
 
 impl maud::Render for Text<'_> {
@@ -55,8 +55,8 @@ pub(super) fn count_of(count: usize, noun: &str) -> String {
     format!("{count} {noun}{}", if count == 1 { "" } else { "s" })
 }
 
-/// Converts text to a portable file name: letters, digits, `-` and `_`; any other character becomes `-`. At most 60
-/// characters.
+/// Converts text to a portable file name: letters, digits, `-` and `_`; any other character becomes `-`. At
+/// most 60 characters.
 pub(super) fn to_file_name(text: &str) -> String {
     let portable = |c: char| if c.is_ascii_alphanumeric() || c == '_' { c } else { '-' };
     text.chars().map(portable).take(60).collect()

@@ -1,7 +1,9 @@
-//! Figure of the water from above as the pilot knew it: the boat's way, the marks with their circles, and what the picture
-//! showed at the beginning and at the end (x to the right and y ahead of pan 0, from the point below the camera, m).
+//! Figure of the water from above as the pilot knew it: the boat's way, the marks with their circles, and
+//! what the picture showed at the beginning and at the end (x to the right and y ahead of pan 0, from the
+//! point below the camera, m).
 //!
-//! The frame of reference is the pilot's: where the kite turns and sways unknown to the pilot, it differs from the world's.
+//! The frame of reference is the pilot's: where the kite turns and sways unknown to the pilot, it differs
+//! from the world's.
 
 use barrelman_vocab::{MarkKind, WaterPoint};
 

@@ -1,5 +1,5 @@
-//! Figure of the path in the world from above (x to the right and y ahead of the first view, m), with the excursions.
-//! Simulated trials only: the figure needs the truth.
+//! Figure of the path in the world from above (x to the right and y ahead of the first view, m), with the
+//! excursions. Simulated trials only: the figure needs the truth.
 
 use super::canvas::{Canvas, Point};
 use super::figure::Figure;

@@ -78,7 +78,8 @@ fn a_text_that_reaches_beyond_its_record_is_refused() {
     }
 }
 
-/// A channel whose table holds a name without a value: the reader below would look for the value behind the table.
+/// A channel whose table holds a name without a value: the reader below would look for the value behind the
+/// table.
 #[test]
 fn a_table_that_ends_within_a_pair_is_refused() {
     let name = [&1_u32.to_le_bytes()[..], b"x"].concat();

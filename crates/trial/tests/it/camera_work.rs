@@ -5,7 +5,8 @@ use barrelman_vocab::ImagePoint;
 
 use crate::trial_logs::{PICTURE, REGION, command, log_from_rows};
 
-/// The metrics of commands (pan, tilt) of 0.5 s each. All rates are sums of powers of two, so that the sums are exact.
+/// The metrics of commands (pan, tilt) of 0.5 s each. All rates are sums of powers of two, so that the sums
+/// are exact.
 fn metrics_of(rows: &[(f64, f64)]) -> TrialMetrics {
     let position = Some(ImagePoint { x: 0.0, y: 0.0 });
     let log = log_from_rows(rows.iter().map(|&(pan, tilt)| (position, Some(command(pan, tilt)))));

@@ -27,7 +27,8 @@ fn recording() -> (Vec<u8>, Vec<Entry>) {
     (bytes, [vec![Entry::Start(start())], entries].concat())
 }
 
-/// Distance of the cuts within what holds no entries, the schemas before them and the summary behind them, bytes: a prime.
+/// Distance of the cuts within what holds no entries, the schemas before them and the summary behind them,
+/// bytes: a prime.
 const DISTANCE: usize = 97;
 /// Sizes of a container's magic bytes, and of a record's head: its kind, and the length of what follows.
 const MAGIC: usize = 8;

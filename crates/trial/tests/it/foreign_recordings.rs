@@ -175,7 +175,8 @@ fn a_message_that_lies_in_its_own_kind_has_columns_to_the_first_of_them() {
     assert_eq!(row.json_columns, ["next"]);
 }
 
-/// The messages of a file with an attachment whose content is cut to its last `kept` bytes before the messages.
+/// The messages of a file with an attachment whose content is cut to its last `kept` bytes before the
+/// messages.
 fn with_attachment(kept: usize) -> Vec<u8> {
     let whole = file(&[("/input/tick", "protobuf", TICK)]);
     // Magic, then the header: opcode, length, content.

@@ -14,8 +14,8 @@ fn ms(ms: u64) -> Timestamp {
     Timestamp::ZERO.plus(Duration::from_millis(ms))
 }
 
-/// Three seconds of two videos, a unit each 100 ms, a key unit a second; an outcome 20 ms after each. Flushed, and
-/// so in a chunk of its own, each half second.
+/// Three seconds of two videos, a unit each 100 ms, a key unit a second; an outcome 20 ms after each.
+/// Flushed, and so in a chunk of its own, each half second.
 fn recording() -> Vec<u8> {
     let mut bytes = Vec::new();
     let mut writer = RecordingWriter::begin(&mut bytes, &start(), &VehicleProfile::fotokite_pro()).unwrap();

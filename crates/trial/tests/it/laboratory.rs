@@ -1,7 +1,7 @@
 //! The authors' 30 laboratory logs: the law reproduces their commands, the metrics their published means.
 //!
-//! The logs are stored outside the repository. Where they are absent, these tests check nothing; on the build server they
-//! fail.
+//! The logs are stored outside the repository. Where they are absent, these tests check nothing; on the build
+//! server they fail.
 
 use std::path::{Path, PathBuf};
 
@@ -115,8 +115,9 @@ fn the_metrics_give_the_published_means() {
     assert_eq!(outside, ["arena2_03", "arena2_04", "arena2_05", "arena2_07"]);
 }
 
-/// Name, excursions, complete excursions, time outside in s, commands begun (from rest or from another command), largest
-/// P, sensitivity, computed from the same logs by another program. Tolerances: half a unit of its last printed digit.
+/// Name, excursions, complete excursions, time outside in s, commands begun (from rest or from another
+/// command), largest P, sensitivity, computed from the same logs by another program. Tolerances: half a unit
+/// of its last printed digit.
 const EACH_TRIAL: [(&str, usize, usize, f64, usize, f64, f64); 30] = [
     ("arena1_01", 17, 17, 24.2, 20, 2.65, 0.304),
     ("arena1_02", 16, 16, 16.9, 18, 1.53, 0.314),

@@ -1,4 +1,5 @@
-//! Tables of channels whose own schema nests without end, fans out, or has more fields than a table has columns.
+//! Tables of channels whose own schema nests without end, fans out, or has more fields than a table has
+//! columns.
 
 use crate::single_message::read_single_message;
 

@@ -15,8 +15,8 @@ use barrelman_vocab::{ImagePoint, Timestamp, VehicleProfile, VehicleRates};
 use crate::simulated_trials::{pilot, scenario};
 use crate::trial_logs::{PICTURE, REGION, log_from};
 
-/// `t` tracked, `l` tracking with a loose box, `n` nothing, `c` coasting on the place, `w` sure and wrong, `s` wrong and
-/// not sure; in capitals the same while the target is hidden.
+/// `t` tracked, `l` tracking with a loose box, `n` nothing, `c` coasting on the place, `w` sure and wrong,
+/// `s` wrong and not sure; in capitals the same while the target is hidden.
 fn judged(row: char) -> JudgedTrack {
     let track = |is_tracking, iou, confidence| (is_tracking, Some(iou), confidence);
     let (is_tracking, iou, confidence) = match row.to_ascii_lowercase() {

@@ -27,8 +27,8 @@ fn input(recorded: &RecordedInput) -> Input<'_> {
     recorded.to_input(|_| Err("this trial has no video")).unwrap()
 }
 
-/// A recording of the practice clip: true localisations with gaps, requests, telemetry, and the ticks that the pilot asks
-/// for.
+/// A recording of the practice clip: true localisations with gaps, requests, telemetry, and the ticks that
+/// the pilot asks for.
 fn trial(profile: &VehicleProfile) -> Vec<u8> {
     let clip = PracticeClip::new(SIZE, 1);
     let latency = Duration::from_millis(180);

@@ -7,7 +7,8 @@ use barrelman_trial::records::ReadError;
 use barrelman_trial::records::table::{TableRow, read_rows};
 use mcap::records::MessageHeader;
 
-/// Writes a message with the name and the descriptor set of its type to `topic` at 8 ns, and reads its only row.
+/// Writes a message with the name and the descriptor set of its type to `topic` at 8 ns, and reads its only
+/// row.
 pub(crate) fn read_single_message(name: &str, schema: &[u8], topic: &str, message: &[u8]) -> TableRow {
     let mut bytes = Cursor::new(Vec::new());
     let mut writer = mcap::WriteOptions::new().compression(None).create(&mut bytes).unwrap();

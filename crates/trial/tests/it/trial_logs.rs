@@ -36,7 +36,8 @@ pub(crate) fn log_from_rows(
     }
 }
 
-/// A log with one character per row: `.` P = 0, `o` P = 1, `a` P = 2.25, `b` P = 4, `c` P = 9, `-` no position.
+/// A log with one character per row: `.` P = 0, `o` P = 1, `a` P = 2.25, `b` P = 4, `c` P = 9, `-` no
+/// position.
 pub(crate) fn log_from(rows: &str) -> TrialLog {
     let x = |row: char| match row {
         '.' => Some(0.0),

@@ -55,7 +55,8 @@ pub(crate) fn output(name: &str) -> PathBuf {
     Path::new(env!("CARGO_TARGET_TMPDIR")).join(name)
 }
 
-/// Reports a test as skipped because a program is not installed. In CI, where all programs must be installed, it fails.
+/// Reports a test as skipped because a program is not installed. In CI, where all programs must be installed,
+/// it fails.
 pub(crate) fn skip(reason: &str) {
     assert!(std::env::var_os("CI").is_none(), "{reason}");
     println!("skipped: {reason}");

@@ -54,8 +54,8 @@ fn md5(bytes: &[u8]) -> String {
     format!("{:x}", <md5::Md5 as md5::Digest>::digest(bytes))
 }
 
-/// Compares a file with ffmpeg's decoding of it: number, times (to the microsecond that ffmpeg prints) and sizes of the
-/// frames, and their samples, bit for bit or by the means of planes and blocks.
+/// Compares a file with ffmpeg's decoding of it: number, times (to the microsecond that ffmpeg prints) and
+/// sizes of the frames, and their samples, bit for bit or by the means of planes and blocks.
 fn check_like_ffmpeg(file: &str, same: Same) {
     let expected: Vec<_> = expected().into_iter().filter(|row| row.file == file).collect();
     assert!(!expected.is_empty(), "{file} is not in expected.csv");

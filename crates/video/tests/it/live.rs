@@ -1,5 +1,5 @@
-//! Video sources in real time: a file paced by its times, and RTSP from a GStreamer server (`scripts/rtsp_server.py`) that
-//! is killed and restarted.
+//! Video sources in real time: a file paced by its times, and RTSP from a GStreamer server
+//! (`scripts/rtsp_server.py`) that is killed and restarted.
 
 use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};

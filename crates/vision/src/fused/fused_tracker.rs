@@ -113,8 +113,8 @@ impl FusedTracker {
         refiner.measure_window(&mut observer.crop, target, (u, v), centre, box_size);
     }
 
-    /// What is followed now cannot be the target: the target is searched for, everywhere and as it was learned.
-    /// Unlike after [`Tracker::reject`], that object may be taken again.
+    /// What is followed now cannot be the target: the target is searched for, everywhere and as it was
+    /// learned. Unlike after [`Tracker::reject`], that object may be taken again.
     pub fn lose(&mut self) {
         if self.selected.is_some() && self.follower.phase.is_followed() {
             self.follower.mark_lost(true);
@@ -122,8 +122,8 @@ impl FusedTracker {
         }
     }
 
-    /// A lost target is expected at this place of the next frame, which is searched first. Without effect on a
-    /// target that is not lost.
+    /// A lost target is expected at this place of the next frame, which is searched first. Without effect on
+    /// a target that is not lost.
     pub fn expect_lost_at(&mut self, PixelPoint { u, v }: PixelPoint) {
         if matches!(self.follower.phase, Phase::Lost { .. }) {
             self.follower.motion.restart_at((u as f32, v as f32), &self.follower.target.geometry);

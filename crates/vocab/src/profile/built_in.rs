@@ -87,9 +87,10 @@ impl VehicleProfile {
         }
     }
 
-    /// Any PTZ camera with ONVIF's PTZ service. Positive pan turns the view right, positive tilt turns it up. How fast it turns
-    /// at which speed is not known until `barrelman calibrate axes` has measured it; the camera is not moved before. The other
-    /// dynamics are those of the laboratory's camera until then. The end stops are those of a dome that looks straight down.
+    /// Any PTZ camera with ONVIF's PTZ service. Positive pan turns the view right, positive tilt turns it up.
+    /// How fast it turns at which speed is not known until `barrelman calibrate axes` has measured it; the
+    /// camera is not moved before. The other dynamics are those of the laboratory's camera until then. The
+    /// end stops are those of a dome that looks straight down.
     pub fn onvif_ptz() -> Self {
         Self {
             name: "onvif-ptz".to_owned(),
@@ -105,7 +106,8 @@ impl VehicleProfile {
     /// second), least rates (2) and end stops (80 degrees below the kite's horizon, 11 above) are the
     /// examples of the API document; the session also keeps what the vehicle itself states. No document
     /// states the dynamics of the camera: those of the Pro hold until `barrelman calibrate axes` has measured
-    /// them. The field of view is reported by the vehicle, and the zoom is that of the API document's example.
+    /// them. The field of view is reported by the vehicle, and the zoom is that of the API document's
+    /// example.
     pub fn fotokite_sigma() -> Self {
         let limits = Protocol::FotokiteSigma.rate_limits();
         let laboratory = CameraDynamics::laboratory();

@@ -20,9 +20,9 @@ pub enum CameraRequest {
     Select(DrawnSelection),
     /// Track the content of this box of the next video frame, without a confirmation.
     SelectNext(PixelBox),
-    /// Propose the object at this point. Nothing that is followed changes. A tap within the proposed box takes it,
-    /// as a selection of it; so does `engage` while nothing is followed. The answer says what is proposed, or why
-    /// nothing is (refused); where the tap takes a proposal, it is that of the selection.
+    /// Propose the object at this point. Nothing that is followed changes. A tap within the proposed box
+    /// takes it, as a selection of it; so does `engage` while nothing is followed. The answer says what is
+    /// proposed, or why nothing is (refused); where the tap takes a proposal, it is that of the selection.
     Propose(Tap),
     /// Show the candidates, the objects on the water that may be the wanted one, also while a target is
     /// followed, or no longer. While nothing is followed they are shown anyway.
@@ -40,7 +40,8 @@ pub enum CameraRequest {
     Reject,
     /// Forget the target and follow nothing.
     Deselect,
-    /// Turn the camera slowly, or zoom, while this is renewed, at least every 250 ms. While engaged it may zoom only.
+    /// Turn the camera slowly, or zoom, while this is renewed, at least every 250 ms. While engaged it may
+    /// zoom only.
     Nudge(Nudge),
     /// Turn the camera slowly to find the target that was lost: the last bearing first, then a bounded sweep.
     /// A search ends when the target is found, and after a minute.

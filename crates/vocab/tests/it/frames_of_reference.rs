@@ -28,8 +28,8 @@ fn the_centre_of_a_picture_has_no_negative_zero() {
 }
 
 proptest! {
-    /// Sixteenths of a pixel in pictures up to 16,384 pixels wide are exact in a double, and so is the conversion in
-    /// both directions.
+    /// Sixteenths of a pixel in pictures up to 16,384 pixels wide are exact in a double, and so is the
+    /// conversion in both directions.
     #[test]
     fn there_and_back_is_the_same_point(
         width in 0_u32..16_384, height in 0_u32..16_384, u in -1_000_000..1_000_000, v in -1_000_000..1_000_000,

@@ -56,7 +56,8 @@ fn a_vehicle_whose_limit_is_no_number_is_not_moved() {
     assert_eq!(profile.to_vehicle(command(0.3, -0.3)), VehicleRates::REST);
 }
 
-/// A profile with least rates of 0.04 and 0.06 rad/s, limits of 0.4 and 0.3 rad/s, and end stops at -90 and 10 degrees.
+/// A profile with least rates of 0.04 and 0.06 rad/s, limits of 0.4 and 0.3 rad/s, and end stops at -90 and
+/// 10 degrees.
 fn with_min_rates() -> VehicleProfile {
     let mut profile = VehicleProfile::fotokite_pro();
     (profile.camera.pan.min_rate, profile.camera.tilt.min_rate) = (rate(0.04), rate(0.06));

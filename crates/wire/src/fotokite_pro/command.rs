@@ -1,8 +1,8 @@
 //! The commands that this program can send to the ground station.
 //!
-//! [`Command`] contains all of them. Take-off, motor stop and tether motion are not in it, so that they cannot be sent.
-//! Rates are in radians per second in the vehicle's own signs, with six decimals, clamped to the limits that the
-//! vehicle's known clients observe.
+//! [`Command`] contains all of them. Take-off, motor stop and tether motion are not in it, so that they
+//! cannot be sent. Rates are in radians per second in the vehicle's own signs, with six decimals, clamped to
+//! the limits that the vehicle's known clients observe.
 
 use core::fmt::{self, Write as _};
 
@@ -104,8 +104,8 @@ impl fmt::Display for Command {
     }
 }
 
-/// The rate that is sent: clamped to the limit, and zero if six decimals would print it as zero. `-0.000000` is never
-/// sent.
+/// The rate that is sent: clamped to the limit, and zero if six decimals would print it as zero. `-0.000000`
+/// is never sent.
 pub(super) fn encodable(rate: AngularRate, limit: AngularRate) -> AngularRate {
     let clamped = rate.clamped(limit);
     if clamped.radians_per_second().abs() <= 0.5e-6 { AngularRate::ZERO } else { clamped }

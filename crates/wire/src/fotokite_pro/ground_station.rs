@@ -1,4 +1,5 @@
-//! The ground station's end of the protocol, for the emulator and the tests: a shell, remote control, telemetry.
+//! The ground station's end of the protocol, for the emulator and the tests: a shell, remote control,
+//! telemetry.
 //!
 //! ```text
 //!            RemoteControl start
@@ -6,10 +7,10 @@
 //!   (echo, prompt)    stop          (silent; motion lines count once checksums are off)
 //! ```
 //!
-//! Rates are latched: each rate stays in force until the next line for its axis, or until a time-out (a setting, since
-//! the real behaviour is unknown). The station answers to the commands in `docs/wire/fotokite-pro.md`; the answer to
-//! any other line is `nsh: X: command not found`. The station contains no vehicle: the caller reads the rates and
-//! supplies the sensor readings.
+//! Rates are latched: each rate stays in force until the next line for its axis, or until a time-out (a
+//! setting, since the real behaviour is unknown). The station answers to the commands in
+//! `docs/wire/fotokite-pro.md`; the answer to any other line is `nsh: X: command not found`. The station
+//! contains no vehicle: the caller reads the rates and supplies the sensor readings.
 
 use core::fmt::Write as _;
 use core::time::Duration;
@@ -136,7 +137,8 @@ impl GroundStation {
         }
     }
 
-    /// Processes bytes from the client, appends the answer to `out`, and passes each received line to `on_line`.
+    /// Processes bytes from the client, appends the answer to `out`, and passes each received line to
+    /// `on_line`.
     pub fn receive(
         &mut self,
         bytes: &[u8],
@@ -231,8 +233,8 @@ impl GroundStation {
         }
     }
 
-    /// Another client takes the control at the ground station itself: this program's commands no longer count, and its rates
-    /// end.
+    /// Another client takes the control at the ground station itself: this program's commands no longer
+    /// count, and its rates end.
     pub fn take_over(&mut self) {
         self.state = StationState::Shell;
         self.checksums = true;
@@ -255,8 +257,8 @@ impl GroundStation {
         }
     }
 
-    /// Executes a motion command: only under remote control and without checksums. Motion of the kite itself (`Pos...`)
-    /// is accepted and ignored, since the emulator's kite does not move.
+    /// Executes a motion command: only under remote control and without checksums. Motion of the kite itself
+    /// (`Pos...`) is accepted and ignored, since the emulator's kite does not move.
     fn execute_motion(&mut self, word: &str, arguments: &str, now: Timestamp) {
         if self.state != StationState::RemoteControlled || self.checksums {
             return;

@@ -1,7 +1,7 @@
 //! Splits received bytes into lines, independent of how the bytes were grouped by the reads.
 //!
-//! A line ends at `\r` or `\n`. Empty lines (as in `\r\n`) are skipped. Lines longer than [`MAX_LINE_BYTES`] are
-//! dropped. Bytes that are not ASCII are replaced by `?`, so that noise cannot join two lines.
+//! A line ends at `\r` or `\n`. Empty lines (as in `\r\n`) are skipped. Lines longer than [`MAX_LINE_BYTES`]
+//! are dropped. Bytes that are not ASCII are replaced by `?`, so that noise cannot join two lines.
 
 /// Longest valid line, bytes. The longest known telemetry line has about 60.
 pub const MAX_LINE_BYTES: usize = 512;

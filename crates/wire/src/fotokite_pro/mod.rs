@@ -1,7 +1,8 @@
 //! The Fotokite Pro ground station's serial text protocol. `docs/wire/fotokite-pro.md` describes it.
 //!
-//! [`FotokiteProSession`] is the client: start-up, pacing of rates, telemetry, shut-down. [`GroundStation`] is the other end, for
-//! the emulator and the tests. Both are plain structs without I/O: bytes and times in, bytes and times out.
+//! [`FotokiteProSession`] is the client: start-up, pacing of rates, telemetry, shut-down. [`GroundStation`]
+//! is the other end, for the emulator and the tests. Both are plain structs without I/O: bytes and times in,
+//! bytes and times out.
 
 pub mod lines;
 

@@ -1,4 +1,5 @@
-//! Motion of the camera as telemetry shows it: the flight unit's attitude turns with yaw, the gimbal's with pitch.
+//! Motion of the camera as telemetry shows it: the flight unit's attitude turns with yaw, the gimbal's with
+//! pitch.
 
 use core::time::Duration;
 

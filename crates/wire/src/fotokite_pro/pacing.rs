@@ -1,9 +1,9 @@
 //! Pacing: when a rate is sent.
 //!
-//! The vehicle keeps a rate until the next one, and a line can get lost. A zero is therefore sent first, immediately,
-//! and is repeated twice at intervals of 50 ms. Non-zero rates coalesce to the newest one, with at most 20 lines per
-//! second over both axes. A rate that stays in force is repeated every 0.5 s, a zero every 0.25 s, which corrects even a
-//! zero that was lost three times.
+//! The vehicle keeps a rate until the next one, and a line can get lost. A zero is therefore sent first,
+//! immediately, and is repeated twice at intervals of 50 ms. Non-zero rates coalesce to the newest one, with
+//! at most 20 lines per second over both axes. A rate that stays in force is repeated every 0.5 s, a zero
+//! every 0.25 s, which corrects even a zero that was lost three times.
 
 use core::time::Duration;
 
@@ -19,7 +19,8 @@ pub const ZERO_REPEATS: u8 = 2;
 pub const LINE_SPACING: Duration = Duration::from_millis(50);
 /// A rate in force is repeated after this time.
 pub const REFRESH: Duration = Duration::from_millis(500);
-/// Zero in force is repeated after this time: a line that carries again what it lost before brings rest within 350 ms.
+/// Zero in force is repeated after this time: a line that carries again what it lost before brings rest
+/// within 350 ms.
 pub const ZERO_REFRESH: Duration = Duration::from_millis(250);
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -29,7 +29,8 @@ pub struct SensorReadings {
 }
 
 impl SensorReadings {
-    /// The readings with a level flight unit and the camera straight ahead, 10 m up on a nearly vertical tether.
+    /// The readings with a level flight unit and the camera straight ahead, 10 m up on a nearly vertical
+    /// tether.
     pub const LEVEL: Self = Self {
         attitude: Quaternion { w: 1.0, x: 0.0, y: 0.0, z: 0.0 },
         gimbal: Quaternion { w: 1.0, x: 0.0, y: 0.0, z: 0.0 },
@@ -43,8 +44,8 @@ impl SensorReadings {
         flags: 0,
     };
 
-    /// The readings with the camera at this pan (to the right) and tilt (upwards). The vehicle's yaw is positive to the left
-    /// about the vertical, its pitch positive downwards.
+    /// The readings with the camera at this pan (to the right) and tilt (upwards). The vehicle's yaw is
+    /// positive to the left about the vertical, its pitch positive downwards.
     pub fn of_camera(pan: Angle, tilt: Angle) -> Self {
         let (yaw, pitch) = (-pan.radians() / 2.0, -tilt.radians() / 2.0);
         Self {

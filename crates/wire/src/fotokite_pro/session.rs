@@ -13,13 +13,14 @@
 //!   any other state but Closed and Unresponsive -- close() --> Closing (zeros) -- 0.5 s after the last --> Closed
 //! ```
 //!
-//! The first bytes on a newly opened port are zeros: nobody knows which rate is in force, or whether `stop` ends it.
-//! Zeros at the end are repeated until telemetry shows no motion ([`super::motion`]). A ground station that gave the control
-//! to another client is left alone until the operator takes the control back, also by the sessions after this one: they begin in
-//! `Yielded`.
+//! The first bytes on a newly opened port are zeros: nobody knows which rate is in force, or whether `stop`
+//! ends it. Zeros at the end are repeated until telemetry shows no motion ([`super::motion`]). A ground
+//! station that gave the control to another client is left alone until the operator takes the control back,
+//! also by the sessions after this one: they begin in `Yielded`.
 //!
-//! [`FotokiteProSession`] is the [`Session`] of this protocol: a plain struct without I/O, bytes and the time in, bytes
-//! and the time of the next call out. It sends rates only in the state `Up`, which always begins with zeros.
+//! [`FotokiteProSession`] is the [`Session`] of this protocol: a plain struct without I/O, bytes and the time
+//! in, bytes and the time of the next call out. It sends rates only in the state `Up`, which always begins
+//! with zeros.
 
 use core::time::Duration;
 
@@ -67,7 +68,8 @@ enum State {
         zeros_sent: u32,
         next_at: Timestamp,
     },
-    /// Zeros are repeated at `zeros_at`: a line that lost the first ones may still have a vehicle that turns at its end.
+    /// Zeros are repeated at `zeros_at`: a line that lost the first ones may still have a vehicle that turns
+    /// at its end.
     AwaitingPrompt {
         until: Timestamp,
         zeros_at: Timestamp,
@@ -118,7 +120,8 @@ pub struct FotokiteProSession {
     has_reported: bool,
     /// Whether a session that was up fell silent.
     fell_silent: bool,
-    /// Whether another client has the control, or had it in the session before, and the operator has not taken it back.
+    /// Whether another client has the control, or had it in the session before, and the operator has not
+    /// taken it back.
     is_anothers: bool,
     /// Whether the start-up was completed in this session.
     has_started: bool,
@@ -147,7 +150,8 @@ impl FotokiteProSession {
         }
     }
 
-    /// Something was received. A vehicle that was silent during the shut-down may have received none of its zeros.
+    /// Something was received. A vehicle that was silent during the shut-down may have received none of its
+    /// zeros.
     fn on_heard(&mut self, now: Timestamp) {
         if let State::Closing { since, zeros_sent, next_at, .. } = &mut self.state
             && self.last_heard.is_none_or(|heard| heard < *since)
@@ -232,8 +236,8 @@ impl Session for FotokiteProSession {
         }
     }
 
-    /// Begins the shut-down: zeros at once, three times, then until telemetry shows no motion; 0.5 s after the last, the
-    /// vehicle's own stop. Nothing is sent to a vehicle of another client.
+    /// Begins the shut-down: zeros at once, three times, then until telemetry shows no motion; 0.5 s after
+    /// the last, the vehicle's own stop. Nothing is sent to a vehicle of another client.
     fn close(&mut self, now: Timestamp) {
         if let State::Yielded { .. } = self.state {
             self.state = State::Closed;

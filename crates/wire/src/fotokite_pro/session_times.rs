@@ -16,7 +16,8 @@ pub const PROMPT_REQUESTS: usize = 5;
 pub const STOP_DELAY: Duration = Duration::from_millis(500);
 /// The link counts as lost if a telemetry stream is silent for this time.
 pub const TELEMETRY_TIMEOUT: Duration = Duration::from_secs(3);
-/// Longest wait for the ground station's first report after the start-up: without it, the link is up all the same.
+/// Longest wait for the ground station's first report after the start-up: without it, the link is up all the
+/// same.
 pub const REPORT_TIMEOUT: Duration = Duration::from_secs(1);
 /// Time after the start-up in which the ground station may still report that it is not under remote control.
 pub const CONTROL_GRACE: Duration = Duration::from_secs(2);

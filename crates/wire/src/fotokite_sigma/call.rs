@@ -1,5 +1,5 @@
-//! What can be asked of a Sigma. A call that is not listed here cannot be sent: there is no take-off, no landing, no altitude,
-//! no override of another client's control.
+//! What can be asked of a Sigma. A call that is not listed here cannot be sent: there is no take-off, no
+//! landing, no altitude, no override of another client's control.
 
 use core::time::Duration;
 

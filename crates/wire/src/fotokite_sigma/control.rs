@@ -12,8 +12,8 @@
 //!     +------------------------- take_control() --------------------------+
 //! ```
 //!
-//! The control lapses after 10 s. Another client's control is never overridden, and never asked for again unless the
-//! operator wants it: the wish that a renewal left in the vehicle's queue is withdrawn.
+//! The control lapses after 10 s. Another client's control is never overridden, and never asked for again
+//! unless the operator wants it: the wish that a renewal left in the vehicle's queue is withdrawn.
 
 use core::time::Duration;
 

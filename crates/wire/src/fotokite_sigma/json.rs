@@ -1,4 +1,5 @@
-//! The bodies of answers, as far as they are used. Fields that are not known are ignored: a later version may have more.
+//! The bodies of answers, as far as they are used. Fields that are not known are ignored: a later version may
+//! have more.
 
 use serde::Deserialize;
 
@@ -100,7 +101,8 @@ pub fn read<'a, T: Deserialize<'a>>(body: &'a [u8]) -> Option<T> {
     serde_json::from_slice(body).ok()
 }
 
-/// The stream that the camera's rates move and the operator zooms: `zoom`, or else the first in colour, or else the first.
+/// The stream that the camera's rates move and the operator zooms: `zoom`, or else the first in colour, or
+/// else the first.
 ///
 /// `chosen`: the name of the stream that is used instead; `None` where there is none of this name.
 pub fn main_stream<'a>(streams: &'a [VideoStream], chosen: Option<&str>) -> Option<&'a VideoStream> {

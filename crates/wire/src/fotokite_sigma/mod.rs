@@ -1,7 +1,8 @@
 //! The Fotokite Sigma's web API, version 1.1.2. `docs/wire/fotokite-sigma.md` describes what is used of it.
 //!
-//! [`FotokiteSigmaSession`] is the client: control, rates, telemetry, shut-down. [`Sigma`] is the other end, for the emulator
-//! and the tests. Both are plain structs without sockets and clocks: requests, answers and times in and out.
+//! [`FotokiteSigmaSession`] is the client: control, rates, telemetry, shut-down. [`Sigma`] is the other end,
+//! for the emulator and the tests. Both are plain structs without sockets and clocks: requests, answers and
+//! times in and out.
 
 pub mod call;
 pub mod json;

@@ -40,7 +40,8 @@ impl Flight {
         self.is_battery_low = levels.into_iter().flatten().any(|level| level < LOW_BATTERY);
     }
 
-    /// Takes the notifications. A fatal one counts as an emergency, a critical one of a battery as a low battery.
+    /// Takes the notifications. A fatal one counts as an emergency, a critical one of a battery as a low
+    /// battery.
     pub fn on_notifications(&mut self, list: &[json::Notification]) {
         let active =
             || list.iter().filter(|one| one.end_time.as_ref().is_none_or(serde_json::Value::is_null));

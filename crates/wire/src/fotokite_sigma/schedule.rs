@@ -1,4 +1,5 @@
-//! Which states are read when, beside the commands: one after the other on the lane of the states, and the camera's on its own.
+//! Which states are read when, beside the commands: one after the other on the lane of the states, and the
+//! camera's on its own.
 
 use core::time::Duration;
 
@@ -115,7 +116,8 @@ impl Schedule {
         })
     }
 
-    /// When the next reading is due. While messages arrive, the camera's is looked at again at the same interval.
+    /// When the next reading is due. While messages arrive, the camera's is looked at again at the same
+    /// interval.
     pub fn wake_at(&self, now: Timestamp) -> Timestamp {
         let states = self.readings.iter().map(|(_, at)| *at).min().unwrap_or(now);
         states.min(self.camera_at.max(now.plus(CAMERA_INTERVAL_STOPPING))).min(self.socket_at)

@@ -9,10 +9,10 @@
 //!   any state -- close() --> Closing (zeros, release) --> Closed      Silent (a new session)
 //! ```
 //!
-//! Motion needs the control: the first command after it was granted is a zero. Commands expire by themselves after 0.45 s, or
-//! 0.15 s after the rates should have been renewed
-//! ([`crate::http::motion`]); therefore no guard is needed, and nothing turns for longer than that after the last request, whatever
-//! becomes of this program. [`FotokiteSigmaSession`] is the [`Session`] of this protocol: requests and the time out, answers
+//! Motion needs the control: the first command after it was granted is a zero. Commands expire by themselves
+//! after 0.45 s, or 0.15 s after the rates should have been renewed ([`crate::http::motion`]); therefore no
+//! guard is needed, and nothing turns for longer than that after the last request, whatever becomes of this
+//! program. [`FotokiteSigmaSession`] is the [`Session`] of this protocol: requests and the time out, answers
 //! and the time in.
 
 use core::time::Duration;
@@ -40,8 +40,8 @@ const TOKEN_RETRY: Duration = Duration::from_secs(5);
 const INFO_RETRY: Duration = Duration::from_secs(1);
 /// Least interval between two texts on the vehicle's tablet.
 const STATUS_INTERVAL: Duration = Duration::from_secs(1);
-/// A command to turn ends at most this long after the time by which the rates have to be renewed: a video frame that is late by
-/// less does not interrupt the motion.
+/// A command to turn ends at most this long after the time by which the rates have to be renewed: a video
+/// frame that is late by less does not interrupt the motion.
 const AFTER_RENEWAL: Duration = Duration::from_millis(150);
 /// Longest shut-down. Motion has ended by itself long before.
 const CLOSING_TIMEOUT: Duration = Duration::from_secs(2);
@@ -84,8 +84,8 @@ pub struct FotokiteSigmaSession {
 }
 
 impl FotokiteSigmaSession {
-    /// A session that begins now. `stream`: the video whose angle of view is reported, and that zooms; `None`: the main one.
-    /// `full_zoom`: the rate of its zoom at the largest speed.
+    /// A session that begins now. `stream`: the video whose angle of view is reported, and that zooms;
+    /// `None`: the main one. `full_zoom`: the rate of its zoom at the largest speed.
     pub fn open(stream: Option<String>, full_zoom: ZoomRate, now: Timestamp) -> Self {
         Self {
             stream,
@@ -150,8 +150,8 @@ impl FotokiteSigmaSession {
         }
     }
 
-    /// How long a command to turn that is sent now lasts: where zeros do not reach the vehicle, or are refused, the motion ends
-    /// soon after the time by which the rates have to be renewed.
+    /// How long a command to turn that is sent now lasts: where zeros do not reach the vehicle, or are
+    /// refused, the motion ends soon after the time by which the rates have to be renewed.
     fn turn_duration(&self, now: Timestamp) -> Duration {
         let until_renewal = self.renew_by.map_or(TURN_DURATION, |by| by.since(now));
         (until_renewal + AFTER_RENEWAL).min(TURN_DURATION)
@@ -337,7 +337,8 @@ impl Session for FotokiteSigmaSession {
         self.control.take(now);
     }
 
-    /// Zeros at once, until the camera's state shows rest; then the control is released. Without the control nothing is sent.
+    /// Zeros at once, until the camera's state shows rest; then the control is released. Without the control
+    /// nothing is sent.
     fn close(&mut self, now: Timestamp) {
         match self.state {
             State::Closing { .. } | State::Closed => {}

@@ -1,5 +1,6 @@
-//! The other end: a Sigma as its API document describes it, for the emulator and the tests. Who controls, what turns until
-//! when, and what is refused. Where the document is silent, the stricter reading holds: commands need the control.
+//! The other end: a Sigma as its API document describes it, for the emulator and the tests. Who controls,
+//! what turns until when, and what is refused. Where the document is silent, the stricter reading holds:
+//! commands need the control.
 
 use core::time::Duration;
 

@@ -1,5 +1,5 @@
-//! Rates as a Sigma takes them: degrees per second, pan positive to the right, tilt positive downwards, each 0 or between the
-//! least and the largest speed that the camera states.
+//! Rates as a Sigma takes them: degrees per second, pan positive to the right, tilt positive downwards, each
+//! 0 or between the least and the largest speed that the camera states.
 
 use core::time::Duration;
 
@@ -17,12 +17,14 @@ pub struct Speeds {
 
 impl http::motion::Speeds for Speeds {
     const REST: Self = Self { pan: 0, tilt: 0 };
-    /// A third of [`super::call::TURN_DURATION`]: one command that is lost leaves the camera turning, two that are lost end the motion.
+    /// A third of [`super::call::TURN_DURATION`]: one command that is lost leaves the camera turning, two
+    /// that are lost end the motion.
     const RENEWAL: Duration = Duration::from_millis(150);
 }
 
 impl Speeds {
-    /// The rates within the camera's limits. What lies below the least speed is zero, as the vehicle would refuse it.
+    /// The rates within the camera's limits. What lies below the least speed is zero, as the vehicle would
+    /// refuse it.
     pub fn within(rates: VehicleRates, info: &CameraInfo) -> Self {
         Self {
             pan: speed(rates.yaw, info.pan_speed_min, info.pan_speed_max),

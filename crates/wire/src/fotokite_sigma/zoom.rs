@@ -1,5 +1,5 @@
-//! The zoom: a Sigma takes a level and goes there by itself. A speed is carried out as small steps of the level, of which the
-//! last one ends the motion.
+//! The zoom: a Sigma takes a level and goes there by itself. A speed is carried out as small steps of the
+//! level, of which the last one ends the motion.
 
 use core::time::Duration;
 
@@ -47,8 +47,9 @@ impl ZoomSteps {
         }
     }
 
-    /// A step was answered, or not. The level is not known after one that was refused. The vehicle begins a step that was held
-    /// up when it answers: the next step waits from then on, as the motion would otherwise go on after the last one.
+    /// A step was answered, or not. The level is not known after one that was refused. The vehicle begins a
+    /// step that was held up when it answers: the next step waits from then on, as the motion would otherwise
+    /// go on after the last one.
     pub fn on_answer(&mut self, is_accepted: bool, now: Timestamp) {
         if !is_accepted {
             self.level = None;

@@ -1,5 +1,5 @@
-//! What a vehicle says to commands: refusals, which hold the camera for a while, commands without an answer, and when the
-//! operator is told.
+//! What a vehicle says to commands: refusals, which hold the camera for a while, commands without an answer,
+//! and when the operator is told.
 
 use core::time::Duration;
 

@@ -1,6 +1,8 @@
-//! The packets of a vehicle that answers requests over HTTP: what is asked, on which lane, and what comes back.
+//! The packets of a vehicle that answers requests over HTTP: what is asked, on which lane, and what comes
+//! back.
 //!
-//! A protocol's calls are its own ([`HttpCall`]). The port sends what a call says, and knows nothing of its meaning.
+//! A protocol's calls are its own ([`HttpCall`]). The port sends what a call says, and knows nothing of its
+//! meaning.
 
 pub mod command_answers;
 pub mod lanes;

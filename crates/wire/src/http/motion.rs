@@ -8,7 +8,8 @@
 //!          at least 3 zeros, and the camera's state shows rest; or 12 zeros
 //! ```
 //!
-//! A command ends by itself, and is renewed long before: one that is lost leaves the camera turning. At most one command to turn is under way; the newest speeds wait for its answer, never a queue. Zeros do not wait:
+//! A command ends by itself, and is renewed long before: one that is lost leaves the camera turning. At most
+//! one command to turn is under way; the newest speeds wait for its answer, never a queue. Zeros do not wait:
 //! they have a lane of their own, and take the other one where theirs hangs.
 
 use core::time::Duration;
@@ -120,7 +121,8 @@ impl<S: Speeds> Motion<S> {
         matches!(self.state, State::Turning { .. })
     }
 
-    /// A command to turn has been answered, or not. Zeros that were sent before may have come too early, and begin anew.
+    /// A command to turn has been answered, or not. Zeros that were sent before may have come too early, and
+    /// begin anew.
     pub fn on_turn_answer(&mut self, is_answered: bool, now: Timestamp) {
         self.has_unanswered = !is_answered;
         if let State::Stopping { since, .. } = self.state {
@@ -128,8 +130,8 @@ impl<S: Speeds> Motion<S> {
         }
     }
 
-    /// The camera turns. Without a wish to turn, a command that was not answered has been carried out late; and one that does more
-    /// than to sway with its kite gets zeros as long as it does.
+    /// The camera turns. Without a wish to turn, a command that was not answered has been carried out late;
+    /// and one that does more than to sway with its kite gets zeros as long as it does.
     pub fn on_unexpected_motion(&mut self, turns: bool, now: Timestamp) {
         if self.is_resting() && (turns || self.has_unanswered) {
             self.stop(now);

@@ -52,8 +52,8 @@ impl Method {
     }
 }
 
-/// What may be under way at the same time: one call of each lane. A port keeps a connection for each, so that a call that
-/// hangs holds up no call of another lane.
+/// What may be under way at the same time: one call of each lane. A port keeps a connection for each, so that
+/// a call that hangs holds up no call of another lane.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Lane {
     /// Commands that end the motion.

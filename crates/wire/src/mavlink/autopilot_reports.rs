@@ -1,7 +1,8 @@
 //! Where the kite is, and how it lies, as its autopilot reports: GLOBAL_POSITION_INT (33) and ATTITUDE (30).
 //!
-//! Both are recorded and shown, and give height, latitude and longitude. Autopilots send them up to 50 times a second; each is passed
-//! on at most five times a second, by its own time since boot. Both are asked for where they do not come.
+//! Both are recorded and shown, and give height, latitude and longitude. Autopilots send them up to 50 times
+//! a second; each is passed on at most five times a second, by its own time since boot. Both are asked for
+//! where they do not come.
 
 use barrelman_vocab::Angle;
 use barrelman_vocab::mavlink::ComponentId;
@@ -17,7 +18,8 @@ pub(super) const AUTOPILOT: ComponentId = ComponentId(1);
 const SPACING_MS: u32 = 200;
 /// A heading that is not known.
 const NO_HEADING: u16 = u16::MAX;
-/// A yaw that is older, or newer, than this by the vehicle's clock tells nothing of another time, milliseconds.
+/// A yaw that is older, or newer, than this by the vehicle's clock tells nothing of another time,
+/// milliseconds.
 const YAW_LASTS_MS: u32 = 400;
 
 /// Thins the reports of one autopilot.
@@ -86,7 +88,8 @@ fn is_due(last_ms: &mut Option<u32>, ms: u32) -> bool {
     is_due
 }
 
-/// A position; where it is 0/0, which autopilots without a fix report, the height alone. `None`: no place on Earth.
+/// A position; where it is 0/0, which autopilots without a fix report, the height alone. `None`: no place on
+/// Earth.
 fn reported_position(position: &GLOBAL_POSITION_INT_DATA) -> Option<Report> {
     let (latitude, longitude) = (f64::from(position.lat) * 1e-7, f64::from(position.lon) * 1e-7);
     let is_known = (position.lat, position.lon) != (0, 0);
@@ -107,7 +110,8 @@ fn reported_heading(position: &GLOBAL_POSITION_INT_DATA) -> Option<Angle> {
     (position.hdg != NO_HEADING).then(|| Angle::from_degrees(f64::from(position.hdg) * 1e-2))
 }
 
-/// Roll, pitch and yaw (frames north-east-down, forward-right-down) as a quaternion; `None`: one of them is no number.
+/// Roll, pitch and yaw (frames north-east-down, forward-right-down) as a quaternion; `None`: one of them is
+/// no number.
 fn reported_attitude(attitude: &ATTITUDE_DATA) -> Option<Report> {
     let [roll, pitch, yaw] =
         [attitude.roll, attitude.pitch, attitude.yaw].map(|angle| f64::from(angle) / 2.0);

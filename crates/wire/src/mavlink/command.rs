@@ -1,7 +1,7 @@
 //! The commands that this program can send to a gimbal manager.
 //!
-//! [`Command`] contains all of them. Arming, take-off, modes, missions, positions, and the gimbal's retract and neutral are not in
-//! it, so that they cannot be sent.
+//! [`Command`] contains all of them. Arming, take-off, modes, missions, positions, and the gimbal's retract
+//! and neutral are not in it, so that they cannot be sent.
 
 use core::time::Duration;
 
@@ -106,7 +106,8 @@ pub enum Command {
         /// -1 to 1 of its largest speed, positive to a closer view; a speed that is no number is zero.
         speed: f64,
     },
-    /// GIMBAL_MANAGER_SET_PITCHYAW (287): rates, clamped to the protocol's limits; roll and pitch stay against the horizon.
+    /// GIMBAL_MANAGER_SET_PITCHYAW (287): rates, clamped to the protocol's limits; roll and pitch stay
+    /// against the horizon.
     Rates(Gimbal, VehicleRates),
 }
 

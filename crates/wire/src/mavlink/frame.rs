@@ -1,9 +1,10 @@
 //! MAVLink frames: found in a stream of bytes, and written.
 //!
-//! A frame of version 2 is 0xFD, payload length, incompatibility flags, compatibility flags, sequence, system, component, message
-//! id (3 bytes), payload, CRC (2 bytes), and 13 bytes of signature where flag 1 is set; a frame of version 1 is 0xFE, payload
-//! length, sequence, system, component, message id, payload, CRC. The CRC covers all between the first byte and itself, and a
-//! number that stands for the message's definition.
+//! A frame of version 2 is 0xFD, payload length, incompatibility flags, compatibility flags, sequence,
+//! system, component, message id (3 bytes), payload, CRC (2 bytes), and 13 bytes of signature where flag 1 is
+//! set; a frame of version 1 is 0xFE, payload length, sequence, system, component, message id, payload, CRC.
+//! The CRC covers all between the first byte and itself, and a number that stands for the message's
+//! definition.
 
 use barrelman_vocab::Timestamp;
 use barrelman_vocab::mavlink::Address;
@@ -40,7 +41,8 @@ impl Frame<'_> {
         self.payload
     }
 
-    /// The content, as the message `D`; `None`: another message, or one with a value that the message does not have.
+    /// The content, as the message `D`; `None`: another message, or one with a value that the message does
+    /// not have.
     pub fn read<D: MessageData>(&self) -> Option<D> {
         (self.message == D::ID).then(|| D::deser(self.version, self.payload).ok()).flatten()
     }
@@ -57,7 +59,8 @@ enum Found<'a> {
 
 /// Finds frames in a stream of bytes: in any pieces, several in one, damaged, with anything between them.
 ///
-/// Bytes that look like the beginning of a long frame hold nothing up: a whole frame behind them is found at once.
+/// Bytes that look like the beginning of a long frame hold nothing up: a whole frame behind them is found at
+/// once.
 #[derive(Debug, Clone, Default)]
 pub struct FrameReader {
     /// What may be the beginning of a frame: less than a frame between two calls.

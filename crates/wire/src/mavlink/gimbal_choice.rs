@@ -1,6 +1,8 @@
-//! Which gimbal is moved, of those on a line: the first one that can pan and tilt, or the one that the configuration names.
+//! Which gimbal is moved, of those on a line: the first one that can pan and tilt, or the one that the
+//! configuration names.
 //!
-//! Managers describe their gimbals in any order, late, or with no axes at first, and packets get lost. So the choice waits:
+//! Managers describe their gimbals in any order, late, or with no axes at first, and packets get lost. So the
+//! choice waits:
 //!
 //! | what was heard | the gimbal is chosen |
 //! |---|---|

@@ -2,7 +2,8 @@
 
 use super::command::Gimbal;
 
-/// What a gimbal manager says of its gimbal: axes and end stops. Angles are radians, pitch above the horizon and yaw to the right.
+/// What a gimbal manager says of its gimbal: axes and end stops. Angles are radians, pitch above the horizon
+/// and yaw to the right.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Information {
     /// The gimbal.

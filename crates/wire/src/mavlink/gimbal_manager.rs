@@ -1,4 +1,5 @@
-//! The gimbal manager's end of the protocol, for the emulator and the tests: an autopilot that moves a gimbal.
+//! The gimbal manager's end of the protocol, for the emulator and the tests: an autopilot that moves a
+//! gimbal.
 //!
 //! ```text
 //!            1001 with an address, or another commander takes it
@@ -6,9 +7,10 @@
 //!                        1001 with -3 by the owner
 //! ```
 //!
-//! Two habits: [`Habits::ArduPilot`] as measured (obeys rates of anybody, keeps a rate for ever, sends its status at changes and on
-//! request, the attitude after it was asked for), and [`Habits::Px4`] as its source says (obeys the primary control alone, sends
-//! its status at 5 Hz). The manager contains no gimbal: the caller reads the rates and supplies the attitude.
+//! Two habits: [`Habits::ArduPilot`] as measured (obeys rates of anybody, keeps a rate for ever, sends its
+//! status at changes and on request, the attitude after it was asked for), and [`Habits::Px4`] as its source
+//! says (obeys the primary control alone, sends its status at 5 Hz). The manager contains no gimbal: the
+//! caller reads the rates and supplies the attitude.
 
 use core::fmt::Write as _;
 use core::time::Duration;
@@ -177,8 +179,8 @@ impl GimbalManager {
         self.settings = settings;
     }
 
-    /// Processes received bytes, appends the answers to `out`, and passes a description of each message to `on_message`, with the
-    /// rates in force after it.
+    /// Processes received bytes, appends the answers to `out`, and passes a description of each message to
+    /// `on_message`, with the rates in force after it.
     pub fn receive(
         &mut self,
         bytes: &[u8],
@@ -378,8 +380,8 @@ fn stream_of(interval_us: f32, now: Timestamp) -> Stream {
     Stream { interval: interval.filter(|interval| !interval.is_zero()), next_at: now }
 }
 
-/// Whether a message with this target is for the gimbal manager. 0 is everyone, and the autopilot takes what is for a component
-/// that is not there.
+/// Whether a message with this target is for the gimbal manager. 0 is everyone, and the autopilot takes what
+/// is for a component that is not there.
 fn is_for_manager(to: Address) -> bool {
     to.system == MANAGER.system || to.system.0 == 0
 }

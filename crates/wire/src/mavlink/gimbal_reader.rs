@@ -1,7 +1,9 @@
 //! What a gimbal manager says: messages to facts for the session, and to reports for the pilot.
 //!
-//! The gimbal is the one that [`GimbalChoice`] takes of those that managers describe (GIMBAL_MANAGER_INFORMATION) or report
-//! (GIMBAL_MANAGER_STATUS), of the configured system where there is one. Only what its system sends counts. Numbers with a private meaning (NaN, 0/0) become options and variants here.
+//! The gimbal is the one that [`GimbalChoice`] takes of those that managers describe
+//! (GIMBAL_MANAGER_INFORMATION) or report (GIMBAL_MANAGER_STATUS), of the configured system where there is
+//! one. Only what its system sends counts. Numbers with a private meaning (NaN, 0/0) become options and
+//! variants here.
 
 use barrelman_vocab::Angle;
 use barrelman_vocab::mavlink::{Address, MavlinkPeers, SystemId};
@@ -24,7 +26,8 @@ mod camera;
 mod control;
 mod exchange;
 
-/// The uptime may be reported this much earlier than before without a restart, seconds: packets overtake each other.
+/// The uptime may be reported this much earlier than before without a restart, seconds: packets overtake each
+/// other.
 const UPTIME_TOLERANCE_S: f64 = 1.0;
 /// From this id on a gimbal device is named by its component, below it is a part of the manager's.
 const LEAST_COMPONENT_DEVICE: u8 = 7;
@@ -46,8 +49,8 @@ pub enum Received {
     ClaimAnswered(Claim),
     /// The gimbal's attitude.
     Attitude(Quaternion),
-    /// The vehicle's clock begins anew, or its gimbal manager has other devices than the one that was chosen: a gimbal is
-    /// chosen anew.
+    /// The vehicle's clock begins anew, or its gimbal manager has other devices than the one that was chosen:
+    /// a gimbal is chosen anew.
     Restarted,
     /// Anything else of the gimbal manager.
     Other,
@@ -100,7 +103,8 @@ struct Facts {
     autopilot: AutopilotReports,
     /// What the camera that zooms says of itself.
     camera_information: Option<CameraInformation>,
-    /// The newest time since boot in the messages of each kind: parts of a vehicle may have clocks of their own.
+    /// The newest time since boot in the messages of each kind: parts of a vehicle may have clocks of their
+    /// own.
     uptimes: [Option<f64>; 3],
     uptime_s: Option<f64>,
     /// When the gimbal manager spoke of the chosen device last.
@@ -263,7 +267,8 @@ impl Facts {
         (known.device == of.device || of.device == 0).then_some(known)
     }
 
-    /// Whether an attitude is that of the gimbal. A device that is a component of its own leaves the id of the device out.
+    /// Whether an attitude is that of the gimbal. A device that is a component of its own leaves the id of
+    /// the device out.
     fn is_of_gimbal(&self, from: Address, device: u8) -> bool {
         let Some(gimbal) = self.gimbal.filter(|gimbal| gimbal.manager.system == from.system) else {
             return false;

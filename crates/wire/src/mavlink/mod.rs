@@ -1,8 +1,9 @@
 //! MAVLink, version 2: a gimbal manager as the vehicle, a boat, and this program as a tracking camera.
 //!
-//! `docs/wire/mavlink-gimbal.md` and `docs/wire/mavlink-camera.md` describe both. [`GimbalSession`] is the client of a gimbal manager: discovery, control, rates, attitude, shut-down. [`GimbalManager`] is the
-//! other end, for the emulator and the tests. [`TrackingCamera`] is what ground stations find. All are plain structs without I/O:
-//! bytes and times in, packets and times out.
+//! `docs/wire/mavlink-gimbal.md` and `docs/wire/mavlink-camera.md` describe both. [`GimbalSession`] is the
+//! client of a gimbal manager: discovery, control, rates, attitude, shut-down. [`GimbalManager`] is the other
+//! end, for the emulator and the tests. [`TrackingCamera`] is what ground stations find. All are plain
+//! structs without I/O: bytes and times in, packets and times out.
 
 pub mod frame;
 pub mod signing;

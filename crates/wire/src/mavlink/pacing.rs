@@ -1,9 +1,10 @@
 //! Pacing: when rates are sent.
 //!
-//! One message carries both axes. A gimbal manager may keep a rate for ever, or let it expire within a fraction of a second, and
-//! a packet may get lost: rates in force are repeated at 10 Hz, and zeros, sent at once and three times, every 0.25 s. What stops
-//! or reverses an axis is sent at once, other changes at the earliest 50 ms after the message before. (With 100 ms, the boat is
-//! outside of the region 1.4 times as long as with a Fotokite Pro; with 50 ms, 1.1 times.)
+//! One message carries both axes. A gimbal manager may keep a rate for ever, or let it expire within a
+//! fraction of a second, and a packet may get lost: rates in force are repeated at 10 Hz, and zeros, sent at
+//! once and three times, every 0.25 s. What stops or reverses an axis is sent at once, other changes at the
+//! earliest 50 ms after the message before. (With 100 ms, the boat is outside of the region 1.4 times as long
+//! as with a Fotokite Pro; with 50 ms, 1.1 times.)
 
 use core::time::Duration;
 

@@ -1,4 +1,5 @@
-//! The client of an ArduPilot boat: set-points in GUIDED, or manual control in MANUAL, and nothing in any other mode.
+//! The client of an ArduPilot boat: set-points in GUIDED, or manual control in MANUAL, and nothing in any
+//! other mode.
 //!
 //! ```text
 //!              heartbeat of a boat or a rover          silent for 3 s
@@ -7,17 +8,18 @@
 //!                                              +-- close() --> Closing (neutral five times) --> Closed
 //! ```
 //!
-//! Throttle and rudder are sent as SET_POSITION_TARGET_LOCAL_NED (84) in the boat's own frame: a speed ahead of throttle x
-//! [`FULL_SPEED_M_PER_S`], and a turn rate of rudder x [`FULL_TURN_RAD_PER_S`]; the autopilot closes the loop. A set-point
-//! is repeated every [`SET_POINT_INTERVAL`]. ArduPilot stops the boat 3 s after the last one.
+//! Throttle and rudder are sent as SET_POSITION_TARGET_LOCAL_NED (84) in the boat's own frame: a speed ahead
+//! of throttle x [`FULL_SPEED_M_PER_S`], and a turn rate of rudder x [`FULL_TURN_RAD_PER_S`]; the autopilot
+//! closes the loop. A set-point is repeated every [`SET_POINT_INTERVAL`]. ArduPilot stops the boat 3 s after
+//! the last one.
 //!
-//! The mode and the arming are the boat's own. A mode other than GUIDED means that another program or a person steers: the sticks of the
-//! remote control, or a ground station. Nothing is sent then. [`Session::take_control`] asks once for GUIDED; nothing ever
-//! arms.
+//! The mode and the arming are the boat's own. A mode other than GUIDED means that another program or a
+//! person steers: the sticks of the remote control, or a ground station. Nothing is sent then.
+//! [`Session::take_control`] asks once for GUIDED; nothing ever arms.
 //!
-//! A boat without a position has no GUIDED. [`RoverDrive::Manual`] sends MANUAL_CONTROL (69) instead, in MANUAL alone: steering (y) and
-//! throttle (z, 0 is stop) in thousandths. ArduPilot obeys the system id of its ground station alone, holds the last values for 3 s,
-//! and gives the boat back to the sticks then.
+//! A boat without a position has no GUIDED. [`RoverDrive::Manual`] sends MANUAL_CONTROL (69) instead, in
+//! MANUAL alone: steering (y) and throttle (z, 0 is stop) in thousandths. ArduPilot obeys the system id of
+//! its ground station alone, holds the last values for 3 s, and gives the boat back to the sticks then.
 
 use core::time::Duration;
 
@@ -52,8 +54,8 @@ const NEUTRAL_INTERVAL: Duration = Duration::from_millis(50);
 pub const NEUTRALS: u32 = 5;
 /// A boat of which nothing was heard for this time is silent.
 pub const SILENCE: Duration = Duration::from_secs(3);
-/// So is one whose mode is as old as this, whatever else is heard of it. Of a line that loses 3 packets of 10, ten heartbeats
-/// hardly ever get lost in a row.
+/// So is one whose mode is as old as this, whatever else is heard of it. Of a line that loses 3 packets of
+/// 10, ten heartbeats hardly ever get lost in a row.
 pub const MODE_TIMEOUT: Duration = Duration::from_secs(10);
 /// The intervals of [`ASKED_FOR`].
 const SUBSCRIBED_INTERVALS: [Duration; 3] =
@@ -64,7 +66,8 @@ const SEARCH_TIMEOUT: Duration = Duration::from_secs(10);
 /// Use the velocity along x and the yaw rate, and ignore everything else: 0x5C7.
 const SPEED_AND_TURN: PositionTargetTypemask = PositionTargetTypemask::from_bits_truncate(0x5C7);
 
-/// The boat's own frame of reference by its number 8, which ArduPilot reads; MAVLink's newer name has another number.
+/// The boat's own frame of reference by its number 8, which ArduPilot reads; MAVLink's newer name has another
+/// number.
 #[allow(deprecated, reason = "ArduPilot reads this frame")]
 pub(super) const BODY_FRAME: MavFrame = MavFrame::MAV_FRAME_BODY_NED;
 

@@ -1,4 +1,5 @@
-//! The other end of [`super::rover`]: an ArduPilot boat, as far as set-points, manual control, modes and arming go.
+//! The other end of [`super::rover`]: an ArduPilot boat, as far as set-points, manual control, modes and
+//! arming go.
 
 use core::time::Duration;
 
@@ -17,7 +18,8 @@ use super::rover::{
 
 /// ArduPilot Rover's number of the mode HOLD: the boat is stopped.
 pub const HOLD: u32 = 4;
-/// The boat stops after this time without a set-point, and follows its sticks after this time without manual control.
+/// The boat stops after this time without a set-point, and follows its sticks after this time without manual
+/// control.
 pub const SET_POINT_TIMEOUT: Duration = Duration::from_secs(3);
 const HEARTBEAT_INTERVAL: Duration = Duration::from_secs(1);
 
@@ -104,7 +106,8 @@ impl RoverBoat {
         fresh.filter(|_| self.is_armed).map_or(VesselCommand::NEUTRAL, |(_, command)| command)
     }
 
-    /// Processes received bytes, appends answers to `out`, and passes a description of each message to `on_message`.
+    /// Processes received bytes, appends answers to `out`, and passes a description of each message to
+    /// `on_message`.
     pub fn receive(
         &mut self,
         bytes: &[u8],
@@ -117,7 +120,8 @@ impl RoverBoat {
         self.reader = reader;
     }
 
-    /// Appends what is due: the heartbeat, and the speed where it was asked for. The boat has the speed that it is commanded.
+    /// Appends what is due: the heartbeat, and the speed where it was asked for. The boat has the speed that
+    /// it is commanded.
     pub fn advance(&mut self, now: Timestamp, out: &mut Vec<Vec<u8>>) {
         if let Some((interval, at)) = self.hud.filter(|(_, at)| *at <= now) {
             self.hud = Some((interval, at.max(now).plus(interval)));

@@ -93,7 +93,8 @@ impl RoverReader {
         self.link.peers.vehicle.or(self.boat.map(|boat| boat.system))
     }
 
-    /// Passes what the boat says to commands to `each`, with each of its heartbeats. Returns what was heard of the boat.
+    /// Passes what the boat says to commands to `each`, with each of its heartbeats. Returns what was heard
+    /// of the boat.
     pub fn read(&mut self, bytes: &[u8], mut each: impl FnMut(Report)) -> Heard {
         let mut frames = core::mem::take(&mut self.frames);
         let mut heard = Heard::default();

@@ -18,15 +18,17 @@
 //!   any other state -- close() --> Closed
 //! ```
 //!
-//! No rate is sent to a gimbal whose control is not ours, with one exception: where a session before may have left the gimbal
-//! turning ([`LinkHistory::may_be_turning`]), zeros go to every gimbal manager that hears them, from the first packet on until
-//! the manager is known to obey another commander. The control begins with zeros.
+//! No rate is sent to a gimbal whose control is not ours, with one exception: where a session before may have
+//! left the gimbal turning ([`LinkHistory::may_be_turning`]), zeros go to every gimbal manager that hears
+//! them, from the first packet on until the manager is known to obey another commander. The control begins
+//! with zeros.
 //!
-//! The first gimbal that is found is the gimbal: after a restart of the vehicle, and in the sessions after this one, only its
-//! system is searched.
+//! The first gimbal that is found is the gimbal: after a restart of the vehicle, and in the sessions after
+//! this one, only its system is searched.
 //!
-//! [`GimbalSession`] is the [`Session`] of this protocol: a plain struct without I/O. It sends rates other than zero only in the
-//! state `Up`. `session/due.rs` has what is sent when, `session/events.rs` what received messages change.
+//! [`GimbalSession`] is the [`Session`] of this protocol: a plain struct without I/O. It sends rates other
+//! than zero only in the state `Up`. `session/due.rs` has what is sent when, `session/events.rs` what
+//! received messages change.
 
 use core::time::Duration;
 
@@ -126,17 +128,20 @@ pub struct GimbalSession {
     last_status: Option<Timestamp>,
     /// When the gimbal manager was heard last.
     last_heard: Option<Timestamp>,
-    /// Whether another commander had the control when the vehicle restarted, or when a session before was lost.
+    /// Whether another commander had the control when the vehicle restarted, or when a session before was
+    /// lost.
     is_operator_asked: bool,
     /// Whether zeros are to be sent to a gimbal that turned when it was left without a commander.
     owes_zeros: bool,
-    /// Whether a session before may have left the gimbal turning, and the control was not ours, or another commander's, since.
+    /// Whether a session before may have left the gimbal turning, and the control was not ours, or another
+    /// commander's, since.
     needs_answer: bool,
     /// Least number of zeros of the shut-down.
     least_zeros: u32,
     /// Whether a session with a gimbal manager fell silent.
     fell_silent: bool,
-    /// When rates other than zero were sent last, until the gimbal manager is heard so long after the zeros that it has them.
+    /// When rates other than zero were sent last, until the gimbal manager is heard so long after the zeros
+    /// that it has them.
     moved_at: Option<Timestamp>,
     /// Whether the newest attitudes show that the gimbal turns: zeros that were sent may not have arrived.
     is_seen_turning: bool,
@@ -254,7 +259,8 @@ impl Session for GimbalSession {
         }
     }
 
-    /// Begins the shut-down: zeros at once, three times, then until telemetry shows no motion; then the control is released.
+    /// Begins the shut-down: zeros at once, three times, then until telemetry shows no motion; then the
+    /// control is released.
     fn close(&mut self, now: Timestamp) {
         let is_claimed = matches!(self.state, State::Claiming { accepted_at: Some(_), .. });
         self.state = match self.state {
@@ -311,7 +317,8 @@ impl Session for GimbalSession {
         self.evidence_since(since, now)
     }
 
-    /// Three times zeros, to the gimbal and to every gimbal manager that hears them; none to a gimbal of another commander.
+    /// Three times zeros, to the gimbal and to every gimbal manager that hears them; none to a gimbal of
+    /// another commander.
     fn last_will(&self, now: Timestamp) -> Vec<WillStep<Vec<u8>>> {
         if self.is_anothers() {
             return Vec::new();

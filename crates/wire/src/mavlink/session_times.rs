@@ -6,15 +6,16 @@ use core::time::Duration;
 pub const HEARTBEAT_INTERVAL: Duration = Duration::from_secs(1);
 /// Interval of repeated requests and claims.
 pub const ASK_SPACING: Duration = Duration::from_millis(500);
-/// So many requests for a gimbal manager's information are sent alone; later ones go with a request for its status.
+/// So many requests for a gimbal manager's information are sent alone; later ones go with a request for its
+/// status.
 pub const ASKS_FOR_INFORMATION: u32 = 3;
-/// Longest time from the opened port to a gimbal manager's information. The port is then opened again, which ends an
-/// engagement. On a line that loses three packets of ten, each way, one search of 26,000 hears no heartbeat within 10 s (one
-/// of 265 within 6 s): simulated, 2,000,000 searches each.
+/// Longest time from the opened port to a gimbal manager's information. The port is then opened again, which
+/// ends an engagement. On a line that loses three packets of ten, each way, one search of 26,000 hears no
+/// heartbeat within 10 s (one of 265 within 6 s): simulated, 2,000,000 searches each.
 pub const SEARCH_TIMEOUT: Duration = Duration::from_secs(10);
-/// Longest wait for the word who has the control before the claim: a manager may send its status at changes only. Six requests
-/// fit in: with fewer, a line that loses packets would often keep it unknown that another commander has the control, and the
-/// claim would take it away unasked.
+/// Longest wait for the word who has the control before the claim: a manager may send its status at changes
+/// only. Six requests fit in: with fewer, a line that loses packets would often keep it unknown that another
+/// commander has the control, and the claim would take it away unasked.
 pub const STATUS_TIMEOUT: Duration = Duration::from_secs(3);
 /// A claim that was accepted counts after this time without a status.
 pub const CLAIM_GRACE: Duration = Duration::from_millis(600);
@@ -44,9 +45,10 @@ pub const RELEASE_SPACING: Duration = Duration::from_millis(150);
 pub const RELEASES: u32 = 3;
 /// Largest number of components that are asked for a gimbal.
 pub const MAX_CANDIDATES: usize = 16;
-/// Attitudes of the gimbal are compared if they were reported at least this far apart: the noise of a gimbal's sensors is then
-/// below what counts as motion.
+/// Attitudes of the gimbal are compared if they were reported at least this far apart: the noise of a
+/// gimbal's sensors is then below what counts as motion.
 pub const LEAST_ATTITUDE_SPACING: Duration = Duration::from_millis(90);
-/// A gimbal manager that was heard this long after the last rate has the zeros that followed it. What is heard earlier may have
-/// left the manager before they arrived, or come over a line that loses one direction for a while.
+/// A gimbal manager that was heard this long after the last rate has the zeros that followed it. What is
+/// heard earlier may have left the manager before they arrived, or come over a line that loses one direction
+/// for a while.
 pub const HAS_ZEROS_AFTER: Duration = Duration::from_secs(5);

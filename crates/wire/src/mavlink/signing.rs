@@ -1,9 +1,10 @@
 //! Signatures of packets: who does not know the secret key can neither command nor report.
 //!
-//! A signature is 13 bytes behind a frame of version 2: the id of the link, the time (6 bytes, little-endian, in units of 10 us
-//! since the beginning of 2015), and the first 6 bytes of the SHA-256 of the key, the frame, the id of the link and the time. The
-//! time of a sender and link never repeats, so that a packet cannot be sent again by a listener. A sender that is new
-//! may be at most one minute behind the newest time that is known ([MAVLink's page on message signing][page]).
+//! A signature is 13 bytes behind a frame of version 2: the id of the link, the time (6 bytes, little-endian,
+//! in units of 10 us since the beginning of 2015), and the first 6 bytes of the SHA-256 of the key, the
+//! frame, the id of the link and the time. The time of a sender and link never repeats, so that a packet
+//! cannot be sent again by a listener. A sender that is new may be at most one minute behind the newest time
+//! that is known ([MAVLink's page on message signing][page]).
 //!
 //! [page]: https://mavlink.io/en/guide/message_signing.html
 
@@ -57,7 +58,8 @@ impl SigningKey {
         Self(bytes)
     }
 
-    /// The key in a text: 64 hexadecimal digits, or a passphrase, whose SHA-256 is the key, as ground stations derive it.
+    /// The key in a text: 64 hexadecimal digits, or a passphrase, whose SHA-256 is the key, as ground
+    /// stations derive it.
     ///
     /// # Errors
     /// If the first line is empty.
@@ -96,7 +98,8 @@ pub struct Signing {
 }
 
 impl Signing {
-    /// Signatures with this key. `began_unix_ms`: the start of the program's clock, milliseconds since the beginning of 1970.
+    /// Signatures with this key. `began_unix_ms`: the start of the program's clock, milliseconds since the
+    /// beginning of 1970.
     pub const fn new(key: SigningKey, began_unix_ms: u64) -> Self {
         let began = began_unix_ms.saturating_sub(EPOCH_S * 1_000) * (UNITS_PER_S / 1_000);
         Self { key, began }

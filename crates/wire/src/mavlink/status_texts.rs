@@ -1,7 +1,8 @@
 //! STATUSTEXT (253): what an autopilot says in words, put together from its chunks.
 //!
-//! The text comes from the network: only printable characters pass, a text has at most [`VehicleText::MAX_BYTES`], and between two
-//! heartbeats at most [`MAX_TEXTS`] texts pass. The texts of debugging (severity 7) do not.
+//! The text comes from the network: only printable characters pass, a text has at most
+//! [`VehicleText::MAX_BYTES`], and between two heartbeats at most [`MAX_TEXTS`] texts pass. The texts of
+//! debugging (severity 7) do not.
 
 use barrelman_vocab::vehicle_text::VehicleText;
 use mavlink::dialects::common::STATUSTEXT_DATA;

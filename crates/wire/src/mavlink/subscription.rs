@@ -1,6 +1,8 @@
-//! A message that the vehicle shall send: asked for while it does not come, and asked for again when it stops.
+//! A message that the vehicle shall send: asked for while it does not come, and asked for again when it
+//! stops.
 //!
-//! A message that comes is not asked for: another client may have set a shorter interval, which a request would replace.
+//! A message that comes is not asked for: another client may have set a shorter interval, which a request
+//! would replace.
 
 use core::time::Duration;
 

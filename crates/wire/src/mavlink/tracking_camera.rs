@@ -5,12 +5,14 @@
 //!   ground station <------- ack -------- TrackingCamera <--answered-- operator gateway
 //!   ground station <------- 275 -------- TrackingCamera <---- show -- newest snapshot
 //! ```
-//! The camera is a component of the vehicle's system. It appears when the first picture is known, because the picture's size is a
-//! part of its description. A track command selects and never engages; its answer is that of the operator gateway where that
-//! comes within [`times::ANSWER_WITHIN`], and ACCEPTED otherwise: ground stations repeat a command after 0.5 s, and the target is
-//! confirmed on several video frames. What becomes of the selection is in the status of the track, and a refusal also in a text.
+//! The camera is a component of the vehicle's system. It appears when the first picture is known, because the
+//! picture's size is a part of its description. A track command selects and never engages; its answer is that
+//! of the operator gateway where that comes within [`times::ANSWER_WITHIN`], and ACCEPTED otherwise: ground
+//! stations repeat a command after 0.5 s, and the target is confirmed on several video frames. What becomes
+//! of the selection is in the status of the track, and a refusal also in a text.
 //!
-//! The protocol is [MAVLink's camera protocol][page], version 2; `docs/wire/mavlink-camera.md` lists what is answered.
+//! The protocol is [MAVLink's camera protocol][page], version 2; `docs/wire/mavlink-camera.md` lists what is
+//! answered.
 //!
 //! [page]: https://mavlink.io/en/services/camera.html
 
@@ -307,7 +309,8 @@ impl TrackingCamera {
     }
 }
 
-/// Whether a frame is the heartbeat of an autopilot, of any type: those of later dialects have numbers that are not known here.
+/// Whether a frame is the heartbeat of an autopilot, of any type: those of later dialects have numbers that
+/// are not known here.
 fn is_autopilot(frame: &Frame<'_>) -> bool {
     const TYPE_AT: usize = 4;
     const AUTOPILOT_AT: usize = 5;

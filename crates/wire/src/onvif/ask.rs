@@ -1,5 +1,5 @@
-//! What can be asked of a camera. A request that is not listed here cannot be sent: nothing is configured, no preset is moved to
-//! or set, no user is made.
+//! What can be asked of a camera. A request that is not listed here cannot be sent: nothing is configured, no
+//! preset is moved to or set, no user is made.
 
 use core::time::Duration;
 
@@ -9,7 +9,8 @@ use super::velocity::{FullSpeeds, Velocity};
 use crate::http::Lane;
 use crate::http::motion::Speeds as _;
 
-/// How long a motion lasts at most: its end is the camera's own dead-man's switch. Many cameras take whole seconds alone.
+/// How long a motion lasts at most: its end is the camera's own dead-man's switch. Many cameras take whole
+/// seconds alone.
 pub const MOVE_TIMEOUT: Duration = Duration::from_secs(1);
 
 const DEVICE: &str = "http://www.onvif.org/ver10/device/wsdl";

@@ -1,4 +1,5 @@
-//! The camera's own time. A message is refused whose time differs from the camera's, and cameras' clocks are often wrong.
+//! The camera's own time. A message is refused whose time differs from the camera's, and cameras' clocks are
+//! often wrong.
 
 use barrelman_vocab::Timestamp;
 use jiff::Timestamp as UtcTime;

@@ -1,4 +1,5 @@
-//! The questions at the start: the camera's time, its services, a media profile that moves, and the limits of the motion.
+//! The questions at the start: the camera's time, its services, a media profile that moves, and the limits of
+//! the motion.
 
 use core::time::Duration;
 

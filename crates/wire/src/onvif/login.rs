@@ -1,4 +1,5 @@
-//! A user and a password, and the proof of both in a message (WS-Security, `UsernameToken` with a password digest).
+//! A user and a password, and the proof of both in a message (WS-Security, `UsernameToken` with a password
+//! digest).
 
 use core::fmt;
 

@@ -1,7 +1,9 @@
-//! ONVIF's services for a camera that pans and tilts (profiles S and T). `docs/wire/onvif.md` describes what is used of them.
+//! ONVIF's services for a camera that pans and tilts (profiles S and T). `docs/wire/onvif.md` describes what
+//! is used of them.
 //!
-//! [`OnvifSession`] is the client: services, media profile, motion, status, shut-down. [`PtzCamera`] is the other end, for the
-//! emulator and the tests. Both are plain structs without sockets and clocks: requests, answers and times in and out.
+//! [`OnvifSession`] is the client: services, media profile, motion, status, shut-down. [`PtzCamera`] is the
+//! other end, for the emulator and the tests. Both are plain structs without sockets and clocks: requests,
+//! answers and times in and out.
 
 pub mod ask;
 pub mod call;

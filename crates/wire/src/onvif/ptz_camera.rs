@@ -1,5 +1,5 @@
-//! The other end: a camera with ONVIF's services, for the emulator and the tests. What moves it until when, what it tells, and
-//! what it refuses.
+//! The other end: a camera with ONVIF's services, for the emulator and the tests. What moves it until when,
+//! what it tells, and what it refuses.
 
 use core::time::Duration;
 
@@ -151,7 +151,8 @@ impl PtzCamera {
         self.settings.login.as_ref()
     }
 
-    /// Answers a message. `position`: where it points, -1 to 1 on both axes. `is_proved`: HTTP has proved who asks.
+    /// Answers a message. `position`: where it points, -1 to 1 on both axes. `is_proved`: HTTP has proved who
+    /// asks.
     pub fn answer(
         &mut self,
         message: &[u8],

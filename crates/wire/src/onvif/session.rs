@@ -9,9 +9,10 @@
 //!   any state -- close() --> Closing (zeros) --> Closed
 //! ```
 //!
-//! Each motion ends by itself after [`super::ask::MOVE_TIMEOUT`] ([`crate::http::motion`] renews it before): no guard is needed
-//! for a camera that keeps to that. A zero is a Stop and a ContinuousMove of 0 in turn, as cameras are known that ignore one of
-//! them. Other clients may move the camera at any time: ONVIF has no control that one of them holds.
+//! Each motion ends by itself after [`super::ask::MOVE_TIMEOUT`] ([`crate::http::motion`] renews it before):
+//! no guard is needed for a camera that keeps to that. A zero is a Stop and a ContinuousMove of 0 in turn, as
+//! cameras are known that ignore one of them. Other clients may move the camera at any time: ONVIF has no
+//! control that one of them holds.
 
 use core::time::Duration;
 

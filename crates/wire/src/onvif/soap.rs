@@ -18,7 +18,8 @@ struct Envelope<B> {
     body: B,
 }
 
-/// The body of a message; `None`: it is not what was expected. Elements that are not known are ignored, and so are prefixes.
+/// The body of a message; `None`: it is not what was expected. Elements that are not known are ignored, and
+/// so are prefixes.
 pub fn read<B: DeserializeOwned>(message: &[u8]) -> Option<B> {
     let text = core::str::from_utf8(message).ok()?;
     quick_xml::de::from_str::<Envelope<B>>(text.trim_start_matches('\u{feff}')).ok().map(|read| read.body)

@@ -41,7 +41,8 @@ impl FullSpeeds {
     pub const GENERIC: Self = Self { pan: 1.0, tilt: 1.0, zoom: None };
 }
 
-/// Speeds of the axes in thousandths of the largest, so that two requests compare exactly. Positive: right, up, closer.
+/// Speeds of the axes in thousandths of the largest, so that two requests compare exactly. Positive: right,
+/// up, closer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Velocity {
     pan: i16,
@@ -51,8 +52,8 @@ pub struct Velocity {
 
 impl Speeds for Velocity {
     const REST: Self = Self { pan: 0, tilt: 0, zoom: 0 };
-    /// Less than a third of [`super::ask::MOVE_TIMEOUT`]: two renewals that are lost leave the camera turning, three end the
-    /// motion.
+    /// Less than a third of [`super::ask::MOVE_TIMEOUT`]: two renewals that are lost leave the camera
+    /// turning, three end the motion.
     const RENEWAL: Duration = Duration::from_millis(300);
 }
 

@@ -123,7 +123,8 @@ fn is_zero_of(axis: &str, line: &str) -> bool {
     line.strip_prefix(axis) == Some(" 0.000000")
 }
 
-/// Compares lines with those of a case. Additional zeros for an axis at rest are permitted, unless the case is `exact`.
+/// Compares lines with those of a case. Additional zeros for an axis at rest are permitted, unless the case
+/// is `exact`.
 fn compare(case: &Case, sent: &[(u64, String)]) {
     let mut expected = case
         .events
@@ -326,8 +327,8 @@ fn control_that_is_given_back_begins_with_zeros() {
     );
 }
 
-/// Ends a session whose telemetry, at 10 Hz, shows a yaw of this rate until a time after the request, and a camera at rest
-/// then. Returns the number of zeros on yaw, and when `stop` was sent after the request.
+/// Ends a session whose telemetry, at 10 Hz, shows a yaw of this rate until a time after the request, and a
+/// camera at rest then. Returns the number of zeros on yaw, and when `stop` was sent after the request.
 fn shut_down_with_yaw(rate: f64, until_ms: u64) -> (usize, u64) {
     let (mut session, start) = settled(SessionSettings::for_baud(Framing::LineFeed, 115_200));
     let mut lines = Vec::new();
@@ -382,8 +383,8 @@ struct Line {
     waiting_bytes: f64,
 }
 
-/// Load of a line with the highest rate of commands from a pilot: 30 per second for 10 s, with zeros every second.
-/// Returns bytes per second and the longest waiting time in milliseconds.
+/// Load of a line with the highest rate of commands from a pilot: 30 per second for 10 s, with zeros every
+/// second. Returns bytes per second and the longest waiting time in milliseconds.
 fn worst_case(framing: Framing, baud: u32) -> (f64, f64) {
     let (mut session, start) = settled(SessionSettings::for_baud(framing, baud));
     let mut line = Line { bytes_per_ms: f64::from(baud) / 10.0 / 1000.0, waiting_bytes: 0.0 };

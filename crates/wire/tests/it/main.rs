@@ -1,6 +1,6 @@
 //! Both ends of the protocols: of the Fotokite Pro against transcripts that were written by hand
-//! (`fixtures/fotokite-pro/README.md` describes their format), of the Fotokite Sigma, of ONVIF cameras and of MAVLink gimbals against each other in
-//! virtual time. The tracking camera against what ground stations send.
+//! (`fixtures/fotokite-pro/README.md` describes their format), of the Fotokite Sigma, of ONVIF cameras and of
+//! MAVLink gimbals against each other in virtual time. The tracking camera against what ground stations send.
 
 // Tests read fixture files, and fail by panicking.
 #![allow(clippy::disallowed_methods, clippy::panic, clippy::unwrap_used)]

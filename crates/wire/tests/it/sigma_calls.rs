@@ -11,7 +11,8 @@ use proptest::prelude::*;
 
 use crate::sigma_conversation::rates;
 
-/// One call of each kind. The match makes the list complete: a new kind does not compile without its line here.
+/// One call of each kind. The match makes the list complete: a new kind does not compile without its line
+/// here.
 fn every_call() -> Vec<Call> {
     let calls = vec![
         Call::CameraInfo,

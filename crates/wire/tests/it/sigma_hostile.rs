@@ -1,4 +1,5 @@
-//! Answers, messages and requests that no real vehicle or program sends: nothing panics, and what is sent keeps the rules.
+//! Answers, messages and requests that no real vehicle or program sends: nothing panics, and what is sent
+//! keeps the rules.
 
 use std::time::Duration;
 

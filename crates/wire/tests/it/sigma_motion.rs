@@ -234,8 +234,8 @@ fn events() -> impl Strategy<Value = Vec<(u64, Event)>> {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(200))]
 
-    /// Whatever happens, the camera rests 450 ms after rest was requested, and the way there; no request is refused as
-    /// unusable.
+    /// Whatever happens, the camera rests 450 ms after rest was requested, and the way there; no request is
+    /// refused as unusable.
     #[test]
     fn rest_comes_within_the_duration(events in events()) {
         let mut talk = Conversation::up();

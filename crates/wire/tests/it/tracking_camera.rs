@@ -1,4 +1,5 @@
-//! The tracking camera, as ground stations use it: discovery, track commands, the status of the track, and what is refused.
+//! The tracking camera, as ground stations use it: discovery, track commands, the status of the track, and
+//! what is refused.
 
 use barrelman_vocab::mavlink::{Address, ComponentId, SystemId};
 use barrelman_vocab::{PictureSize, PixelBox, PixelPoint, Timestamp};

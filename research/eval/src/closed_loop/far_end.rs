@@ -1,4 +1,5 @@
-//! The line to a vehicle in virtual time: the session at one end, the vehicle's own end at the other. A packet takes one tick.
+//! The line to a vehicle in virtual time: the session at one end, the vehicle's own end at the other. A
+//! packet takes one tick.
 
 use anyhow::{Context as _, Result};
 use barrelman_sim::CameraPose;
@@ -35,7 +36,8 @@ pub(super) enum FarEnd {
 }
 
 impl Line {
-    /// A line to a vehicle that has just been switched on. `has_no_least_rates`: the vehicle executes any rate.
+    /// A line to a vehicle that has just been switched on. `has_no_least_rates`: the vehicle executes any
+    /// rate.
     ///
     /// # Errors
     /// If the vehicle's protocol is of a kind that is not known here.

@@ -1,11 +1,13 @@
-//! `closed-loop`: each vehicle holds the boat in the simulator, through its session and its far end, in virtual time.
+//! `closed-loop`: each vehicle holds the boat in the simulator, through its session and its far end, in
+//! virtual time.
 //!
 //! ```text
 //!   World --truth--> LocalisationSensor --video latency--> Pilot --rates--> Session <--packets--> far end --rates--> World
 //! ```
-//! Perception is the truth with the scenario's noise, and the seeds are the same for every vehicle. The first table gives each
-//! vehicle the limits and the camera of the Fotokite Pro, so that what differs is the protocol: how often rates are sent, and how
-//! late. The second table has the vehicles' own limits and least rates.
+//! Perception is the truth with the scenario's noise, and the seeds are the same for every vehicle. The first
+//! table gives each vehicle the limits and the camera of the Fotokite Pro, so that what differs is the
+//! protocol: how often rates are sent, and how late. The second table has the vehicles' own limits and least
+//! rates.
 
 mod far_end;
 
@@ -86,7 +88,8 @@ pub(crate) fn run(options: &Options) -> Result<bool> {
     Ok(holds)
 }
 
-/// For each vehicle, the first being the Fotokite Pro: its name, and the share of the time outside of the region.
+/// For each vehicle, the first being the Fotokite Pro: its name, and the share of the time outside of the
+/// region.
 fn shares_outside(options: &Options, law: LawChoice, limits: Limits) -> Result<Vec<(&'static str, f64)>> {
     let seeds: Vec<u64> = (options.first_seed..options.first_seed + options.seeds).collect();
     VehicleProfile::NAMES

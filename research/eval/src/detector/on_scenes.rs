@@ -1,5 +1,5 @@
-//! Detections in rendered scenes, in which all people and boats are labelled, and on empty water, where each is
-//! false.
+//! Detections in rendered scenes, in which all people and boats are labelled, and on empty water, where each
+//! is false.
 
 use anyhow::Result;
 use barrelman_detector::Object;

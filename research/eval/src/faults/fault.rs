@@ -150,7 +150,8 @@ impl FaultKind {
         }
     }
 
-    /// Whether the fault is one of the beginning of a session. Half of such faults are there from the start of the run.
+    /// Whether the fault is one of the beginning of a session. Half of such faults are there from the start
+    /// of the run.
     const fn is_of_beginning(self) -> bool {
         matches!(
             self,
@@ -172,8 +173,8 @@ impl FaultKind {
         )
     }
 
-    /// Whether the fault is one of the line, or of a server that carries out later what arrives: the time to rest counts from the
-    /// end of the fault.
+    /// Whether the fault is one of the line, or of a server that carries out later what arrives: the time to
+    /// rest counts from the end of the fault.
     pub(super) const fn is_of_line(self) -> bool {
         matches!(
             self,
@@ -221,7 +222,8 @@ pub(super) fn last_end_ms(faults: &[Fault]) -> u64 {
     faults.iter().map(|fault| fault.until_ms).max().unwrap_or(0)
 }
 
-/// The faults of the run with this number, of these kinds: each kind alone first, then every pair, over and over, with times from the seed.
+/// The faults of the run with this number, of these kinds: each kind alone first, then every pair, over and
+/// over, with times from the seed.
 pub(super) fn draw(number: u64, kinds: &[FaultKind], rng: &mut SplitMix64) -> Vec<Fault> {
     let count = kinds.len();
     let pairs = count * (count + 1) / 2;

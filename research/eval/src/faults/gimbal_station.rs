@@ -1,7 +1,8 @@
 //! The simulated autopilot with a MAVLink gimbal.
 //!
-//! In half of the runs the autopilot is the worst kind: it obeys everybody and keeps a rate for ever. In the other half it obeys
-//! the primary control alone. Another commander who takes the control inherits the rates in force, and sends nothing.
+//! In half of the runs the autopilot is the worst kind: it obeys everybody and keeps a rate for ever. In the
+//! other half it obeys the primary control alone. Another commander who takes the control inherits the rates
+//! in force, and sends nothing.
 
 use barrelman_vocab::{Angle, Timestamp, VehicleRates};
 use barrelman_wire::mavlink::GimbalManager;

@@ -52,7 +52,8 @@ impl Line {
         !self.faults.iter().any(|fault| fault.kind != FaultKind::CommandsLost && fault.is_active(at_ms))
     }
 
-    /// Lets time pass. A line that is cut loses what is on its way, but for a part of a packet to the ground station.
+    /// Lets time pass. A line that is cut loses what is on its way, but for a part of a packet to the ground
+    /// station.
     pub(super) fn advance(&mut self, at_ms: u64) {
         let is_cut = self.is_active(FaultKind::LineCut, at_ms);
         if is_cut && !self.was_cut {

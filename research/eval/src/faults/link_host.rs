@@ -1,5 +1,5 @@
-//! The simulated owner of the link: a guard, with the gate and the link of the real one, or a thread of the program, where the
-//! vehicle's commands expire by themselves.
+//! The simulated owner of the link: a guard, with the gate and the link of the real one, or a thread of the
+//! program, where the vehicle's commands expire by themselves.
 
 use std::collections::VecDeque;
 use std::sync::Arc;

@@ -14,7 +14,8 @@ pub(super) type Opener<C> = Arc<dyn Fn(Timestamp) -> Box<ByteSession<C>> + Send 
 #[derive(Clone)]
 pub(super) struct LinkPlan<C = VehicleRates> {
     pub(super) open_session: Opener<C>,
-    /// The largest command that a guard lets pass; `None`: without a guard, the link is a thread of the program.
+    /// The largest command that a guard lets pass; `None`: without a guard, the link is a thread of the
+    /// program.
     pub(super) guard_limits: Option<C>,
     pub(super) mutant: Mutant,
 }

@@ -1,5 +1,5 @@
-//! The machine that the program runs on, as far as faults of processes, of the clock and of the line go: the guard's life and
-//! death, the program's, suspensions, and the line with its faults.
+//! The machine that the program runs on, as far as faults of processes, of the clock and of the line go: the
+//! guard's life and death, the program's, suspensions, and the line with its faults.
 
 use barrelman_host::absence::TurnWatch;
 use barrelman_link::LinkReport;
@@ -19,7 +19,8 @@ use super::mutant::Mutant;
 
 /// From the death of a guard to the start of the next, ms.
 const GUARD_STARTS_MS: u64 = 40;
-/// A program that is gone within this time of its guard's death cannot replace it, ms: both are killed together.
+/// A program that is gone within this time of its guard's death cannot replace it, ms: both are killed
+/// together.
 const TOGETHER_MS: u64 = 400;
 
 /// A millisecond in which the machine runs.

@@ -3,13 +3,15 @@
 //! ```text
 //!   program: Pilot on the truth --rates, time to live--> guard: Gate, LinkCore, Session --line--> ground station
 //! ```
-//! With a boat (`vessel`) the pilot's second actuator is at the other end, with a rule of its own.
-//! Without a guard (Fotokite Sigma, ONVIF camera) the link is a thread of the program, and the line carries requests and answers.
+//! With a boat (`vessel`) the pilot's second actuator is at the other end, with a rule of its own. Without a
+//! guard (Fotokite Sigma, ONVIF camera) the link is a thread of the program, and the line carries requests
+//! and answers.
 //!
-//! One process: the pilot, the guard's gate, the link and the session are those of a live run; pipe, line, clocks and the
-//! ground station are simulated, half of the ground stations being the worst of their kind: a `stop` that leaves the rates in
-//! force (Fotokite Pro), a gimbal manager that obeys everybody and keeps a rate for ever (MAVLink gimbal). An oracle that
-//! does not ask the pilot judges each millisecond ([`oracle`]).
+//! One process: the pilot, the guard's gate, the link and the session are those of a live run; pipe, line,
+//! clocks and the ground station are simulated, half of the ground stations being the worst of their kind: a
+//! `stop` that leaves the rates in force (Fotokite Pro), a gimbal manager that obeys everybody and keeps a
+//! rate for ever (MAVLink gimbal). An oracle that does not ask the pilot judges each millisecond
+//! ([`oracle`]).
 
 mod subject;
 
@@ -92,7 +94,8 @@ struct Campaign {
     results: Vec<(u64, Option<RunResult>)>,
 }
 
-/// Of one kind of fault: the runs with it, and for each figure the worst time to rest, alone and in pairs, ms.
+/// Of one kind of fault: the runs with it, and for each figure the worst time to rest, alone and in pairs,
+/// ms.
 type Row = (usize, Vec<[u64; 2]>);
 
 impl Campaign {

@@ -1,11 +1,13 @@
-//! The rule of the campaign, judged apart from the program: the rate in force at the ground station is zero within the time to
-//! rest of the last moment that permitted motion: 350 ms, or longer where a command has to expire.
+//! The rule of the campaign, judged apart from the program: the rate in force at the ground station is zero
+//! within the time to rest of the last moment that permitted motion: 350 ms, or longer where a command has to
+//! expire.
 //!
-//! Motion is permitted at the arrival of a fresh localisation while the operator's consent to follow lasts, at each
-//! renewal of a nudge, and at the arrival of a picture while the consent to a search or a calibration lasts. That consent
-//! ends where no picture permitted motion for the time to rest. Nothing permits motion while no guard carries out what the
-//! program asks for. After a fault of the line the time counts from the line's return, after the death of a guard and after
-//! the beginning of its hang from that, after a suspension from the end of it.
+//! Motion is permitted at the arrival of a fresh localisation while the operator's consent to follow lasts,
+//! at each renewal of a nudge, and at the arrival of a picture while the consent to a search or a calibration
+//! lasts. That consent ends where no picture permitted motion for the time to rest. Nothing permits motion
+//! while no guard carries out what the program asks for. After a fault of the line the time counts from the
+//! line's return, after the death of a guard and after the beginning of its hang from that, after a
+//! suspension from the end of it.
 
 use super::permitted::Permitted;
 
@@ -19,7 +21,8 @@ pub(super) enum Licence {
 }
 
 impl Licence {
-    /// Every licence that an operator can ask for. A further one is added here and in the script of [`super::run`].
+    /// Every licence that an operator can ask for. A further one is added here and in the script of
+    /// [`super::run`].
     pub(super) const ALL: [Self; 4] = [Self::Follow, Self::Nudge, Self::Search, Self::Calibrate];
 
     pub(super) const fn name(self) -> &'static str {
@@ -119,7 +122,8 @@ impl Oracle {
         self.violation.get_or_insert((at_ms, text));
     }
 
-    /// The camera turns fast, zero is commanded, and the vehicle's reports arrive, for this time, without a word to the operator.
+    /// The camera turns fast, zero is commanded, and the vehicle's reports arrive, for this time, without a
+    /// word to the operator.
     pub(super) fn is_silent_about_motion(&mut self, at_ms: u64, for_ms: u64) {
         let text =
             format!("has turned for {for_ms} ms although zero is commanded, and the operator is not told");

@@ -5,7 +5,8 @@
 pub(super) struct Permitted {
     has_live_guard: bool,
     heard_ms: Option<u64>,
-    /// The newest moment while no guard carries out anything: it permits motion as soon as a guard does again.
+    /// The newest moment while no guard carries out anything: it permits motion as soon as a guard does
+    /// again.
     unheard_ms: Option<u64>,
 }
 

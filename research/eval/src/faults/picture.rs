@@ -8,7 +8,8 @@ const FOCAL_PX: f64 = 330.0;
 
 /// Interval between two pictures, ms.
 pub(super) const FRAME_MS: u64 = 33;
-/// The bearing of a boat that swings to and fro before the camera, radians to the right of where it was at first.
+/// The bearing of a boat that swings to and fro before the camera, radians to the right of where it was at
+/// first.
 pub(super) fn boat_bearing_rad(phase: f64, at_ms: u64) -> f64 {
     0.9 * (0.55 * at_ms as f64 / 1000.0 + phase).sin() - 0.9 * phase.sin()
 }
@@ -22,7 +23,8 @@ pub(super) struct SeenPicture {
 }
 
 impl SeenPicture {
-    /// The track of the picture with this time of capture, with the time since when the boat has been lost where it is.
+    /// The track of the picture with this time of capture, with the time since when the boat has been lost
+    /// where it is.
     pub(super) fn track(self, captured: Timestamp, lost_since: Option<Timestamp>) -> Track {
         let lost = Track::Lost { since: lost_since.unwrap_or(captured), confidence: 0.1 };
         let Some(x) = self.bearing_rad.map(|bearing| FOCAL_PX * bearing.tan()) else { return lost };

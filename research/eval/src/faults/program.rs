@@ -1,5 +1,5 @@
-//! The simulated program: the real pilot on the truth, and its side of the pipe to the guard, or its messages to the link's
-//! thread.
+//! The simulated program: the real pilot on the truth, and its side of the pipe to the guard, or its messages
+//! to the link's thread.
 
 use core::time::Duration;
 

@@ -26,11 +26,11 @@ const LOST_FROM_MS: u64 = 600;
 const SEARCHES_AT_MS: u64 = 3_900;
 const CALIBRATES_AT_MS: u64 = 3_000;
 const NUDGE_INTERVAL_MS: u64 = 100;
-/// A gimbal of another commander is left alone after this time on a line without faults, ms: a manager that tells a change once,
-/// on a line that loses what it tells, is asked again each second.
+/// A gimbal of another commander is left alone after this time on a line without faults, ms: a manager that
+/// tells a change once, on a line that loses what it tells, is asked again each second.
 const YIELDS_WITHIN_MS: u64 = 1_500;
-/// A turn that nobody commands is told within this time, ms: the laboratory's camera turns on for half a second at full rate, then
-/// half a second of reports has to show that it does not get slower.
+/// A turn that nobody commands is told within this time, ms: the laboratory's camera turns on for half a
+/// second at full rate, then half a second of reports has to show that it does not get slower.
 const TOLD_WITHIN_MS: u64 = 1_300;
 /// A camera that turns no faster may sway, rad/s.
 const SWAY_RAD_PER_S: f64 = 0.15;
@@ -268,7 +268,8 @@ impl World {
         }
     }
 
-    /// Asks for a search of the boat that was followed, or for a calibration; in half of the runs once more after the faults.
+    /// Asks for a search of the boat that was followed, or for a calibration; in half of the runs once more
+    /// after the faults.
     fn ask_for_behaviour(&mut self, ends_ms: u64, now: Timestamp, at_ms: u64) {
         let is_search = self.licence == Licence::Search;
         let (first_ms, request) = if is_search {

@@ -23,7 +23,8 @@ pub(super) trait Station {
         false
     }
 
-    /// Whether this program commanded the camera in the newest millisecond though another commander has the control.
+    /// Whether this program commanded the camera in the newest millisecond though another commander has the
+    /// control.
     fn is_meddled_with(&self) -> bool {
         false
     }

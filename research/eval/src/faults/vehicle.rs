@@ -28,8 +28,8 @@ impl Vehicle {
         matches!(self, Self::FotokiteSigma | Self::OnvifPtz)
     }
 
-    /// The vehicle, whose camera zooms where one can, to keep the size of a boat that is always too small: each licence
-    /// moves the zoom, too.
+    /// The vehicle, whose camera zooms where one can, to keep the size of a boat that is always too small:
+    /// each licence moves the zoom, too.
     pub(super) fn subject(self) -> VehicleProfile {
         let profile = self.profile();
         let protocol = match profile.protocol {
@@ -51,9 +51,9 @@ impl Vehicle {
         self.subject().keeps_last_rate()
     }
 
-    /// The longest time to rest, ms. The last command of a Sigma or an ONVIF camera has to expire: one that left
-    /// when the licence was about to end adds its time-out, 1 s for an ONVIF camera, to the licence's 0.25 s and the
-    /// link's 0.05 s.
+    /// The longest time to rest, ms. The last command of a Sigma or an ONVIF camera has to expire: one that
+    /// left when the licence was about to end adds its time-out, 1 s for an ONVIF camera, to the
+    /// licence's 0.25 s and the link's 0.05 s.
     pub(super) const fn rest_limit_ms(self) -> u64 {
         match self {
             Self::FotokitePro | Self::MavlinkGimbal => 350,
@@ -112,8 +112,8 @@ impl Vehicle {
         Ok(Arc::new(move |now| protocol.open(now)))
     }
 
-    /// Whether the vehicle can have this fault. TCP damages and repeats nothing; only a Fotokite Pro reports its flight state and
-    /// its battery with each status.
+    /// Whether the vehicle can have this fault. TCP damages and repeats nothing; only a Fotokite Pro reports
+    /// its flight state and its battery with each status.
     pub(super) fn can_have(self, fault: FaultKind) -> bool {
         match fault {
             FaultKind::GuardKilled | FaultKind::GuardHangs => self.has_guard(),

@@ -14,8 +14,8 @@ pub(super) const HEIGHT_M: f64 = 15.0;
 pub(super) const TILT_DEG: f64 = -40.0;
 /// Legs, metres.
 const LEG_M: (f64, f64) = (13.0, 25.0);
-/// Distance ahead of the camera in which start and target lie, metres: farther away, the laboratory's 30 px would be more
-/// than the arrival circle.
+/// Distance ahead of the camera in which start and target lie, metres: farther away, the laboratory's 30 px
+/// would be more than the arrival circle.
 const AHEAD_M: (f64, f64) = (10.0, 30.0);
 /// Start and target are so far inside the picture, pixels.
 const BORDER_PX: f64 = 80.0;
@@ -88,7 +88,8 @@ impl Course {
         Self { start, target, heading, current, people }
     }
 
-    /// The scenario of the trial: boat, current and people of this course. The destination is the first object.
+    /// The scenario of the trial: boat, current and people of this course. The destination is the first
+    /// object.
     pub(super) fn scenario(&self, base: &Scenario, condition: &Condition, max_s: f64) -> Scenario {
         let mut scenario = base.clone();
         scenario.max_s = max_s;

@@ -1,8 +1,10 @@
-//! Compares our guidance law with the laboratory's: the same seeds, arrival circle, throttle limit and frame rate.
+//! Compares our guidance law with the laboratory's: the same seeds, arrival circle, throttle limit and frame
+//! rate.
 //!
-//! A camera at rest, 15 m above the water, looks down by 40 degrees; the boat goes 13 to 25 m from a start to a place or a
-//! person in the picture. Both laws see pixels with 2 px of noise after the latency. The laboratory's law computes a step
-//! for each video frame. `--loop` compares them in the whole loop instead ([`whole_loop`]).
+//! A camera at rest, 15 m above the water, looks down by 40 degrees; the boat goes 13 to 25 m from a start to
+//! a place or a person in the picture. Both laws see pixels with 2 px of noise after the latency. The
+//! laboratory's law computes a step for each video frame. `--loop` compares them in the whole loop instead
+//! ([`whole_loop`]).
 
 mod condition;
 mod course;
@@ -43,7 +45,8 @@ pub(crate) struct Options {
     /// Another value of one of our law's gains, for tuning: NAME=VALUE.
     #[arg(long, value_name = "NAME=VALUE", conflicts_with = "whole_loop")]
     set: Vec<String>,
-    /// The whole loop instead: a swaying kite whose camera follows the boat, and an operator who marks the people.
+    /// The whole loop instead: a swaying kite whose camera follows the boat, and an operator who marks the
+    /// people.
     #[arg(long = "loop")]
     whole_loop: bool,
 }

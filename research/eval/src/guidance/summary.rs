@@ -45,7 +45,8 @@ fn ratio(lab: &[Outcome], ours: &[Outcome], value: fn(&Outcome) -> f64) -> Optio
     ratio_of_means(&pairs)
 }
 
-/// The ratio of the means of pairs of values, the second to the first, with its interval over resampled pairs.
+/// The ratio of the means of pairs of values, the second to the first, with its interval over resampled
+/// pairs.
 pub(super) fn ratio_of_means(pairs: &[(f64, f64)]) -> Option<Interval> {
     Bootstrap::DEFAULT.interval(pairs.len(), |sample| {
         let sum = |part: fn(&(f64, f64)) -> f64| sample.iter().map(|index| part(&pairs[*index])).sum::<f64>();

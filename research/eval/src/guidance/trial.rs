@@ -1,8 +1,8 @@
 //! One trial: the simulated boat goes from its start to the destination under one law.
 //!
-//! Both laws see the same: the pixel of the boat, of the destination and of the people in each video frame, with noise,
-//! after the latency. The camera is at rest, and sees beyond the borders of its picture: a camera that follows the boat would.
-//! Both are stepped once for each video frame that arrives.
+//! Both laws see the same: the pixel of the boat, of the destination and of the people in each video frame,
+//! with noise, after the latency. The camera is at rest, and sees beyond the borders of its picture: a camera
+//! that follows the boat would. Both are stepped once for each video frame that arrives.
 
 use std::collections::VecDeque;
 

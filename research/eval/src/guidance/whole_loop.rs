@@ -1,8 +1,8 @@
-//! The laws in the whole loop: a swaying kite whose camera follows the boat, the pilot with its marks and its gate, and a simulated
-//! operator who marks the people and moves the marks.
+//! The laws in the whole loop: a swaying kite whose camera follows the boat, the pilot with its marks and its
+//! gate, and a simulated operator who marks the people and moves the marks.
 //!
-//! Localisations are the truth with noise. The camera law is the default. The laboratory's law computes 7.5 steps a second, ours one
-//! for each video frame.
+//! Localisations are the truth with noise. The camera law is the default. The laboratory's law computes 7.5
+//! steps a second, ours one for each video frame.
 
 use std::time::Duration;
 

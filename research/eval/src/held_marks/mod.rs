@@ -1,9 +1,9 @@
-//! Measures the marks that trackers hold, in rendered pictures: how far each is from its person, whether it is on another
-//! one, and how the boat arrives by them.
+//! Measures the marks that trackers hold, in rendered pictures: how far each is from its person, whether it
+//! is on another one, and how the boat arrives by them.
 //!
-//! The scenarios are those with people in the water. The simulated operator marks each person by hand, and moves a mark
-//! only while it is not held. The same trials without pictures are printed beside, in which the operator moves all marks
-//! every 5 s.
+//! The scenarios are those with people in the water. The simulated operator marks each person by hand, and
+//! moves a mark only while it is not held. The same trials without pictures are printed beside, in which the
+//! operator moves all marks every 5 s.
 
 mod judge;
 

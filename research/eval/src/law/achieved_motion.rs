@@ -1,5 +1,5 @@
-//! The motion of the simulated axes in the place of the commands, so that the figures of commands can be computed for
-//! it.
+//! The motion of the simulated axes in the place of the commands, so that the figures of commands can be
+//! computed for it.
 
 use barrelman_trial::logs::TrialLog;
 use barrelman_vocab::{AngularRate, CameraCommand};

@@ -1,9 +1,10 @@
 //! The travel that is enough to keep the target inside the region when its whole path is known beforehand.
 //!
-//! The course of one axis for a given course of the other one: at each picture there is an interval of angles at which the
-//! target is inside. The axis turns only where it must, by as little as it must (the play operator), which is the least
-//! total variation of any course through the intervals. Pan and tilt are found in turn, a few times. The result is a
-//! course that is enough; a better one may exist, since the problem in both axes is not convex.
+//! The course of one axis for a given course of the other one: at each picture there is an interval of angles
+//! at which the target is inside. The axis turns only where it must, by as little as it must (the play
+//! operator), which is the least total variation of any course through the intervals. Pan and tilt are found
+//! in turn, a few times. The result is a course that is enough; a better one may exist, since the problem in
+//! both axes is not convex.
 //!
 //! Rates, lags and dead times are left out: the course may jump. The focal length is the profile's.
 
@@ -139,7 +140,8 @@ fn interval_around(centre: f64, holds: impl Fn(f64) -> bool) -> (f64, f64) {
     first.zip(last).unwrap_or((centre, centre))
 }
 
-/// A course through intervals with the least total variation: it changes only where it must, by as little as it must.
+/// A course through intervals with the least total variation: it changes only where it must, by as little as
+/// it must.
 fn least_variation(intervals: &[(f64, f64)]) -> Vec<f64> {
     let (mut low, mut high) = (f64::NEG_INFINITY, f64::INFINITY);
     let mut first = None;

@@ -1,4 +1,5 @@
-//! The table of laws and conditions: each law's metrics beside the motor schema's, with the limits that are judged.
+//! The table of laws and conditions: each law's metrics beside the motor schema's, with the limits that are
+//! judged.
 
 use anyhow::Result;
 use barrelman_trial::campaign::compare::{CampaignComparison, PairedMetric};
@@ -128,7 +129,8 @@ fn ratio_cell(ratio: Option<Interval>) -> String {
     ratio.map_or_else(String::new, |r| format!("{:.3} [{:.3}, {:.3}]", r.value, r.low, r.high))
 }
 
-/// Whether the upper end of a ratio's interval is within a limit. Where the schema's mean is 0, the law's must be, too.
+/// Whether the upper end of a ratio's interval is within a limit. Where the schema's mean is 0, the law's
+/// must be, too.
 fn is_within(paired: &PairedMetric, limit: f64) -> bool {
     match paired.ratio {
         Some(ratio) => ratio.high <= limit,

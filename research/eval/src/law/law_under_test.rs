@@ -22,7 +22,8 @@ pub(super) enum LawUnderTest {
     MotorSchema,
     Centring,
     Optimal(OptimalMode),
-    /// The same, with pictures that are taken to arrive this long after their capture, seconds, whatever the truth is.
+    /// The same, with pictures that are taken to arrive this long after their capture, seconds, whatever the
+    /// truth is.
     OptimalWithAssumedLatency(OptimalMode, f64),
     /// A linear-quadratic regulator with this weight of the squared rate, s².
     Lqg(f64),
@@ -61,8 +62,8 @@ impl LawUnderTest {
         Ok(self.simulate_with_motion(plan, seeds)?.0)
     }
 
-    /// Simulates a trial for each seed. The second list has the same trials, with the achieved rates in the place of
-    /// the commands.
+    /// Simulates a trial for each seed. The second list has the same trials, with the achieved rates in the
+    /// place of the commands.
     ///
     /// # Errors
     /// If a trial cannot be simulated.

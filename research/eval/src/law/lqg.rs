@@ -1,8 +1,8 @@
-//! A linear-quadratic regulator that keeps the target in the picture's centre, on the predicted state: the best that
-//! centring can do. A reference, not part of the product.
+//! A linear-quadratic regulator that keeps the target in the picture's centre, on the predicted state: the
+//! best that centring can do. A reference, not part of the product.
 //!
-//! Each axis has the state (e, v, w): the target's offset, rad of that axis, the rate of its bearing, and the rate of
-//! the camera, rad/s. `e' = v - w`, `v' = -v / memory`, `w' = (u - w) / lag`. The gains minimise
+//! Each axis has the state (e, v, w): the target's offset, rad of that axis, the rate of its bearing, and the
+//! rate of the camera, rad/s. `e' = v - w`, `v' = -v / memory`, `w' = (u - w) / lag`. The gains minimise
 //! `∫ (e² + weight u²) dt`. They come from the Riccati equation, integrated to its steady state.
 
 use barrelman_control::{CameraModel, Law, LawInput};

@@ -1,9 +1,10 @@
-//! Model predictive control with a soft ellipse, solved by a conic solver for each picture. A reference, not part of
-//! the product.
+//! Model predictive control with a soft ellipse, solved by a conic solver for each picture. A reference, not
+//! part of the product.
 //!
-//! The problem covers [`STEPS`] steps of [`STEP_S`] and is linearised about the camera that coasts. It minimises
-//! `Σ |u|² + penalty Σ slack²` over the rates u, so that the target lies within [`AIM`] plus the slack of each step,
-//! and the rates within the limits. Only the first step's rates are commanded; the next picture poses the problem anew.
+//! The problem covers [`STEPS`] steps of [`STEP_S`] and is linearised about the camera that coasts. It
+//! minimises `Σ |u|² + penalty Σ slack²` over the rates u, so that the target lies within [`AIM`] plus the
+//! slack of each step, and the rates within the limits. Only the first step's rates are commanded; the next
+//! picture poses the problem anew.
 
 use barrelman_control::{CameraModel, Law, LawInput};
 use barrelman_vocab::{AngularRate, CameraCommand, VehicleProfile};

@@ -42,7 +42,8 @@ const SIGMA: Vehicle = Vehicle {
     acceleration_rad_per_s2: None,
     video_latency_s: 0.25,
 };
-/// The first change of attitude follows a message after 28 to 47 ms; lag, limit and video latency are assumed.
+/// The first change of attitude follows a message after 28 to 47 ms; lag, limit and video latency are
+/// assumed.
 const MAVLINK_GIMBAL: Vehicle = Vehicle {
     dead_time_s: [0.04, 0.04],
     lag_s: [0.06, 0.06],

@@ -1,5 +1,5 @@
-//! The table `robustness`: the laboratory with a vehicle that differs from its profile, and with other frame rates and
-//! latencies of the video. The laboratory has 30 frames each second, 0.1 s late.
+//! The table `robustness`: the laboratory with a vehicle that differs from its profile, and with other frame
+//! rates and latencies of the video. The laboratory has 30 frames each second, 0.1 s late.
 
 use core::time::Duration;
 
@@ -70,8 +70,9 @@ const VARIANTS: [Variant; 25] = [
     },
 ];
 
-/// The latency that is believed wrongly: the law takes the times of capture to be so much before the arrivals. The pilot judges
-/// the age of a picture by its true latency: by times that are wrong in this way no picture would ever be too old.
+/// The latency that is believed wrongly: the law takes the times of capture to be so much before the
+/// arrivals. The pilot judges the age of a picture by its true latency: by times that are wrong in this way
+/// no picture would ever be too old.
 const ASSUMED_LATENCY_S: Option<f64> = Some(0.2);
 
 /// Prints the table. Returns whether every column is within its limit in every row.

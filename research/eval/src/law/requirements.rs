@@ -2,7 +2,8 @@
 
 use super::conditions::Condition;
 
-/// The largest ratio to the motor schema's mean that a metric of a mode may have; `None` where nothing is required.
+/// The largest ratio to the motor schema's mean that a metric of a mode may have; `None` where nothing is
+/// required.
 pub(super) fn max_ratio(condition: &Condition, mode: &str, metric: &str) -> Option<f64> {
     let is_second_arena = condition.scenario.ends_with('2');
     let by_arena = |first: f64, second: f64| Some(if is_second_arena { second } else { first });

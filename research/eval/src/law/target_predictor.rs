@@ -1,5 +1,5 @@
-//! The prediction that the reference laws work on: the same bearing filter and camera model as the optimal law's, so
-//! that the table compares laws and not estimators.
+//! The prediction that the reference laws work on: the same bearing filter and camera model as the optimal
+//! law's, so that the table compares laws and not estimators.
 
 use core::time::Duration;
 
@@ -69,8 +69,8 @@ impl TargetPredictor {
 }
 
 impl PredictedState {
-    /// The view, and the target's position in it, `after_s` later, when the camera has turned by these angles of pan
-    /// and tilt, radians.
+    /// The view, and the target's position in it, `after_s` later, when the camera has turned by these angles
+    /// of pan and tilt, radians.
     pub(super) fn project(&self, after_s: f64, turned: [f64; 2]) -> (View, ImagePoint) {
         let view = View::new(self.focal_px, self.angles[0] + turned[0], self.angles[1] + turned[1]);
         (view, view.project(self.filter.predict(&self.bearing, self.age_s + after_s).apparent_direction()))

@@ -1,5 +1,5 @@
-//! Tables of variants: the laboratory's trials in a changed world or with a changed profile, the motor schema beside
-//! the optimal law in each.
+//! Tables of variants: the laboratory's trials in a changed world or with a changed profile, the motor schema
+//! beside the optimal law in each.
 
 use anyhow::Result;
 use barrelman_experiments::campaign::plan::CampaignPlan;
@@ -73,8 +73,8 @@ impl Variant {
     }
 }
 
-/// Prints a table of variants. Returns whether the upper ends of all ratios are within the limit in every row, and no more
-/// trials are lost than with the motor schema.
+/// Prints a table of variants. Returns whether the upper ends of all ratios are within the limit in every
+/// row, and no more trials are lost than with the motor schema.
 ///
 /// # Errors
 /// If a scenario cannot be used.

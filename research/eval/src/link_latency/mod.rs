@@ -1,12 +1,12 @@
-//! `link-latency`: the time from a command to its bytes at the far end of the port, through the guard where the vehicle has one,
-//! beside a bare write.
+//! `link-latency`: the time from a command to its bytes at the far end of the port, through the guard where
+//! the vehicle has one, beside a bare write.
 //!
 //! ```text
 //!   link.send(rates) --> pipe --> barrelman-guard: session, port --> TCP or UDP on the loopback --> emulated vehicle
 //!   write(packet) ---------------------------------------------> TCP or UDP on the loopback --> reader
 //! ```
-//! A Fotokite Sigma and an ONVIF camera have no guard: their link's threads send an HTTP request, beside a bare write of such a request.
-//! Both are done in turns, so that whatever else the machine does meets both.
+//! A Fotokite Sigma and an ONVIF camera have no guard: their link's threads send an HTTP request, beside a
+//! bare write of such a request. Both are done in turns, so that whatever else the machine does meets both.
 
 mod heard;
 

@@ -1,5 +1,6 @@
-//! The table `speed`: up to what speed of the boat the laws hold the target, measured by the share of trials in which
-//! the target is never lost. Trials are perceived by truth, with the boat's full throttle. Nothing is judged.
+//! The table `speed`: up to what speed of the boat the laws hold the target, measured by the share of trials
+//! in which the target is never lost. Trials are perceived by truth, with the boat's full throttle. Nothing
+//! is judged.
 
 use anyhow::{Result, bail};
 use barrelman_experiments::campaign::PlantName;

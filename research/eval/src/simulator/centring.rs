@@ -1,5 +1,5 @@
-//! The table `centre`: what the motor schema saves by moving the camera only when the target leaves the region, against
-//! a PID controller that keeps the target in the picture's centre, on the same seeds.
+//! The table `centre`: what the motor schema saves by moving the camera only when the target leaves the
+//! region, against a PID controller that keeps the target in the picture's centre, on the same seeds.
 
 use anyhow::{Context, Result};
 use barrelman_experiments::law_choice::LawChoice;

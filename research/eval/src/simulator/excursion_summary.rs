@@ -1,4 +1,5 @@
-//! The metrics by which simulated trials are compared with recorded ones, without excursions that a jump spoils.
+//! The metrics by which simulated trials are compared with recorded ones, without excursions that a jump
+//! spoils.
 
 use barrelman_trial::logs::TrialLog;
 use barrelman_trial::metrics::find_excursions;

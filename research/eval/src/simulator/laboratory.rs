@@ -24,7 +24,8 @@ const LAST_TRIAL: u32 = 17;
 /// For each arena, the trials in which the tracker lost the target, as their rows show.
 const TRIALS_WITH_LOSS: [&[u32]; 2] = [&[11], &[3, 4]];
 
-/// The recorded trials of an arena (1 or 2); without `include_lost`, those in which the target was lost are left out.
+/// The recorded trials of an arena (1 or 2); without `include_lost`, those in which the target was lost are
+/// left out.
 ///
 /// # Errors
 /// If a file cannot be read, or no trial of the arena is in the folder.

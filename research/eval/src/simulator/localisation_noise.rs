@@ -1,8 +1,8 @@
 //! The table `noise`: the noise of the tracked position, recorded and simulated.
 //!
-//! Over a third of a second a slow target moves along a parabola; the residuals of the positions are noise and
-//! rounding. The error of the recorded positions lasts longer than one picture: noise that is independent from picture
-//! to picture (the last row of each arena) leaves about twice as much. Nothing is judged.
+//! Over a third of a second a slow target moves along a parabola; the residuals of the positions are noise
+//! and rounding. The error of the recorded positions lasts longer than one picture: noise that is independent
+//! from picture to picture (the last row of each arena) leaves about twice as much. Nothing is judged.
 
 use std::path::Path;
 
@@ -17,8 +17,8 @@ use super::position_jump::is_jump;
 use crate::output::print_line;
 use crate::statistics::quantile;
 
-/// Upper bounds of the two classes of speed, pixels per second; for faster targets the rows' times are not exact
-/// enough.
+/// Upper bounds of the two classes of speed, pixels per second; for faster targets the rows' times are not
+/// exact enough.
 const MAX_SPEEDS: [f64; 2] = [10.0, 40.0];
 /// Half of the interval that a parabola is fitted to, seconds, and the rows that it needs.
 const HALF_INTERVAL_S: f64 = 0.17;

@@ -1,9 +1,9 @@
-//! Measures the simulator against the recorded trials of the laboratory, and fits the simulated target's motion to
-//! them.
+//! Measures the simulator against the recorded trials of the laboratory, and fits the simulated target's
+//! motion to them.
 //!
-//! Each table is a file of this folder. `validation` is judged: the confidence intervals of simulated and recorded
-//! metrics must overlap for most metrics. The other tables explain it, or measure the simulator and the laws alone;
-//! nothing in them is required.
+//! Each table is a file of this folder. `validation` is judged: the confidence intervals of simulated and
+//! recorded metrics must overlap for most metrics. The other tables explain it, or measure the simulator and
+//! the laws alone; nothing in them is required.
 //!
 //! The recorded trials may not be redistributed. They are read from a folder beside the repository.
 

@@ -1,5 +1,5 @@
-//! The table `rate`: what the motor schema's fixed rate does. The paper uses 0.3 rad/s, on which its sensitivities
-//! depend.
+//! The table `rate`: what the motor schema's fixed rate does. The paper uses 0.3 rad/s, on which its
+//! sensitivities depend.
 
 use anyhow::Result;
 use barrelman_experiments::law_choice::LawChoice;

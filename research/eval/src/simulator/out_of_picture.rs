@@ -1,5 +1,5 @@
-//! The table `picture`: in how many trials the target reaches the picture's border or leaves the picture, for how long,
-//! and how many trials end with the target outside the region.
+//! The table `picture`: in how many trials the target reaches the picture's border or leaves the picture, for
+//! how long, and how many trials end with the target outside the region.
 
 use std::path::Path;
 

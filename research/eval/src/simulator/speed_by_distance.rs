@@ -1,8 +1,9 @@
 //! The table `distance`: the target's speed in the picture where it is far, in between and near, recorded and
 //! simulated.
 //!
-//! A target with one speed over the floor moves slowly in the picture where it is far. The recorded targets slow down
-//! less than that; the simulated target's `range_exponent` reproduces them. The last row of each arena leaves it out.
+//! A target with one speed over the floor moves slowly in the picture where it is far. The recorded targets
+//! slow down less than that; the simulated target's `range_exponent` reproduces them. The last row of each
+//! arena leaves it out.
 
 use std::path::Path;
 

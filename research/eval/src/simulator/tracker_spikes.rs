@@ -1,12 +1,12 @@
 //! The table `jumps`: how the published sensitivities arise from the jumps of the authors' tracker.
 //!
-//! In nearly every recorded trial the tracked position jumps away once and returns within a second, probably because a
-//! hand in the picture attracted the tracker. A *spike* is a run of jumps that follow each other within [`SPIKE_GAP_S`]
-//! and end near where they began. The spikes of the recorded trials are measured: when they occur, and the offset of
-//! each row from the straight line between the row before the spike and the row after it. Each simulated trial then
-//! gets the spikes of one recorded trial, chosen at random, after the simulation: the simulated camera does not react
-//! to them. The change of the sensitivity shows the effect of the spikes alone; boat and camera move as before. Nothing
-//! is judged.
+//! In nearly every recorded trial the tracked position jumps away once and returns within a second, probably
+//! because a hand in the picture attracted the tracker. A *spike* is a run of jumps that follow each other
+//! within [`SPIKE_GAP_S`] and end near where they began. The spikes of the recorded trials are measured: when
+//! they occur, and the offset of each row from the straight line between the row before the spike and the row
+//! after it. Each simulated trial then gets the spikes of one recorded trial, chosen at random, after the
+//! simulation: the simulated camera does not react to them. The change of the sensitivity shows the effect of
+//! the spikes alone; boat and camera move as before. Nothing is judged.
 
 use std::path::Path;
 

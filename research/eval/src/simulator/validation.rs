@@ -1,8 +1,9 @@
 //! The table `believable`: whether simulated trials of the laboratory resemble the recorded ones.
 //!
-//! For each arena the means over trials of seven metrics are compared, each with its 95 % confidence interval. The
-//! requirement: of the fourteen pairs of intervals at least [`MIN_OVERLAPS`] overlap. Below, without a requirement:
-//! which axis answers excursions, and the statistics that the target's motion was fitted to.
+//! For each arena the means over trials of seven metrics are compared, each with its 95 % confidence
+//! interval. The requirement: of the fourteen pairs of intervals at least [`MIN_OVERLAPS`] overlap. Below,
+//! without a requirement: which axis answers excursions, and the statistics that the target's motion was
+//! fitted to.
 
 use std::path::Path;
 

@@ -1,9 +1,9 @@
-//! Candidates: how often the labelled object is among the objects that are found in a single picture, and how many others
-//! are.
+//! Candidates: how often the labelled object is among the objects that are found in a single picture, and how
+//! many others are.
 //!
-//! Labelled frames of each clip, evenly spread. *Found*: the box of a candidate has an IoU with the label of at least 0.5.
-//! *Place*: a place that stands out lies within the label. *Others*: candidates that do not touch the label; many of them
-//! are objects, too (other boats, people, the shore), which have no label.
+//! Labelled frames of each clip, evenly spread. *Found*: the box of a candidate has an IoU with the label of
+//! at least 0.5. *Place*: a place that stands out lies within the label. *Others*: candidates that do not
+//! touch the label; many of them are objects, too (other boats, people, the shore), which have no label.
 
 use std::path::Path;
 

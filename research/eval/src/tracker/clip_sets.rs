@@ -1,7 +1,7 @@
 //! Which clips are judged together, which are of one recording, and where a label shows what cannot be seen.
 //!
-//! Clips of one recording, one flight or one site resemble each other. A mean over recordings counts each recording
-//! once, with the mean of its clips.
+//! Clips of one recording, one flight or one site resemble each other. A mean over recordings counts each
+//! recording once, with the mean of its clips.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -9,7 +9,8 @@ use std::ops::Range;
 use super::clips::ClipFolder;
 use crate::statistics::mean;
 
-/// The clips that the settings were tuned on, and clips that they were not tuned on: the names of the folders.
+/// The clips that the settings were tuned on, and clips that they were not tuned on: the names of the
+/// folders.
 pub(crate) const TUNED_ON: &str = "clips";
 pub(crate) const UNSEEN: &str = "clips-more";
 
@@ -58,8 +59,8 @@ const RECORDINGS: [(&str, &str); 4] = [
     ("uav123_wakeboard", "uav123_wakeboard"),
 ];
 
-/// Clips with a label in frames in which more than half of the target is hidden, and those frames: here a bar that was
-/// drawn over the boat.
+/// Clips with a label in frames in which more than half of the target is hidden, and those frames: here a bar
+/// that was drawn over the boat.
 const HIDDEN: [(&str, Range<usize>); 1] = [("stress_redboat_glare_occl", 101..119)];
 
 /// The frames of a clip in which more than half of the target is hidden although it is labelled.
@@ -96,7 +97,8 @@ impl ClipSet {
     }
 }
 
-/// The sets of these clips that are not empty: each folder, the unseen clips on water, and, of several folders, all.
+/// The sets of these clips that are not empty: each folder, the unseen clips on water, and, of several
+/// folders, all.
 pub(crate) fn clip_sets(clips: &[ClipFolder]) -> Vec<ClipSet> {
     let mut collections: Vec<&str> = clips.iter().map(|clip| clip.collection.as_str()).collect();
     collections.dedup();

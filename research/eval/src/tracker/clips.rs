@@ -1,5 +1,5 @@
-//! Labelled clips: a folder each with `video.mp4` and `gt.csv` (or the simulator's `truth.csv`). A row of `gt.csv` is
-//! frame, x, y, w, h in pixels; w and h are 0 where the target is absent.
+//! Labelled clips: a folder each with `video.mp4` and `gt.csv` (or the simulator's `truth.csv`). A row of
+//! `gt.csv` is frame, x, y, w, h in pixels; w and h are 0 where the target is absent.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -65,8 +65,8 @@ impl Clip {
     }
 }
 
-/// The clips in these folders: folder by folder, in the order of their names; only those in `names` unless `names` is
-/// empty.
+/// The clips in these folders: folder by folder, in the order of their names; only those in `names` unless
+/// `names` is empty.
 ///
 /// # Errors
 /// If a folder has no clip, two clips have the same name, or a name is in no folder.

@@ -1,5 +1,5 @@
-//! Empty water: whatever is found there is false. A pilot that follows nothing watches rendered seas without boat, people
-//! and buoys, through the swaying camera of a scenario, at sea states 0 to 3.
+//! Empty water: whatever is found there is false. A pilot that follows nothing watches rendered seas without
+//! boat, people and buoys, through the swaying camera of a scenario, at sea states 0 to 3.
 
 use std::sync::Arc;
 

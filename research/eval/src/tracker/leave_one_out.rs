@@ -1,11 +1,12 @@
 //! Leave-one-out cross-validation of the tuned settings, on labelled real clips.
 //!
-//! For each recording, coordinate descent over [`TUNED_SETTINGS`] searches for the settings with the largest mean AUC
-//! over all other recordings, and these settings are scored on the recording that was left out. All clips made from one
-//! recording belong together; a recording counts as the mean of its clips. Nothing is judged.
+//! For each recording, coordinate descent over [`TUNED_SETTINGS`] searches for the settings with the largest
+//! mean AUC over all other recordings, and these settings are scored on the recording that was left out. All
+//! clips made from one recording belong together; a recording counts as the mean of its clips. Nothing is
+//! judged.
 //!
-//! All clips are decoded into memory once. Every pair of clip and settings is run once, on two threads, because nothing
-//! is timed.
+//! All clips are decoded into memory once. Every pair of clip and settings is run once, on two threads,
+//! because nothing is timed.
 
 use std::collections::{BTreeMap, BTreeSet};
 

@@ -11,8 +11,8 @@
 //! | orientation | generated scenes | axis and heading of manoeuvring boats |
 //! | leave one out | labelled real clips | how well settings chosen on other recordings do |
 //!
-//! The clips may not be redistributed. They are read from folders beside the repository. Times are the CPU time of one
-//! call of `track` on a decoded frame, one call after the other on one thread.
+//! The clips may not be redistributed. They are read from folders beside the repository. Times are the CPU
+//! time of one call of `track` on a decoded frame, one call after the other on one thread.
 
 mod clip_table;
 mod selection_robustness;

@@ -1,7 +1,7 @@
 //! OpenCV's trackers on the same clips, through `scripts/acceptance/opencv_trackers.py`.
 //!
-//! The script reads one job per line and answers each with one line, so that all trackers run alternately, clip by
-//! clip: a machine that is busy for a while slows all of them.
+//! The script reads one job per line and answers each with one line, so that all trackers run alternately,
+//! clip by clip: a machine that is busy for a while slows all of them.
 
 use std::io::{BufRead, BufReader, Write};
 use std::path::Path;

@@ -15,15 +15,15 @@ const DATA: &str = "../shared/data";
 /// Options of `tracker`. The table of clips is printed unless only other parts are chosen.
 #[derive(Debug, Clone, Args)]
 pub(crate) struct Options {
-    /// A folder of clips: a folder each with video.mp4 and gt.csv (repeatable) [default: ../shared/data/clips and
-    /// ../shared/data/clips-more beside the workspace].
+    /// A folder of clips: a folder each with video.mp4 and gt.csv (repeatable) [default: ../shared/data/clips
+    /// and ../shared/data/clips-more beside the workspace].
     #[arg(long, value_name = "DIR")]
     pub(crate) clips: Vec<PathBuf>,
     /// Only this clip (repeatable). Requirements on means over clips are then not judged.
     #[arg(long, value_name = "NAME")]
     pub(crate) clip: Vec<String>,
-    /// Weights of the refinement network for each recording: a folder of files NAME.weights, each fitted without the
-    /// recording of the clip NAME.
+    /// Weights of the refinement network for each recording: a folder of files NAME.weights, each fitted
+    /// without the recording of the clip NAME.
     #[arg(long, value_name = "DIR")]
     pub(crate) weights: Option<PathBuf>,
     /// The table of clips: quality and cost. The default.
@@ -71,7 +71,8 @@ pub(crate) struct Options {
     /// Every part of the measurement.
     #[arg(long)]
     pub(crate) all: bool,
-    /// Change a setting of the tracker (repeatable); the names are those of the table that --leave-one-out prints.
+    /// Change a setting of the tracker (repeatable); the names are those of the table that --leave-one-out
+    /// prints.
     #[arg(long, value_name = "NAME=VALUE")]
     pub(crate) set: Vec<String>,
     /// Write all figures, and the tracker's output for every frame, to this file.

@@ -1,10 +1,10 @@
 //! The accuracy of axis and heading, on generated scenes of boats that turn, stop and go.
 //!
-//! The *axis error* is the angle between the reported major axis and the hull's centre line, at most 90 degrees. The
-//! *heading error* is the angle between the reported and the true heading, at most 180 degrees. A heading error above
-//! 90 degrees confuses bow and stern: the *wrong end*. The share of frames with a heading counts frames in which the
-//! boat has been under way for 3 s without interruption, because the motion tells bow from stern. Judged are the
-//! figures over all scenes, for a tracker with a motion prior.
+//! The *axis error* is the angle between the reported major axis and the hull's centre line, at most 90
+//! degrees. The *heading error* is the angle between the reported and the true heading, at most 180 degrees.
+//! A heading error above 90 degrees confuses bow and stern: the *wrong end*. The share of frames with a
+//! heading counts frames in which the boat has been under way for 3 s without interruption, because the
+//! motion tells bow from stern. Judged are the figures over all scenes, for a tracker with a motion prior.
 
 use anyhow::Result;
 use barrelman_vocab::{Angle, Track};
@@ -20,8 +20,8 @@ use crate::output::print_line;
 use crate::parallel;
 use crate::statistics::{mean, quantile};
 
-/// Lengths of the hull at the start of a scene, pixels: from the smallest that an operator selects to a third of the
-/// picture.
+/// Lengths of the hull at the start of a scene, pixels: from the smallest that an operator selects to a third
+/// of the picture.
 const BOATS_PX: [f64; 5] = [20.0, 40.0, 80.0, 140.0, 200.0];
 
 /// Scenes of each length.

@@ -1,13 +1,15 @@
-//! Selections drawn on an earlier video frame, through the pilot: how often the track that is confirmed is the target's.
+//! Selections drawn on an earlier video frame, through the pilot: how often the track that is confirmed is
+//! the target's.
 //!
-//! The pilot is stepped with the frames up to the moment of the request; the box is the truth of a frame that is 0.2,
-//! 0.5 or 1.0 s old then, or a box that is drawn about the truth by a hand. *Right*: confirmed, and the box overlaps the
-//! truth by IoU 0.5 on confirmation and 1 s later. *Refused*: the pilot says that it follows nothing. *Lost*: confirmed,
-//! but the pilot says that the target is lost when it is judged. *Wrong*: confirmed, and the box does not overlap the
-//! truth. Ten start frames of each clip, evenly spread over those from which the target stays visible until 1 s after the
-//! confirmation can come. In a clip with sparse labels
-//! the start frames are labelled ones, and the track is judged on the next labelled frame. A target of which more than
-//! half is hidden is not visible, whether or not it is labelled: no track can be judged by what cannot be seen.
+//! The pilot is stepped with the frames up to the moment of the request; the box is the truth of a frame that
+//! is 0.2, 0.5 or 1.0 s old then, or a box that is drawn about the truth by a hand. *Right*: confirmed, and
+//! the box overlaps the truth by IoU 0.5 on confirmation and 1 s later. *Refused*: the pilot says that it
+//! follows nothing. *Lost*: confirmed, but the pilot says that the target is lost when it is judged. *Wrong*:
+//! confirmed, and the box does not overlap the truth. Ten start frames of each clip, evenly spread over those
+//! from which the target stays visible until 1 s after the confirmation can come. In a clip with sparse
+//! labels the start frames are labelled ones, and the track is judged on the next labelled frame. A target of
+//! which more than half is hidden is not visible, whether or not it is labelled: no track can be judged by
+//! what cannot be seen.
 
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
@@ -53,12 +55,12 @@ pub(crate) struct SelectionOptions {
     /// Start frames of each clip, for each age of the frame.
     #[arg(long, value_name = "COUNT", default_value_t = 10)]
     starts: usize,
-    /// Draw the boxes as a hand does, not exactly: off by up to 0.15 of the target's sides, 0.85 to 1.5 times as wide and
-    /// high, at least 8 x 6 pixels. The seed of the boxes.
+    /// Draw the boxes as a hand does, not exactly: off by up to 0.15 of the target's sides, 0.85 to 1.5 times
+    /// as wide and high, at least 8 x 6 pixels. The seed of the boxes.
     #[arg(long, value_name = "SEED")]
     by_hand: Option<u64>,
-    /// Instead, tap on labelled targets, and compare the proposed boxes with the labels [default clips: those of
-    /// ../shared/data/clips-more, too].
+    /// Instead, tap on labelled targets, and compare the proposed boxes with the labels [default clips: those
+    /// of ../shared/data/clips-more, too].
     #[arg(long)]
     taps: bool,
     /// The objects that are found in single pictures instead: on --starts labelled frames of each clip.
@@ -161,8 +163,8 @@ impl Tally {
     }
 }
 
-/// Measures selections on earlier frames. Returns whether clips of boats hold what is required: 95 % right, at most 5 %
-/// refused, none wrong.
+/// Measures selections on earlier frames. Returns whether clips of boats hold what is required: 95 % right,
+/// at most 5 % refused, none wrong.
 ///
 /// # Errors
 /// If a clip or the output file cannot be used.
@@ -244,7 +246,8 @@ fn visible(clip: &Clip) -> Vec<Option<PixelBox>> {
     clip.labels.iter().enumerate().map(bounds).collect()
 }
 
-/// Evenly spread start frames: labelled, followed by enough labels, and with the target visible in all of them.
+/// Evenly spread start frames: labelled, followed by enough labels, and with the target visible in all of
+/// them.
 fn starts(clip: &Clip, truth: &[Option<PixelBox>], age_s: f64, count: usize) -> Vec<usize> {
     let at = |index: usize| clip.frames[index].capture.at;
     let needed = Duration::from_secs_f64(age_s + CONFIRMED_WITHIN_S + JUDGED_AFTER_S);

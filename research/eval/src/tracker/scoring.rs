@@ -1,11 +1,12 @@
 //! How well a tracker's boxes agree with the labels of a clip.
 //!
-//! Scored are all labelled frames with the target, except the selection's. Both boxes are clipped to the picture; their
-//! IoU is the intersection over the union. The *success AUC* is the mean over the 21 thresholds 0, 0.05 .. 1 of the
-//! share of scored frames with an IoU strictly above the threshold: the area under the success curve of Wu, Lim and
-//! Yang (Online object tracking: a benchmark, 2013). The *precision* is the share with a centre error of at most 20 px,
-//! the *lost* share that with an IoU below 0.1. Where the tracker reports no box, the IoU is 0 and the centre
-//! imprecise. Frames labelled as without the target count only in the share of them in which a box was reported.
+//! Scored are all labelled frames with the target, except the selection's. Both boxes are clipped to the
+//! picture; their IoU is the intersection over the union. The *success AUC* is the mean over the 21
+//! thresholds 0, 0.05 .. 1 of the share of scored frames with an IoU strictly above the threshold: the area
+//! under the success curve of Wu, Lim and Yang (Online object tracking: a benchmark, 2013). The *precision*
+//! is the share with a centre error of at most 20 px, the *lost* share that with an IoU below 0.1. Where the
+//! tracker reports no box, the IoU is 0 and the centre imprecise. Frames labelled as without the target count
+//! only in the share of them in which a box was reported.
 
 use barrelman_vocab::{PictureSize, PixelBox};
 
@@ -45,7 +46,8 @@ pub(crate) struct Score {
 }
 
 impl Score {
-    /// Share of the frames without the target in which a box was reported; `None` where no frame is without it.
+    /// Share of the frames without the target in which a box was reported; `None` where no frame is without
+    /// it.
     pub(crate) fn absent_share(&self) -> Option<f64> {
         (self.absent > 0).then(|| self.absent_reported as f64 / self.absent as f64)
     }
@@ -93,7 +95,8 @@ pub(crate) fn iou(truth: PixelBox, reported: Option<PixelBox>, picture: PictureS
     reported.map_or(0.0, |reported| truth.clipped(picture).iou(reported.clipped(picture)))
 }
 
-/// Distance between the centres of both boxes, each clipped to the picture; `None` where no box is in the picture.
+/// Distance between the centres of both boxes, each clipped to the picture; `None` where no box is in the
+/// picture.
 fn centre_error_px(truth: PixelBox, reported: Option<PixelBox>, picture: PictureSize) -> Option<f64> {
     let reported =
         reported.map(|reported| reported.clipped(picture)).filter(|clipped| !clipped.is_empty())?;

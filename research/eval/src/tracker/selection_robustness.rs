@@ -1,5 +1,5 @@
-//! How much the score depends on the operator's selection: spatial robustness (Wu, Lim and Yang, Online object
-//! tracking: a benchmark, 2013) with slightly moved and scaled selections.
+//! How much the score depends on the operator's selection: spatial robustness (Wu, Lim and Yang, Online
+//! object tracking: a benchmark, 2013) with slightly moved and scaled selections.
 
 use barrelman_vocab::PixelBox;
 use barrelman_vocab::rng::SplitMix64;
@@ -38,7 +38,8 @@ fn perturbed(selection: PixelBox, rng: &mut SplitMix64) -> PixelBox {
     PixelBox { u: centre.u - w / 2.0, v: centre.v - h / 2.0, w, h }
 }
 
-/// Prints for each clip: its name, the AUC with the label as selection, and the scores of the perturbed selections.
+/// Prints for each clip: its name, the AUC with the label as selection, and the scores of the perturbed
+/// selections.
 pub(crate) fn print_table<'a>(clips: impl Iterator<Item = (&'a str, f64, &'a [Score])>) {
     let mut table = Table::new(&["clip", "label", "moved: AUC", "least", "most", "P20", "lost"]);
     let mut rows = Vec::new();

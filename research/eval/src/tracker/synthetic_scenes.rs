@@ -42,8 +42,8 @@ pub(crate) struct SceneTracker {
     pub(crate) has_motion_prior: bool,
 }
 
-/// Runs a tracker over a scene without a motion prior. The truth selects the target in the first frame. Returns truth
-/// and track of each later frame.
+/// Runs a tracker over a scene without a motion prior. The truth selects the target in the first frame.
+/// Returns truth and track of each later frame.
 pub(crate) fn run_on_scene(
     tracker: Box<dyn Tracker>,
     script: SceneScript,
@@ -53,7 +53,8 @@ pub(crate) fn run_on_scene(
     run_all_on_scene(&mut trackers, script, seed).pop().unwrap_or_default()
 }
 
-/// Runs several trackers over a scene at once, as [`run_on_scene`]: rendering a scene takes longer than tracking in it.
+/// Runs several trackers over a scene at once, as [`run_on_scene`]: rendering a scene takes longer than
+/// tracking in it.
 pub(crate) fn run_all_on_scene(
     trackers: &mut [SceneTracker],
     script: SceneScript,

@@ -1,14 +1,14 @@
 //! Taps: how often a tap on a labelled target proposes its box, another object, or nothing.
 //!
-//! Ten labelled frames of each clip, evenly spread, and the same of generated scenes, are tapped at the target's centre
-//! and at eight points a third of its sides beside it. *Right*: the IoU with the label is at least 0.5. *Wrong*: the
-//! centre of the box lies outside the label, or the IoU is below 0.1. *Refused*: nothing is proposed. The rest are boxes
-//! of a part of the target, or with too much around it.
+//! Ten labelled frames of each clip, evenly spread, and the same of generated scenes, are tapped at the
+//! target's centre and at eight points a third of its sides beside it. *Right*: the IoU with the label is at
+//! least 0.5. *Wrong*: the centre of the box lies outside the label, or the IoU is below 0.1. *Refused*:
+//! nothing is proposed. The rest are boxes of a part of the target, or with too much around it.
 //!
-//! The means are printed over every second recording by name, and over the others, too. The weights of the ranking were
-//! fitted to all of them, and so were those of the refinement network: the figures are an upper bound for recordings
-//! that neither has seen. (With a ranking that was fitted to the first half alone, 80 % of the second half on water are
-//! right and 2 % wrong.)
+//! The means are printed over every second recording by name, and over the others, too. The weights of the
+//! ranking were fitted to all of them, and so were those of the refinement network: the figures are an upper
+//! bound for recordings that neither has seen. (With a ranking that was fitted to the first half alone, 80 %
+//! of the second half on water are right and 2 % wrong.)
 
 use std::path::Path;
 
@@ -59,8 +59,8 @@ impl Taps {
     }
 }
 
-/// Measures the taps on the clips of these folders, or else of all, and on generated scenes. Returns whether what is
-/// required on water holds.
+/// Measures the taps on the clips of these folders, or else of all, and on generated scenes. Returns whether
+/// what is required on water holds.
 ///
 /// # Errors
 /// If a clip cannot be used.

@@ -10,7 +10,8 @@ use super::scoring::Label;
 
 const SIZE: PictureSize = PictureSize::new(1280, 720);
 
-/// Fifty frames at 10 Hz. The target, lighter than the rest, drifts to the right. Every fifth frame is labelled.
+/// Fifty frames at 10 Hz. The target, lighter than the rest, drifts to the right. Every fifth frame is
+/// labelled.
 pub(crate) fn test_clip() -> Clip {
     let target = |frame: usize| PixelBox { u: 560.0 + 2.0 * frame as f64, v: 300.0, w: 60.0, h: 80.0 };
     let frame = |index: usize| {

@@ -23,7 +23,8 @@ pub(crate) type TrackerFactory<'a> = &'a (dyn Fn(&str) -> Box<dyn Tracker> + Syn
 pub(crate) struct HeldOutWeights(BTreeMap<String, Arc<RefinementWeights>>);
 
 impl HeldOutWeights {
-    /// Reads the files `NAME.weights` of a folder. NAME is that of a clip whose recording took no part in the fit.
+    /// Reads the files `NAME.weights` of a folder. NAME is that of a clip whose recording took no part in the
+    /// fit.
     ///
     /// # Errors
     /// If a file cannot be used, or there is none.

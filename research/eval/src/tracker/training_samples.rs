@@ -1,14 +1,14 @@
 //! Samples for fitting the refinement network: what the network reads, beside the labelled box.
 //!
-//! The tracker runs from many selections of each clip, exact ones and loose ones, so that the samples show the windows
-//! that it sees in use, wrong ones among them. Every second frame gives another sample with a box that is moved and
-//! scaled at random, from which the network learns to return. Selections of the background have no target: their boxes
-//! are never right.
+//! The tracker runs from many selections of each clip, exact ones and loose ones, so that the samples show
+//! the windows that it sees in use, wrong ones among them. Every second frame gives another sample with a box
+//! that is moved and scaled at random, from which the network learns to return. Selections of the background
+//! have no target: their boxes are never right.
 //!
-//! A sample is a record of fixed length, little-endian: four integers of 32 bits (frame of the selection, frame, state,
-//! kind), 17 numbers of 32 bits (confidence; centre u, v, width and height of the window; width and height of the box;
-//! left, top, width and height of the label, 0 where there is none; the same of the reported box; width and height of
-//! the picture), the measurements, and the cells in signed bytes of 1/60.
+//! A sample is a record of fixed length, little-endian: four integers of 32 bits (frame of the selection,
+//! frame, state, kind), 17 numbers of 32 bits (confidence; centre u, v, width and height of the window; width
+//! and height of the box; left, top, width and height of the label, 0 where there is none; the same of the
+//! reported box; width and height of the picture), the measurements, and the cells in signed bytes of 1/60.
 //! `research/training/train_refinement.py` reads them.
 
 use std::path::{Path, PathBuf};
@@ -37,8 +37,8 @@ const EXACT_INTERVAL: usize = 3;
 const LOOSE_SIZES: (f64, f64) = (0.8, 1.5);
 const LOOSE_PROPORTIONS: (f64, f64) = (0.85, 1.18);
 const LOOSE_DISTANCE: f64 = 0.2;
-/// Standard deviations of the boxes moved at random: logarithm of the size and of the proportions, and place in sizes;
-/// and the largest logarithm of the size.
+/// Standard deviations of the boxes moved at random: logarithm of the size and of the proportions, and place
+/// in sizes; and the largest logarithm of the size.
 const SIZE_DEVIATION: f64 = 0.35;
 const PROPORTIONS_DEVIATION: f64 = 0.2;
 const PLACE_DEVIATION: f64 = 0.3;
@@ -49,7 +49,8 @@ const BACKGROUND_FRAMES: usize = 30;
 /// Options of `training-samples`.
 #[derive(Debug, Args)]
 pub(crate) struct TrainingOptions {
-    /// A folder of clips: a folder each with video.mp4, and gt.csv or truth.csv of `barrelman render` (repeatable).
+    /// A folder of clips: a folder each with video.mp4, and gt.csv or truth.csv of `barrelman render`
+    /// (repeatable).
     #[arg(long, value_name = "DIR", required = true)]
     clips: Vec<PathBuf>,
     /// Write a file NAME.samples for each clip into this folder.

@@ -1,4 +1,5 @@
-//! The tracker's settings that are tuned on clips, and the values that are tried: for `--set` and `--leave-one-out`.
+//! The tracker's settings that are tuned on clips, and the values that are tried: for `--set` and
+//! `--leave-one-out`.
 
 use anyhow::{Context, Result, bail};
 

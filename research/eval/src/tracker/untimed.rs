@@ -1,8 +1,8 @@
 //! One pass over the clips for the parts whose CPU time is not measured: loose selections, selections of the
 //! background, and the confidence.
 //!
-//! The clips run on two threads. Each thread decodes one clip, measures all chosen parts on it, and drops it: a picture
-//! of 1280x720 takes 1.4 MB.
+//! The clips run on two threads. Each thread decodes one clip, measures all chosen parts on it, and drops it:
+//! a picture of 1280x720 takes 1.4 MB.
 
 use anyhow::Result;
 use serde_json::Value;
@@ -52,7 +52,8 @@ impl UntimedClip {
     }
 }
 
-/// Measures the chosen parts, prints their tables, judges the requirements, and returns the figures of each part.
+/// Measures the chosen parts, prints their tables, judges the requirements, and returns the figures of each
+/// part.
 ///
 /// # Errors
 /// If a clip cannot be used, or the plot cannot be written.

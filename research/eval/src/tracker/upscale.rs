@@ -46,7 +46,8 @@ fn enlarged_frame(frame: &VideoFrame) -> VideoFrame {
     VideoFrame { picture: Arc::new(to), ..frame.clone() }
 }
 
-/// Fills a plane by bilinear interpolation. Sample centres are at half pixels; samples beyond the border repeat it.
+/// Fills a plane by bilinear interpolation. Sample centres are at half pixels; samples beyond the border
+/// repeat it.
 fn interpolate(from: Plane<'_>, size: PictureSize, to: &mut [u8]) {
     let columns = taps(from.width, size.width as usize);
     let rows = taps(from.height, size.height as usize);

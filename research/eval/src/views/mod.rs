@@ -1,8 +1,8 @@
-//! Renders sample views, for judging the renderer by eye: the same boat on lakes and on the sea, from the heights and
-//! angles at which it will be followed, and the laboratory's floor.
+//! Renders sample views, for judging the renderer by eye: the same boat on lakes and on the sea, from the
+//! heights and angles at which it will be followed, and the laboratory's floor.
 //!
-//! Each view is simulated for 20 s, so that the boat has a wake, and written as a PNG file. Nothing is judged; the
-//! printed line of each view holds the rendering time and the truth of the target.
+//! Each view is simulated for 20 s, so that the boat has a wake, and written as a PNG file. Nothing is
+//! judged; the printed line of each view holds the rendering time and the truth of the target.
 
 mod catalogue;
 mod options;

@@ -1,6 +1,7 @@
 //! What is in the world of a view at a tick: the camera, the boat on its way, and the objects around it.
 //!
-//! World coordinates: x to the right of the camera, y ahead, z up, metres; the camera stands above the origin.
+//! World coordinates: x to the right of the camera, y ahead, z up, metres; the camera stands above the
+//! origin.
 
 use barrelman_sim::snapshot::{Boat, Ground, Light, ObjectKind, SceneObject, SensorState, Target};
 use barrelman_sim::tick::TICKS_PER_SECOND;
@@ -152,8 +153,8 @@ fn floating_pose(sea: &Sea, x: f64, y: f64, heading_deg: f64, tick: u64) -> Body
     }
 }
 
-/// The boat comes from the lower right and turns to the left as it goes away, along a circle that ends ahead of the
-/// camera.
+/// The boat comes from the lower right and turns to the left as it goes away, along a circle that ends ahead
+/// of the camera.
 fn boat(sea: &Sea, ahead_m: f64, tick: u64) -> Boat {
     const SPEED_M_PER_S: f64 = 1.9;
     const TURN_RAD_PER_S: f64 = 0.055;

@@ -253,7 +253,8 @@ fn the_truth_is_what_changes_when_the_boat_is_left_out() {
     }
 }
 
-/// The pixels (u, v) that differ by more than a third of what most of them differ by: up to the middle of the blur.
+/// The pixels (u, v) that differ by more than a third of what most of them differ by: up to the middle of the
+/// blur.
 fn changed(with: &Picture, without: &Picture) -> Vec<(f64, f64)> {
     let size = with.size();
     let (width, height) = (size.width as usize, size.height as usize);

@@ -56,7 +56,8 @@ pub(super) fn camera(
     })
 }
 
-/// The sizes of picture and frame. A picture size in `overrides` shows the same view: the frame grows with the width.
+/// The sizes of picture and frame. A picture size in `overrides` shows the same view: the frame grows with
+/// the width.
 fn sizes(section: &CameraSection, overrides: &ScenarioOverrides) -> Result<Sizes, ScenarioError> {
     let written = size("camera.picture", section.picture)?;
     let written_frame = section.frame.map_or(Ok(written), |frame| size("camera.frame", frame))?;

@@ -32,8 +32,9 @@ pub(super) fn objects(
     Ok(all)
 }
 
-/// The marks of a path. On a floor, a painted mark at each way-point. On water, small buoys beside the path, so that the
-/// boat does not run over them; a buoy closer than [`MIN_MARK_DISTANCE_M`] to an earlier buoy is left out.
+/// The marks of a path. On a floor, a painted mark at each way-point. On water, small buoys beside the path,
+/// so that the boat does not run over them; a buoy closer than [`MIN_MARK_DISTANCE_M`] to an earlier buoy is
+/// left out.
 fn marks(way_points: &[(f64, f64)], on_water: bool) -> Vec<ObjectScript> {
     let mark = |kind, at| ObjectScript {
         kind,

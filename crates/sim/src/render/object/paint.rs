@@ -1,5 +1,5 @@
-//! The paint of objects: a function of part, position in the body's frame of reference, and seed. Detail is as fine
-//! as the picture can show.
+//! The paint of objects: a function of part, position in the body's frame of reference, and seed. Detail is
+//! as fine as the picture can show.
 
 use barrelman_vocab::rng;
 

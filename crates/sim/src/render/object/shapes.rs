@@ -45,7 +45,8 @@ fn hull(mesh: &mut Mesh, part: Part, breadth: f32) {
     mesh.sheet(part, [-1.0, 0.0, 0.0], &transom);
 }
 
-/// The rescue boat: a red hull with a pointed bow, grab lines along its sides, handles, a jet, a mast with a flag.
+/// The rescue boat: a red hull with a pointed bow, grab lines along its sides, handles, a jet, a mast with a
+/// flag.
 pub(crate) fn boat() -> Mesh {
     let mut mesh = Mesh::default();
     hull(&mut mesh, Part::Hull, HALF_BREADTH);

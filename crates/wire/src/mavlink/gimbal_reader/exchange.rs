@@ -1,7 +1,8 @@
 //! A gimbal that takes the place of the one that was chosen.
 //!
-//! Managers of several gimbals speak of one after the other, and packets get lost. So the chosen device counts as exchanged where
-//! its manager has spoken of others alone for [`EXCHANGED_AFTER_S`], by the vehicle's clock.
+//! Managers of several gimbals speak of one after the other, and packets get lost. So the chosen device
+//! counts as exchanged where its manager has spoken of others alone for [`EXCHANGED_AFTER_S`], by the
+//! vehicle's clock.
 
 use super::{Facts, Received};
 use crate::mavlink::command::Gimbal;

@@ -74,7 +74,8 @@ impl GimbalSession {
         }
     }
 
-    /// Writes the zeros that a session before has left to be sent, if they are due. Returns when they are due next.
+    /// Writes the zeros that a session before has left to be sent, if they are due. Returns when they are due
+    /// next.
     fn write_left_zeros(&mut self, now: Timestamp, out: &mut Vec<Vec<u8>>) -> Option<Timestamp> {
         let is_before_up =
             matches!(self.state, State::Searching { .. } | State::Asking { .. } | State::Claiming { .. });

@@ -63,7 +63,8 @@ impl GimbalSession {
         }
     }
 
-    /// The gimbal manager was heard. A vehicle that was silent during the shut-down may have received none of its zeros.
+    /// The gimbal manager was heard. A vehicle that was silent during the shut-down may have received none of
+    /// its zeros.
     fn on_heard(&mut self, now: Timestamp) {
         if let State::Closing { since, zeros_sent, next_at } = &mut self.state
             && self.last_heard.is_none_or(|heard| heard < *since)

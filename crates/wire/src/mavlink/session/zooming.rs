@@ -1,8 +1,9 @@
 //! The zoom of the vehicle's camera: what is sent of it beside the rates of the gimbal.
 //!
-//! A camera that has told that it zooms is sent a speed with each message of rates, and one that has not told anything zeros
-//! alone. A camera keeps the last speed, as the gimbal does, also that of a session before: zeros are sent until enough of them
-//! have been answered. Afterwards nothing is sent, since another client may zoom.
+//! A camera that has told that it zooms is sent a speed with each message of rates, and one that has not told
+//! anything zeros alone. A camera keeps the last speed, as the gimbal does, also that of a session before:
+//! zeros are sent until enough of them have been answered. Afterwards nothing is sent, since another client
+//! may zoom.
 
 use core::time::Duration;
 

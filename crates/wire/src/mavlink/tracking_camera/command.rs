@@ -1,7 +1,7 @@
 //! Commands to the camera: COMMAND_LONG (76) and COMMAND_INT (75), read by hand.
 //!
-//! A number that the dialect does not know is a command, too, and gets its answer: silence makes ground stations repeat. Fields
-//! that are left out of a payload are zero.
+//! A number that the dialect does not know is a command, too, and gets its answer: silence makes ground
+//! stations repeat. Fields that are left out of a payload are zero.
 
 use core::time::Duration;
 

@@ -37,8 +37,8 @@ pub struct VideoStream {
 }
 
 impl VideoStream {
-    /// The stream at an address (`rtsp://`, without a login), with its horizontal field of view, if that is known; `None`: the
-    /// address is longer than the 159 bytes that the message has.
+    /// The stream at an address (`rtsp://`, without a login), with its horizontal field of view, if that is
+    /// known; `None`: the address is longer than the 159 bytes that the message has.
     pub fn new(uri: &str, field_of_view_deg: Option<u16>) -> Option<Self> {
         (uri.len() <= MAX_URI_BYTES).then(|| Self { uri: uri.to_owned(), field_of_view_deg })
     }
@@ -67,7 +67,8 @@ impl CameraDescription {
         }
     }
 
-    /// Whether the second parameter of a request names what there is: for messages of a stream its number, or 0 or NaN for all.
+    /// Whether the second parameter of a request names what there is: for messages of a stream its number, or
+    /// 0 or NaN for all.
     pub(super) fn has_index(message: u32, index: f32) -> bool {
         let is_of_stream =
             matches!(message, VIDEO_STREAM_INFORMATION_DATA::ID | VIDEO_STREAM_STATUS_DATA::ID);
@@ -79,8 +80,8 @@ impl CameraDescription {
         id.is_nan() || id == 0.0 || id == f32::from(STREAM)
     }
 
-    /// Appends the message that was asked for. Behind CAMERA_INFORMATION comes VIDEO_STREAM_INFORMATION: MAVSDK asks for it
-    /// 20 s later.
+    /// Appends the message that was asked for. Behind CAMERA_INFORMATION comes VIDEO_STREAM_INFORMATION:
+    /// MAVSDK asks for it 20 s later.
     pub(super) fn write(&self, asked: &Asked, writer: &mut FrameWriter, out: &mut Vec<Vec<u8>>) {
         // Milliseconds of 49 days: the field's own range.
         let time_boot_ms = (asked.now.as_nanos() / 1_000_000) as u32;

@@ -1,6 +1,7 @@
 //! CAMERA_TRACKING_IMAGE_STATUS (275): where the target is in the picture.
 //!
-//! Always a rectangle: ground stations of 2025 draw points at wrong places. They draw where the status is exactly ACTIVE.
+//! Always a rectangle: ground stations of 2025 draw points at wrong places. They draw where the status is
+//! exactly ACTIVE.
 
 use barrelman_vocab::{PictureSize, PixelBox};
 use mavlink::MessageData as _;

@@ -1,7 +1,7 @@
 //! Track commands that wait for the operator gateway's answer, and those that were answered a moment ago.
 //!
-//! A ground station that has not heard an acknowledgement sends its command again. A repeated selection must not select again: the
-//! target has moved on since. A command that stops the tracking is taken each time.
+//! A ground station that has not heard an acknowledgement sends its command again. A repeated selection must
+//! not select again: the target has moved on since. A command that stops the tracking is taken each time.
 
 use core::time::Duration;
 
@@ -12,8 +12,8 @@ use super::command::Command;
 use super::request::RequestNumber;
 use super::times::ANSWER_WITHIN;
 
-/// Within this time the same command of the same sender is the same request. Ground stations repeat after 0.5 to 3 s; an operator
-/// needs longer to draw the same box to the bit.
+/// Within this time the same command of the same sender is the same request. Ground stations repeat after 0.5
+/// to 3 s; an operator needs longer to draw the same box to the bit.
 const REPEATED_WITHIN: Duration = Duration::from_secs(4);
 /// Largest number of commands that are kept.
 const CAPACITY: usize = 8;
@@ -35,7 +35,8 @@ struct WaitingCommand {
 }
 
 impl WaitingCommands {
-    /// Whether a selection repeats the newest one, which was not refused: `Some` with what the ground station was told, if it was.
+    /// Whether a selection repeats the newest one, which was not refused: `Some` with what the ground station
+    /// was told, if it was.
     pub(super) fn repeated(&self, command: &Command, now: Timestamp) -> Option<Option<MavResult>> {
         let newest = self.commands.last()?;
         let is_in_force = matches!(newest.result, None | Some(MavResult::MAV_RESULT_ACCEPTED));

@@ -69,7 +69,8 @@ impl OnvifSession {
         }
     }
 
-    /// The camera cannot be used for a while, and a link that is closing has no more to do. A motion ends by itself.
+    /// The camera cannot be used for a while, and a link that is closing has no more to do. A motion ends by
+    /// itself.
     fn fail(&mut self, error: JoiningError, now: Timestamp) {
         self.motion.yield_control();
         self.failure = Some(error);
@@ -110,8 +111,8 @@ impl OnvifSession {
         }
     }
 
-    /// A camera that still turns after the zeros of this program's last motion gets more of them. One that another client turns
-    /// is left alone.
+    /// A camera that still turns after the zeros of this program's last motion gets more of them. One that
+    /// another client turns is left alone.
     fn on_motion(&mut self, status: &Status, now: Timestamp) {
         self.watch.on_status(status, now);
         match self.watch.since(Timestamp::ZERO, now) {

@@ -246,8 +246,8 @@ mod tests {
 
     const SIZE: PictureSize = PictureSize::new(160, 90);
 
-    /// Draws cubes of 1 m, their middles at these places, before a level camera 1 m above the water, and returns
-    /// the boxes: 100 pixels a metre at a distance of 1 m.
+    /// Draws cubes of 1 m, their middles at these places, before a level camera 1 m above the water, and
+    /// returns the boxes: 100 pixels a metre at a distance of 1 m.
     fn boxes_of_cubes(places: &[[f64; 3]]) -> Vec<Option<PixelBox>> {
         let pose = CameraPose {
             position: WorldPoint { x: 0.0, y: 0.0, z: 1.0 },

@@ -1,5 +1,5 @@
-//! Triangle meshes in the frame of reference of a body: x forward, y to the left, z up, metres, the origin in the
-//! middle of the waterline.
+//! Triangle meshes in the frame of reference of a body: x forward, y to the left, z up, metres, the origin in
+//! the middle of the waterline.
 
 use barrelman_sim::{BodyPose, WorldPoint};
 

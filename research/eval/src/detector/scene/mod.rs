@@ -1,8 +1,8 @@
-//! Random rendered scenes with the boxes of all people and boats: the simulator's water, sky, shores, buoys and
-//! rescue boat, with boats and people of random shapes and colours drawn over them.
+//! Random rendered scenes with the boxes of all people and boats: the simulator's water, sky, shores, buoys
+//! and rescue boat, with boats and people of random shapes and colours drawn over them.
 //!
-//! Several pictures show one sea, each with a camera, light and objects of its own. Every number follows from the
-//! seed and the picture's number. Not handled: boxes of people on board, objects that the simulator's
+//! Several pictures show one sea, each with a camera, light and objects of its own. Every number follows from
+//! the seed and the picture's number. Not handled: boxes of people on board, objects that the simulator's
 //! objects hide, and land, on which boats float as on water.
 
 mod canvas;

@@ -1,4 +1,5 @@
-//! The page that controls, as the console's server sees it: the times are those of `seats.rs` and `server.rs` of the program.
+//! The page that controls, as the console's server sees it: the times are those of `seats.rs` and `server.rs`
+//! of the program.
 
 use core::time::Duration;
 

@@ -1,20 +1,26 @@
 //! The rule of a boat, judged apart from the program.
 //!
-//! - **On the wire** a packet that tells the boat to move is sent at most 300 ms after the last moment that permitted motion. That is,
-//!   with the guidance, the arrival of a fresh localisation while the operator's consent lasts and a destination is marked; by
-//!   hand, the arrival of fresh video while the helm was renewed within half a second.
-//! - **A console that is gone**: at most 1.3 s with the guidance, and 0.8 s by hand, from when the page was gone.
-//! - **At the boat** the command in force is neutral when the neutral packet has arrived, where line and guard were whole since the
-//!   last permitted moment. Where they were not, the boat's own time-out is the limit, whatever else is gone.
-//! - **Way that is kept**, where the profile says so: the guidance of a boat that is not seen any more permits motion for the profile's
-//!   time beyond the 250 ms of its last command, while consent, destination and link last, and the program runs. Longer than the limit
-//!   on the wire after the last fresh localisation, the command at the boat is no more than the profile's throttle, amidships.
-//! - **A guard that hangs** permits no motion: the time to neutral at the boat counts from the beginning of the hang, where a new
-//!   guard can speak at once. A boat that has to be heard first has its own time-out, as after the death of a guard.
+//! - **On the wire** a packet that tells the boat to move is sent at most 300 ms after the last moment that
+//!   permitted motion. That is, with the guidance, the arrival of a fresh localisation while the operator's
+//!   consent lasts and a destination is marked; by hand, the arrival of fresh video while the helm was
+//!   renewed within half a second.
+//! - **A console that is gone**: at most 1.3 s with the guidance, and 0.8 s by hand, from when the page was
+//!   gone.
+//! - **At the boat** the command in force is neutral when the neutral packet has arrived, where line and
+//!   guard were whole since the last permitted moment. Where they were not, the boat's own time-out is the
+//!   limit, whatever else is gone.
+//! - **Way that is kept**, where the profile says so: the guidance of a boat that is not seen any more
+//!   permits motion for the profile's time beyond the 250 ms of its last command, while consent, destination
+//!   and link last, and the program runs. Longer than the limit on the wire after the last fresh
+//!   localisation, the command at the boat is no more than the profile's throttle, amidships.
+//! - **A guard that hangs** permits no motion: the time to neutral at the boat counts from the beginning of
+//!   the hang, where a new guard can speak at once. A boat that has to be heard first has its own time-out,
+//!   as after the death of a guard.
 //! - After a suspension, times count from the end of it: the clock stood still.
-//! - Consent to the guidance ends by each stop, by a boat that another commander took, by a console that is gone, and by a wait for
-//!   the boat of more than 5 s.
-//! - Consent by hand ends by each stop, by a boat that takes no commands, and by a lost link: until the helm is pressed anew.
+//! - Consent to the guidance ends by each stop, by a boat that another commander took, by a console that is
+//!   gone, and by a wait for the boat of more than 5 s.
+//! - Consent by hand ends by each stop, by a boat that takes no commands, and by a lost link: until the helm
+//!   is pressed anew.
 
 use barrelman_vocab::{FailSafe, VesselCommand};
 
@@ -30,7 +36,8 @@ const HELM_LIMIT_MS: u64 = 800;
 const ON_THE_LINE_MS: u64 = 4;
 /// A helm permits motion for this time, ms.
 const HELM_LASTS_MS: u64 = 500;
-/// Consent to the guidance ends without a boat in the picture for this time, ms: 5 s after the command has ended.
+/// Consent to the guidance ends without a boat in the picture for this time, ms: 5 s after the command has
+/// ended.
 const CONSENT_LASTS_MS: u64 = 5_000 + WIRE_LIMIT_MS;
 /// The console's silence ends the consent to the guidance after this time, ms.
 const CONSOLE_LASTS_MS: u64 = 1_000;

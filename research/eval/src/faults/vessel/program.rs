@@ -1,4 +1,5 @@
-//! The simulated program of a boat: the real pilot on the truth, with its second actuator, and the console's watch.
+//! The simulated program of a boat: the real pilot on the truth, with its second actuator, and the console's
+//! watch.
 
 use core::time::Duration;
 
@@ -111,8 +112,8 @@ impl VesselProgram {
         self.request(OperatorRequest::Stop(StopCause::Suspended), now);
     }
 
-    /// What takes another Go, or a helm that is let go and pressed again, judged apart from the pilot: a boat that fell silent, a link
-    /// that is lost, and a boat that does not take commands any more.
+    /// What takes another Go, or a helm that is let go and pressed again, judged apart from the pilot: a boat
+    /// that fell silent, a link that is lost, and a boat that does not take commands any more.
     fn on_telemetry(&mut self, telemetry: Telemetry, oracle: &mut VesselOracle, now: Timestamp) {
         match telemetry.report {
             Report::Link(LinkState::Silent) => oracle.withdraw(),

@@ -1,5 +1,5 @@
-//! What the operator does: engages the camera, marks a place, presses Go or holds the helm, and does what the faults of the
-//! operator and of the page are.
+//! What the operator does: engages the camera, marks a place, presses Go or holds the helm, and does what the
+//! faults of the operator and of the page are.
 
 use barrelman_vocab::{
     CameraRequest, OperatorRequest, StopCause, Timestamp, VesselCommand, VesselRequest, VesselStopper,

@@ -1,5 +1,5 @@
-//! A tracker that knows what each picture shows: video frames come to the pilot as from a camera, with their time of capture also
-//! where the boat is not found.
+//! A tracker that knows what each picture shows: video frames come to the pilot as from a camera, with their
+//! time of capture also where the boat is not found.
 
 use std::sync::{Arc, Mutex, PoisonError};
 

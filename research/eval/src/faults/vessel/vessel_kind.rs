@@ -88,8 +88,8 @@ impl Vessel {
         })
     }
 
-    /// The longest time of motion at a boat that hears nothing any more, from the last permitted moment, ms: its own time-out
-    /// after the last packet. A network that delays adds its delay.
+    /// The longest time of motion at a boat that hears nothing any more, from the last permitted moment, ms:
+    /// its own time-out after the last packet. A network that delays adds its delay.
     pub(super) fn own_limit_ms(self, faults: &[Fault]) -> u64 {
         let is_delayed = faults.iter().any(|fault| fault.kind == FaultKind::LineDelays);
         let own_ms = match self {
@@ -99,8 +99,8 @@ impl Vessel {
         if is_delayed { own_ms + DELAY_MS } else { own_ms }
     }
 
-    /// From the return of line or guard until neutral can be sent, ms: a port is opened within 0.1 s, and an ArduPilot boat has
-    /// to be heard first, once a second.
+    /// From the return of line or guard until neutral can be sent, ms: a port is opened within 0.1 s, and an
+    /// ArduPilot boat has to be heard first, once a second.
     pub(super) const fn settles_ms(self) -> u64 {
         match self {
             Self::LabUdp | Self::LabUdpKeepingWay => 150,
@@ -116,8 +116,8 @@ impl Vessel {
         }
     }
 
-    /// The swing of the boat before the camera, as a share of that of the other campaigns: a boat that would pass the camera at
-    /// 8 m/s has no room to keep way.
+    /// The swing of the boat before the camera, as a share of that of the other campaigns: a boat that would
+    /// pass the camera at 8 m/s has no room to keep way.
     pub(super) const fn swing(self) -> f64 {
         match self {
             Self::LabUdpKeepingWay => 0.15,
@@ -125,7 +125,8 @@ impl Vessel {
         }
     }
 
-    /// Whether the boat can have this fault. Datagrams have a checksum; the laboratory's receiver answers nothing.
+    /// Whether the boat can have this fault. Datagrams have a checksum; the laboratory's receiver answers
+    /// nothing.
     fn can_have(self, fault: FaultKind) -> bool {
         match fault {
             FaultKind::LineDamagesBytes | FaultKind::ControlTaken | FaultKind::BoatDisarmed => {
@@ -161,8 +162,8 @@ impl Vessel {
         FaultKind::ALL.into_iter().filter(|kind| self.can_have(*kind)).collect()
     }
 
-    /// What can be taken out for this boat.
-    /// A pilot that goes on after it was away is not among them: the silent console stops the boat in nearly every run.
+    /// What can be taken out for this boat. A pilot that goes on after it was away is not among them: the
+    /// silent console stops the boat in nearly every run.
     pub(crate) const fn mutants() -> &'static [Mutant] {
         &[
             Mutant::NoTimeToLive,

@@ -1,5 +1,6 @@
-//! The optimiser: the evolution strategy sep-CMA-ES, which adapts a variance for each parameter and a common step size
-//! (Ros and Hansen, A simple modification in CMA-ES achieving linear time and space complexity, 2008).
+//! The optimiser: the evolution strategy sep-CMA-ES, which adapts a variance for each parameter and a common
+//! step size (Ros and Hansen, A simple modification in CMA-ES achieving linear time and space
+//! complexity, 2008).
 
 use barrelman_sim::noise;
 

@@ -1,18 +1,19 @@
 //! Fits the motion of the simulated laboratory target to the recorded targets.
 //!
-//! *Compared* are the statistics of [`super::motion`]: the means over the trials, and the spread of some of them, in
-//! standard errors of the recorded values. Statistics that say nearly the same form a group that counts as one. From
-//! three standard errors on the loss of a statistic grows only linearly (Huber's loss), so that a statistic that the
-//! script cannot reproduce does not decide about the others. The region, P and excursions are not used.
+//! *Compared* are the statistics of [`super::motion`]: the means over the trials, and the spread of some of
+//! them, in standard errors of the recorded values. Statistics that say nearly the same form a group that
+//! counts as one. From three standard errors on the loss of a statistic grows only linearly (Huber's loss),
+//! so that a statistic that the script cannot reproduce does not decide about the others. The region, P and
+//! excursions are not used.
 //!
-//! *Fitted* are the target's speed and its variation, how much it slows down in turns and where it arrives, how closely
-//! it follows its path, how long it stands, and the distance and breadth of the path. Plant, optics, sway and noise
-//! stay.
+//! *Fitted* are the target's speed and its variation, how much it slows down in turns and where it arrives,
+//! how closely it follows its path, how long it stands, and the distance and breadth of the path. Plant,
+//! optics, sway and noise stay.
 //!
-//! The search is a separable CMA-ES, started several times from different points. All random numbers follow from fixed
-//! seeds, so that the same call gives the same fit. All candidates are simulated with the same seeds, below 10,000;
-//! they represent the speeds and standing times of many trials, because a few dozen consecutive seeds may happen to be
-//! slow.
+//! The search is a separable CMA-ES, started several times from different points. All random numbers follow
+//! from fixed seeds, so that the same call gives the same fit. All candidates are simulated with the same
+//! seeds, below 10,000; they represent the speeds and standing times of many trials, because a few dozen
+//! consecutive seeds may happen to be slow.
 
 mod evolution_strategy;
 mod objective;

@@ -1,7 +1,7 @@
 //! The misfit between simulated and recorded motion.
 //!
-//! Compared are the means over the trials of all statistics of the motion, and the spread of some of them over the
-//! trials, each in standard errors of the recorded value.
+//! Compared are the means over the trials of all statistics of the motion, and the spread of some of them
+//! over the trials, each in standard errors of the recorded value.
 
 use anyhow::Result;
 use barrelman_sim::Scenario;
@@ -11,7 +11,8 @@ use super::parameters::{ScaledScript, UnitPoint, at_point};
 use crate::simulator::laboratory::simulate;
 use crate::simulator::motion::{Group, MotionStatistics, STATISTICS};
 
-/// Agreement closer than this share of the recorded mean is not required: the script is only a model of a person.
+/// Agreement closer than this share of the recorded mean is not required: the script is only a model of a
+/// person.
 const MIN_RELATIVE_ERROR: f64 = 0.05;
 /// From this many standard errors on the loss grows linearly.
 const HUBER_THRESHOLD: f64 = 3.0;
@@ -62,7 +63,8 @@ impl Figure {
         }
     }
 
-    /// The standard error of a figure's value: of a mean from the trials, of a spread that of a normal distribution.
+    /// The standard error of a figure's value: of a mean from the trials, of a spread that of a normal
+    /// distribution.
     fn standard_error(&self, trials: &[MotionStatistics], value: f64) -> f64 {
         let count = trials.len() as f64;
         match self.moment {

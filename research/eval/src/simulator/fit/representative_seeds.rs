@@ -7,8 +7,8 @@ const SEEDS_END: u64 = 10_000;
 /// Multiples of the golden ratio's fractional part are evenly spread modulo 1.
 const GOLDEN_RATIO: f64 = 0.618_033_988_749_894_9;
 
-/// Seeds below [`SEEDS_END`]: one from each of `count` strata of equal probability by the target's speed, chosen so
-/// that the times for which the target stands first are evenly spread, too.
+/// Seeds below [`SEEDS_END`]: one from each of `count` strata of equal probability by the target's speed,
+/// chosen so that the times for which the target stands first are evenly spread, too.
 pub(super) fn representative_seeds(count: u64) -> Vec<u64> {
     let mut by_speed: Vec<u64> = (1..SEEDS_END).collect();
     by_speed.sort_by(|a, b| Pursuit::sampled_pace(*a).0.total_cmp(&Pursuit::sampled_pace(*b).0));

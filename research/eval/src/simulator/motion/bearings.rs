@@ -13,7 +13,8 @@ use crate::simulator::position_jump::is_jump;
 const INITIAL_DEPRESSION_DEG: f64 = 24.0;
 /// Two jumps within this time belong together: the positions between them are not the target's, seconds.
 const MAX_JUMP_GAP_S: f64 = 1.5;
-/// For this long before the first and after the last of several jumps the position is not the target's either, seconds.
+/// For this long before the first and after the last of several jumps the position is not the target's
+/// either, seconds.
 const JUMP_MARGIN_S: f64 = 0.25;
 /// A position this close to the picture's border may be clamped, pixels.
 const BORDER_PX: f64 = 4.0;
@@ -35,8 +36,8 @@ pub(super) struct BearingSample {
 
 /// The direction at each row that has a position. The plant is the scenario's nominal one.
 ///
-/// Stretches without a valid position are interpolated linearly. Between jumps they stay invalid. Beyond the border
-/// they become valid: the target crossed them at a speed whose mean is that of the interpolation.
+/// Stretches without a valid position are interpolated linearly. Between jumps they stay invalid. Beyond the
+/// border they become valid: the target crossed them at a speed whose mean is that of the interpolation.
 pub(super) fn bearings(log: &TrialLog, scenario: &Scenario) -> Vec<BearingSample> {
     let mut mount = CameraMount::at_rest(scenario.mount, Angle::from_degrees(INITIAL_DEPRESSION_DEG));
     let latency_ticks = (scenario.camera.video.latency_s / TICK_S).round() as usize;
@@ -109,8 +110,8 @@ fn interpolate_beyond_border(samples: &mut [BearingSample]) {
     }
 }
 
-/// Replaces the samples from `first` up to `end` by the straight line between their neighbours; does nothing where a
-/// neighbour is missing.
+/// Replaces the samples from `first` up to `end` by the straight line between their neighbours; does nothing
+/// where a neighbour is missing.
 fn interpolate(samples: &mut [BearingSample], first: usize, end: usize, is_valid: bool) {
     if first == 0 || end >= samples.len() {
         return;

@@ -7,8 +7,9 @@ use super::velocities::VelocitySample;
 
 /// A change of direction by more than this within a second counts, degrees.
 const MIN_CHANGE_DEG: f64 = 50.0;
-/// A pause is at a turn where the directions before and after it differ by more than this, degrees. They are those of
-/// the displacements within this time before and after the pause, seconds, of at least this length, pixels.
+/// A pause is at a turn where the directions before and after it differ by more than this, degrees. They are
+/// those of the displacements within this time before and after the pause, seconds, of at least this length,
+/// pixels.
 const MIN_TURN_DEG: f64 = 60.0;
 const TURN_S: f64 = 1.2;
 const MIN_TURN_PX: f64 = 8.0;

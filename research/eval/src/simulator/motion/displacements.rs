@@ -23,8 +23,8 @@ pub(super) fn displacements<'a>(
     })
 }
 
-/// The change of azimuth from the first position to where the target first turns back by `min_leg_px` after it has set
-/// off, pixels, positive to the right; 0 where it does not turn back.
+/// The change of azimuth from the first position to where the target first turns back by `min_leg_px` after
+/// it has set off, pixels, positive to the right; 0 where it does not turn back.
 pub(super) fn first_leg_px(samples: &[BearingSample], focal_px: f64, set_off_s: f64, min_leg_px: f64) -> f64 {
     let azimuth_px = |sample: &BearingSample| focal_px * sample.azimuth;
     let Some(first) = samples.first() else { return 0.0 };
@@ -51,8 +51,9 @@ fn initial_value(samples: &[BearingSample], value: impl Fn(&BearingSample) -> f6
         .quantile(0.5)
 }
 
-/// When the target sets off, seconds from the start: from then on it is at least [`SET_OFF_PX`] from its first position
-/// for at least [`SET_OFF_S`]. What a hand does to the target or to the tracker before the start lasts for less.
+/// When the target sets off, seconds from the start: from then on it is at least [`SET_OFF_PX`] from its
+/// first position for at least [`SET_OFF_S`]. What a hand does to the target or to the tracker before the
+/// start lasts for less.
 pub(super) fn set_off_s(samples: &[BearingSample], focal_px: f64) -> f64 {
     let Some(first) = samples.first() else { return 0.0 };
     let (azimuth, depression) =

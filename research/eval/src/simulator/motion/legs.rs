@@ -16,8 +16,8 @@ pub(super) struct Legs {
 }
 
 impl Legs {
-    /// Finds the legs of a bearing, pixels. A turning point is an extreme from which the bearing returns by at least
-    /// `min_leg_px`.
+    /// Finds the legs of a bearing, pixels. A turning point is an extreme from which the bearing returns by
+    /// at least `min_leg_px`.
     pub(super) fn from_samples(
         samples: &[BearingSample],
         min_leg_px: f64,

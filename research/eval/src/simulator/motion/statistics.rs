@@ -14,8 +14,8 @@ use super::velocities::{
 /// The speed that the camera can follow, pixels per second.
 const CAMERA_SPEED: f64 = 98.0;
 
-/// Statistics that say nearly the same in different ways, such as the quantiles of the speed. In the fit a group counts
-/// as one statistic.
+/// Statistics that say nearly the same in different ways, such as the quantiles of the speed. In the fit a
+/// group counts as one statistic.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Group {
     Duration,

@@ -1,4 +1,5 @@
-//! The velocity of the target's direction, and what follows from it: correlation over time, acceleration, runs.
+//! The velocity of the target's direction, and what follows from it: correlation over time, acceleration,
+//! runs.
 
 use super::bearings::BearingSample;
 use super::summary::mean;

@@ -1,9 +1,9 @@
 //! The metrics of a sequence in which the target leaves the picture and returns.
 //!
-//! An *absence* lasts from the first frame without any of the target up to the first that shows some of it. The
-//! *return* is the first frame after the absence that shows at least half of the target. A frame is *reported* if the
-//! track is tracking or coasting. It is *correct* if the track is tracking, and its box has an IoU of at least 0.3 with
-//! the truth or its centre lies in the truth's box.
+//! An *absence* lasts from the first frame without any of the target up to the first that shows some of it.
+//! The *return* is the first frame after the absence that shows at least half of the target. A frame
+//! is *reported* if the track is tracking or coasting. It is *correct* if the track is tracking, and its box
+//! has an IoU of at least 0.3 with the truth or its centre lies in the truth's box.
 
 use barrelman_vocab::{PixelBox, PixelPoint, Track};
 
@@ -44,8 +44,8 @@ pub(crate) struct AbsenceMetrics {
     pub(crate) absent_late: usize,
     /// Of those, the reported frames.
     pub(crate) absent_late_reported: usize,
-    /// For each absence, the time until the target was first not reported, seconds; the duration of the absence where
-    /// it was always reported.
+    /// For each absence, the time until the target was first not reported, seconds; the duration of the
+    /// absence where it was always reported.
     pub(crate) lost_after_s: Vec<f64>,
     /// For each return, the time until the first correct frame, seconds; `None` where that took longer than
     /// [`MAX_FIND_S`].
@@ -193,8 +193,8 @@ mod tests {
     const TARGET: PixelBox = PixelBox { u: 10.0, v: 10.0, w: 20.0, h: 10.0 };
     const OTHER: PixelBox = PixelBox { u: 60.0, v: 40.0, w: 20.0, h: 10.0 };
 
-    /// Ten frames a second, a letter each. The target: P present, p a third of it, a absent. The track: T on the
-    /// target, C coasting there, D on the distractor, - lost.
+    /// Ten frames a second, a letter each. The target: P present, p a third of it, a absent. The track: T on
+    /// the target, C coasting there, D on the distractor, - lost.
     fn metrics_of(target: &str, track: &str) -> AbsenceMetrics {
         let frame = |(index, (target, track)): (usize, (char, char))| {
             let (bounds, visible_share) = match target {

@@ -1,8 +1,8 @@
 //! Sequences cropped from real clips, in which the target leaves the picture and returns.
 //!
-//! Time runs at the clip's frame rate; the clip is played forwards and backwards in turn. In every other sequence
-//! distractors of the target's mean colour lie where the window rests aside, never where the target is. Labels are
-//! interpolated between labelled frames.
+//! Time runs at the clip's frame rate; the clip is played forwards and backwards in turn. In every other
+//! sequence distractors of the target's mean colour lie where the window rests aside, never where the target
+//! is. Labels are interpolated between labelled frames.
 
 use std::sync::Arc;
 

@@ -24,8 +24,8 @@ pub(super) struct Paint {
 }
 
 impl Paint {
-    /// The mean over the more saturated half of the samples in the inner half of a box. The inner half is mostly the
-    /// target; the less saturated samples are windows, shadows and surroundings.
+    /// The mean over the more saturated half of the samples in the inner half of a box. The inner half is
+    /// mostly the target; the less saturated samples are windows, shadows and surroundings.
     pub(super) fn sample(picture: &Picture, bounds: PixelBox) -> Self {
         let (y, u, v) = (picture.y(), picture.u(), picture.v());
         // Chroma samples are two pixels apart.
@@ -82,8 +82,9 @@ impl Distractor {
         self.fill(v, chroma.width as usize, 0.5, |_, _, _| self.paint.v);
     }
 
-    /// Fills the distractor's part of a plane that has `scale` samples per pixel. The arguments of `value` are the
-    /// place across and along the distractor, each -1 to 1, and column and row counted from the distractor's corner.
+    /// Fills the distractor's part of a plane that has `scale` samples per pixel. The arguments of `value`
+    /// are the place across and along the distractor, each -1 to 1, and column and row counted from the
+    /// distractor's corner.
     fn fill(&self, plane: &mut [u8], width: usize, scale: f64, value: impl Fn(f64, f64, [i64; 2]) -> f64) {
         let centre = self.bounds.centre();
         let (left, top) = ((self.bounds.u * scale).floor(), (self.bounds.v * scale).floor());

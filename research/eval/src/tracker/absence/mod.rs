@@ -1,8 +1,8 @@
 //! Targets that leave the picture and return, with and without distractors of the target's colour.
 //!
-//! Measured on sequences cropped from real clips and on generated scenes, selected by the truth in the first frame.
-//! Judged are the number of sequences and absent frames, how soon and how reliably an absence is noticed, how many
-//! returns are found in time, and the longest time on a distractor.
+//! Measured on sequences cropped from real clips and on generated scenes, selected by the truth in the first
+//! frame. Judged are the number of sequences and absent frames, how soon and how reliably an absence is
+//! noticed, how many returns are found in time, and the longest time on a distractor.
 
 mod absence_metrics;
 

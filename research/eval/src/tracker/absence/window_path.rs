@@ -1,5 +1,5 @@
-//! The path of the window that is cropped from a clip: it follows the target, slides aside until the target is out of
-//! the window, rests there, and slides back.
+//! The path of the window that is cropped from a clip: it follows the target, slides aside until the target
+//! is out of the window, rests there, and slides back.
 
 use barrelman_vocab::rng::SplitMix64;
 use barrelman_vocab::{PictureSize, PixelBox, PixelPoint};
@@ -68,7 +68,8 @@ pub(super) struct WindowPath {
 }
 
 impl WindowPath {
-    /// Plans a path; `None` where the target cannot be left out of the window, or is not wholly visible at the start.
+    /// Plans a path; `None` where the target cannot be left out of the window, or is not wholly visible at
+    /// the start.
     pub(super) fn plan(
         target: TargetPath,
         picture: PictureSize,
@@ -85,7 +86,8 @@ impl WindowPath {
         (path.visible_share(0.0) >= 1.0).then_some(path)
     }
 
-    /// The next excursion, with the shortest slide to a corner or to the middle of a side that leaves the target out.
+    /// The next excursion, with the shortest slide to a corner or to the middle of a side that leaves the
+    /// target out.
     fn nearest_excursion(&self, away_s: f64) -> Option<Excursion> {
         let start_s = self.duration_s();
         let from = self.following_corner(start_s);

@@ -1,5 +1,5 @@
-//! Generated clips: boats that manoeuvre on rough water under a moving camera, and rendered views of lakes, the sea and
-//! a shore.
+//! Generated clips: boats that manoeuvre on rough water under a moving camera, and rendered views of lakes,
+//! the sea and a shore.
 
 use std::sync::Arc;
 

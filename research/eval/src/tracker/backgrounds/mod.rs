@@ -1,9 +1,10 @@
-//! Selections of the background: water, land, sky, and whatever else is not the target. A tracker should refuse them, or
-//! soon say that there is nothing to follow.
+//! Selections of the background: water, land, sky, and whatever else is not the target. A tracker should
+//! refuse them, or soon say that there is nothing to follow.
 //!
-//! Six selections of each clip and of each generated scene, at frames spread over it, of 0.7 to 2 times the target's
-//! size, anywhere in the picture where the target does not come near within the next second. A selection is *right* if
-//! it is refused, or if in the frame next to 1 s later the track is lost or its confidence is below 0.5.
+//! Six selections of each clip and of each generated scene, at frames spread over it, of 0.7 to 2 times the
+//! target's size, anywhere in the picture where the target does not come near within the next second. A
+//! selection is *right* if it is refused, or if in the frame next to 1 s later the track is lost or its
+//! confidence is below 0.5.
 
 mod generated;
 mod outcome;
@@ -24,8 +25,8 @@ use outcome::{JudgedSelection, MIN_CLAIM, Outcome, Tally};
 use placement::JUDGED_AFTER_S;
 pub(crate) use placement::draw_selections;
 
-/// Selections of each clip and of each generated scene: 300 on 38 clips and 12 scenes. A target that fills a clip's
-/// picture leaves no room for any.
+/// Selections of each clip and of each generated scene: 300 on 38 clips and 12 scenes. A target that fills a
+/// clip's picture leaves no room for any.
 const SELECTIONS: usize = 6;
 
 /// Least share of right selections.

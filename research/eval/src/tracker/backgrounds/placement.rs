@@ -36,8 +36,8 @@ pub(crate) struct BackgroundSelection {
     pub(super) judged: usize,
 }
 
-/// Draws this many selections, spread over the clip: fewer where there is no room beside the target. The same clip and
-/// seed give the same selections; those of seed 0 are measured, and no other use takes them.
+/// Draws this many selections, spread over the clip: fewer where there is no room beside the target. The same
+/// clip and seed give the same selections; those of seed 0 are measured, and no other use takes them.
 pub(crate) fn draw_selections(clip: &Clip, count: usize, seed: u64) -> Vec<BackgroundSelection> {
     let extent = TargetExtent::from_clip(clip);
     let candidates: Vec<Candidate> =

@@ -7,7 +7,8 @@ use crate::tracker::scoring::Label;
 
 /// Where the target may be.
 pub(super) struct TargetExtent {
-    /// One for each frame; empty where the target is absent, `None` before the first label and after the last.
+    /// One for each frame; empty where the target is absent, `None` before the first label and after the
+    /// last.
     boxes: Vec<Option<PixelBox>>,
     /// The frames in which the target is labelled as visible, with the label.
     visible: Vec<(usize, PixelBox)>,

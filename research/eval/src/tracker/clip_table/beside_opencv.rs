@@ -51,7 +51,8 @@ fn scores(clip: &ClipMeasurement) -> Option<Scores> {
     clip.opencv.as_ref().map(|opencv| [clip.score, opencv.nanotrack.score, opencv.csrt.score])
 }
 
-/// Prints each clip, and then the means over each set of clips; CPU times of a set are medians over its frames.
+/// Prints each clip, and then the means over each set of clips; CPU times of a set are medians over its
+/// frames.
 pub(super) fn print(clips: &[ClipMeasurement], sets: &[ClipSet]) {
     let mut table = Table::new(&[
         "clip",

@@ -1,7 +1,8 @@
 //! The table of clips: quality and CPU time of the tracker on labelled real clips.
 //!
-//! Judged are the means of success AUC, precision and share lost over the clips of each folder and over all clips, the
-//! CPU times at 1280x720 and 1920x1080, and, beside OpenCV's trackers, the AUC of each clip and the CPU times.
+//! Judged are the means of success AUC, precision and share lost over the clips of each folder and over all
+//! clips, the CPU times at 1280x720 and 1920x1080, and, beside OpenCV's trackers, the AUC of each clip and
+//! the CPU times.
 
 mod beside_opencv;
 mod clip_json;

@@ -1,5 +1,5 @@
-//! Sequences cut from labelled clips, in which the video has a gap: nothing is received for some seconds, and then the
-//! picture goes on elsewhere.
+//! Sequences cut from labelled clips, in which the video has a gap: nothing is received for some seconds, and
+//! then the picture goes on elsewhere.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -63,8 +63,8 @@ pub(super) struct GapSequence {
 }
 
 impl GapSequence {
-    /// The sequence of a clip that is cut before the frame `cut`, with a gap of this length, seconds; `None` where the
-    /// clip does not allow it.
+    /// The sequence of a clip that is cut before the frame `cut`, with a gap of this length, seconds; `None`
+    /// where the clip does not allow it.
     pub(super) fn new(clip: &Clip, cut: usize, gap_s: f64, scene: Scene) -> Option<Self> {
         let rate = frames_per_second(clip);
         let last = clip.labels.iter().rposition(Option::is_some)?;
@@ -158,7 +158,8 @@ impl Windows {
         Some(Self { before, after })
     }
 
-    /// The frame of the selection: the earliest from which on the target is wholly in the window up to the cut.
+    /// The frame of the selection: the earliest from which on the target is wholly in the window up to the
+    /// cut.
     fn start(&self, clip: &Clip, cut: usize) -> Option<usize> {
         let is_in_view = |label: &Option<Label>| match label {
             None => true,

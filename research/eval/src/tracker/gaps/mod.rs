@@ -1,9 +1,10 @@
 //! Gaps in the video: whether the track goes on with another object, and whether the target is found again.
 //!
-//! Each clip is cut at several places. After the cut nothing is received for some seconds, and the picture that follows
-//! shows another time, or another part of the scene, with the target in it or without. A frame is *wrong* if a box is
-//! reported with a confidence of at least 0.5 that is not on the target: its IoU with the truth is below 0.1, or the
-//! target is absent. The target is *taken back* at the first frame that is tracked with an IoU of at least 0.3.
+//! Each clip is cut at several places. After the cut nothing is received for some seconds, and the picture
+//! that follows shows another time, or another part of the scene, with the target in it or without. A frame
+//! is *wrong* if a box is reported with a confidence of at least 0.5 that is not on the target: its IoU with
+//! the truth is below 0.1, or the target is absent. The target is *taken back* at the first frame that is
+//! tracked with an IoU of at least 0.3.
 
 mod gap_sequence;
 
@@ -46,7 +47,8 @@ struct MeasuredGap {
     /// Labelled frames after the gap that are wrong, and the highest confidence of one.
     wrong: usize,
     wrong_confidence: f64,
-    /// Whether a labelled frame after the gap shows the target, and the time until it was taken back, seconds.
+    /// Whether a labelled frame after the gap shows the target, and the time until it was taken back,
+    /// seconds.
     is_shown: bool,
     taken_back_s: Option<f64>,
     /// State, confidence and IoU of each labelled frame after the gap.
@@ -92,7 +94,8 @@ fn jobs(clip: &Clip) -> Vec<(Scene, usize, f64)> {
     cuts.flat_map(with_gaps).collect()
 }
 
-/// Runs a tracker over a sequence; `None` where the selection is refused or the target is lost before the gap.
+/// Runs a tracker over a sequence; `None` where the selection is refused or the target is lost before the
+/// gap.
 fn measure(
     tracker: &mut dyn Tracker,
     clip: &Clip,

@@ -1,8 +1,9 @@
-//! How much the score depends on the operator's selection: selections that are too small or too large and beside the
-//! target.
+//! How much the score depends on the operator's selection: selections that are too small or too large and
+//! beside the target.
 //!
-//! Each clip is tracked from every loose selection in the frame of the exact one. In a clip whose selection is refused
-//! every frame counts as lost. Judged are the means over all clips beside those of the exact selections.
+//! Each clip is tracked from every loose selection in the frame of the exact one. In a clip whose selection
+//! is refused every frame counts as lost. Judged are the means over all clips beside those of the exact
+//! selections.
 
 mod selections;
 

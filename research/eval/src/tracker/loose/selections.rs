@@ -1,7 +1,7 @@
 //! Loose selections: boxes that an operator drags in a hurry.
 //!
-//! Four sizes in eight directions. The centre lies beside the label's by 0.1 or 0.2 of the label's sides along the
-//! direction: both amounts alternate from direction to direction and from size to size.
+//! Four sizes in eight directions. The centre lies beside the label's by 0.1 or 0.2 of the label's sides
+//! along the direction: both amounts alternate from direction to direction and from size to size.
 
 use barrelman_vocab::PixelBox;
 

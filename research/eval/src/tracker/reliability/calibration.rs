@@ -1,9 +1,9 @@
 //! The figures of the confidence over labelled frames, each frame with the same weight.
 //!
-//! *Sure and wrong* is a frame reported with a confidence of at least 0.8 where the box has an IoU below 0.1 with the
-//! label, or the target is absent. *AUROC* is the area under the receiver operating characteristic of the confidence as
-//! a test for a correct box: the probability that a correct reported frame has a higher confidence than an incorrect
-//! one, where equal confidences count as half.
+//! *Sure and wrong* is a frame reported with a confidence of at least 0.8 where the box has an IoU below 0.1
+//! with the label, or the target is absent. *AUROC* is the area under the receiver operating characteristic
+//! of the confidence as a test for a correct box: the probability that a correct reported frame has a higher
+//! confidence than an incorrect one, where equal confidences count as half.
 
 use serde_json::{Value, json};
 
@@ -70,8 +70,8 @@ impl Calibration {
     }
 }
 
-/// The area under the receiver operating characteristic over the reported frames; NaN unless some are correct and some
-/// are not.
+/// The area under the receiver operating characteristic over the reported frames; NaN unless some are correct
+/// and some are not.
 fn auroc(frames: &[LabelledFrame]) -> f64 {
     let mut reported: Vec<(f64, bool)> = frames
         .iter()

@@ -40,7 +40,8 @@ impl Bin {
         self.confidence_sum / self.frames as f64
     }
 
-    /// Difference of the share of correct frames and the mean confidence, 0 to 1; NaN where there are no frames.
+    /// Difference of the share of correct frames and the mean confidence, 0 to 1; NaN where there are no
+    /// frames.
     pub(super) fn calibration_error(&self) -> f64 {
         (self.share_correct() - self.mean_confidence()).abs()
     }

@@ -18,7 +18,8 @@ pub(super) const SURE: f64 = 0.8;
 pub(crate) struct LabelledFrame {
     /// The confidence of a track that is tracking or coasting, 0 to 1; `None` where no box is reported.
     pub(super) confidence: Option<f64>,
-    /// IoU of the reported box with the label, 0 to 1; 0 where no box is reported, or the target is labelled absent.
+    /// IoU of the reported box with the label, 0 to 1; 0 where no box is reported, or the target is labelled
+    /// absent.
     pub(super) iou: f64,
 }
 

@@ -1,9 +1,11 @@
-//! Whether the confidence is calibrated: of the frames reported with a confidence of 0.7, about 70 % should be correct.
+//! Whether the confidence is calibrated: of the frames reported with a confidence of 0.7, about 70 % should
+//! be correct.
 //!
-//! Measured on the labelled frames of all clips after the selection's, from the label as selection; for comparison also
-//! from loose selections. A frame is correct where the reported box has an IoU of at least 0.5 with the label. Judged
-//! are how often the track is sure and wrong, how often a correct one is sure, how well the confidence tells correct
-//! frames from the others, and the difference of share and confidence in each tenth of the confidence.
+//! Measured on the labelled frames of all clips after the selection's, from the label as selection; for
+//! comparison also from loose selections. A frame is correct where the reported box has an IoU of at
+//! least 0.5 with the label. Judged are how often the track is sure and wrong, how often a correct one is
+//! sure, how well the confidence tells correct frames from the others, and the difference of share and
+//! confidence in each tenth of the confidence.
 
 mod calibration;
 mod curve;
@@ -42,8 +44,8 @@ pub(crate) struct ClipFrames<'a> {
     pub(crate) loose: Option<&'a [LabelledFrame]>,
 }
 
-/// Prints the figures and plots the curve to `target/acceptance/reliability.svg` in the workspace, judges the exact
-/// selections if `is_judged`, and returns the figures.
+/// Prints the figures and plots the curve to `target/acceptance/reliability.svg` in the workspace, judges the
+/// exact selections if `is_judged`, and returns the figures.
 ///
 /// # Errors
 /// If the plot cannot be written.

@@ -1,5 +1,5 @@
-//! The plot of the reliability curve: above, the share of correct frames over the confidence, with the differences that
-//! are allowed; below, the frames of each tenth.
+//! The plot of the reliability curve: above, the share of correct frames over the confidence, with the
+//! differences that are allowed; below, the frames of each tenth.
 
 use super::calibration::{Calibration, MAX_CALIBRATION_ERROR, MIN_JUDGED_FRAMES};
 use super::curve::{Bin, Curve};
