@@ -29,8 +29,7 @@ def judge(program: EngagedRun, check: Check, event: str) -> None:
     program.wait(is_stopped, "the stop")
     command = program.status()["command"]
     check("the camera rests", command == {"pan": 0, "tilt": 0, "zoom": 0}, command)
-    log = program.errors.text()
-    check("old and new are named", event in log, log[-600:])
+    wait_until(lambda: event in program.errors.text(), "the names of old and new")
     program.wait(lambda status: status["link"]["state"] == "up", "the link")
     time.sleep(1)
     check("it stays stopped", is_stopped(program.status()), program.status()["mode"])

@@ -70,7 +70,7 @@ impl Named for StopCause {
             Self::Landing => "vehicle lands",
             Self::BatteryLow => "battery of the vehicle low",
             Self::VehicleSilent => "vehicle fell silent",
-            Self::Exchanged => "another gimbal, camera or stream than before",
+            Self::Exchanged => "another gimbal, camera or stream",
             Self::Suspended => "the program did not run for a while",
             Self::PanOpposed => {
                 "the picture turned against the pan: check vehicle.yaw_sign of the configuration"

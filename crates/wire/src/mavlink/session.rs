@@ -320,7 +320,9 @@ impl Session for GimbalSession {
     /// Three times zeros, to the gimbal and to every gimbal manager that hears them; none to a gimbal of
     /// another commander.
     fn last_will(&self, now: Timestamp) -> Vec<WillStep<Vec<u8>>> {
-        if self.is_anothers() {
+        // A control that is being released has ended with zeros.
+        let has_ended = matches!(self.state, State::Releasing { .. } | State::Closed);
+        if has_ended || self.is_anothers() {
             return Vec::new();
         }
         let mut writer = self.writer.clone();
