@@ -44,15 +44,7 @@ fn step(bencher: Bencher<'_, '_>, reach_px: f64, mode: OptimalMode) {
         let captured = Timestamp::from_nanos(frame * 33_333_333);
         let now = Timestamp::from_nanos(frame * 33_333_333 + 100_000_000);
         let percept = black_box(&percepts[(frame % u64::from(SWING)) as usize]);
-        let command = law.command(&LawInput {
-            percept,
-            region,
-            destination: None,
-            picture,
-            captured,
-            is_measured: true,
-            now,
-        });
+        let command = law.command(&LawInput::measured(percept, region, picture, captured, now));
         law.on_command_applied(command, now);
         command
     });

@@ -25,3 +25,16 @@ pub struct LawInput<'a> {
     /// The current time: the command of this step is in force from here on.
     pub now: Timestamp,
 }
+
+impl<'a> LawInput<'a> {
+    /// The input for a target that was measured, without a destination.
+    pub const fn measured(
+        percept: &'a Percept,
+        region: Region,
+        picture: PictureSize,
+        captured: Timestamp,
+        now: Timestamp,
+    ) -> Self {
+        Self { percept, region, destination: None, picture, captured, is_measured: true, now }
+    }
+}

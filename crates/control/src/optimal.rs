@@ -21,7 +21,7 @@ mod receding_horizon;
 mod tuning;
 
 use barrelman_vocab::profile::VehicleProfile;
-use barrelman_vocab::{CameraCommand, Timestamp};
+use barrelman_vocab::{CameraCommand, Framed, Timestamp};
 
 pub use self::circumstances::Adapted;
 pub use self::intermittent::IntermittentLaw;
@@ -44,7 +44,7 @@ use crate::law_input::LawInput;
 /// let region = Region::from_shares(profile.region, picture);
 /// let percept = Percept::new(ImagePoint { x: 250.0, y: 0.0 }, region);
 /// let now = Timestamp::from_secs_f64(1.0);
-/// let input = LawInput { percept: &percept, region, destination: None, picture, captured: now, is_measured: true, now };
+/// let input = LawInput::measured(&percept, region, picture, now, now);
 /// // The target is right of the region: the camera pans to the right.
 /// assert!(law.command(&input, &camera).pan.radians_per_second() > 0.0);
 /// ```
@@ -61,20 +61,17 @@ enum Controller {
 impl OptimalLaw {
     /// A law without observations.
     pub fn new(settings: &OptimalSettings, profile: &VehicleProfile) -> Self {
-        Self(match Self::with_tuning(settings.tuning(), profile).0 {
-            Controller::RecedingHorizon(law) => Controller::RecedingHorizon(law.showing(settings.framed)),
-            Controller::Intermittent(law) => Controller::Intermittent(law.showing(settings.framed)),
-        })
+        Self::with_tuning(settings.tuning(), settings.framed, profile)
     }
 
     /// A law with a custom tuning.
-    pub fn with_tuning(tuning: impl Into<ModeTuning>, profile: &VehicleProfile) -> Self {
+    pub fn with_tuning(tuning: impl Into<ModeTuning>, framed: Framed, profile: &VehicleProfile) -> Self {
         Self(match tuning.into() {
             ModeTuning::RecedingHorizon(tuning) => {
-                Controller::RecedingHorizon(RecedingHorizonLaw::new(tuning, profile))
+                Controller::RecedingHorizon(RecedingHorizonLaw::new(tuning, framed, profile))
             }
             ModeTuning::Intermittent(tuning) => {
-                Controller::Intermittent(IntermittentLaw::new(tuning, profile))
+                Controller::Intermittent(IntermittentLaw::new(tuning, framed, profile))
             }
         })
     }

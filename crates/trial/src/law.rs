@@ -35,15 +35,7 @@ pub fn run_open_loop(
         let percept = at.position.map(|position| Percept::new(position, region));
         let now = Timestamp::from_secs_f64(at.time_s);
         let command = percept.map_or(CameraCommand::REST, |percept| {
-            law.command(&LawInput {
-                percept: &percept,
-                region,
-                destination: None,
-                picture: log.frame,
-                captured: now,
-                is_measured: true,
-                now,
-            })
+            law.command(&LawInput::measured(&percept, region, log.frame, now, now))
         });
         law.on_command_applied(command, now);
         let rates = profile.to_vehicle(command);

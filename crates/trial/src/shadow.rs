@@ -24,18 +24,7 @@ pub fn simulate_motor_schema(
         let step = row.position.map(|position| {
             let percept = Percept::new(position, region);
             let captured = now.minus(profile.video_latency);
-            shadow.step(
-                &LawInput {
-                    percept: &percept,
-                    region,
-                    destination: None,
-                    picture: log.frame,
-                    captured,
-                    is_measured: true,
-                    now,
-                },
-                &camera,
-            )
+            shadow.step(&LawInput::measured(&percept, region, log.frame, captured, now), &camera)
         });
         camera.apply_command(row.command.unwrap_or_default(), now);
         step
@@ -73,15 +62,7 @@ impl MotorSchemaShadow {
             (Some(seen), Some(percept), Some(region)) if self.last_captured != Some(seen.captured) => {
                 self.last_captured = Some(seen.captured);
                 let (picture, captured) = (seen.picture, seen.captured);
-                let input = LawInput {
-                    percept: &percept,
-                    region,
-                    destination: None,
-                    picture,
-                    captured,
-                    is_measured: true,
-                    now,
-                };
+                let input = LawInput::measured(&percept, region, picture, captured, now);
                 let ShadowStep { p, command, .. } = self.shadow.step(&input, &self.camera);
                 (self.p, self.command) = (Some(p), command);
             }

@@ -80,6 +80,13 @@ impl ImagePoint {
         let centre = picture.centre();
         PixelPoint { u: centre.u + self.x, v: centre.v - self.y }
     }
+
+    /// How far the point is from the middle of a picture, as a share of the way to its border: 0 in the
+    /// middle, 1 on the border, more than 1 outside.
+    pub fn share_to_border(self, picture: PictureSize) -> f64 {
+        let PixelPoint { u, v } = picture.centre();
+        (self.x.abs() / u.max(0.5)).max(self.y.abs() / v.max(0.5))
+    }
 }
 
 /// An upright box in pixel coordinates: it covers [u, u+w) x [v, v+h).

@@ -48,6 +48,11 @@ impl AxisModel {
         self.lag_s
     }
 
+    /// The largest rate.
+    pub(super) const fn limit(&self) -> f64 {
+        self.limit
+    }
+
     pub(crate) const fn start_s(&self) -> f64 {
         self.start_s
     }

@@ -45,8 +45,6 @@ pub(super) struct FocalLength {
 struct ZoomModel {
     /// z, and its rate.
     exponent: AxisModel,
-    /// The largest rate, per second.
-    largest_rate: f64,
     /// Smallest and largest focal length, as shares of the picture's width.
     range: (f64, f64),
 }
@@ -72,12 +70,8 @@ impl FocalLength {
             };
             let range = (widest, widest * zoom.ratio);
             let stops = stops_of(range, widest);
-            let limit = zoom.max_rate.per_second();
-            ZoomModel {
-                exponent: AxisModel::new(dynamics, limit, 0.0, Some(stops)),
-                largest_rate: limit,
-                range,
-            }
+            let exponent = AxisModel::new(dynamics, zoom.max_rate.per_second(), 0.0, Some(stops));
+            ZoomModel { exponent, range }
         };
         Self { base: FocalHistory::new(widest), zoom: zoom.map(model), is_reported: false }
     }
@@ -133,7 +127,7 @@ impl FocalLength {
     pub(super) fn grow(&mut self, growth: f64, from: Timestamp, to: Timestamp) {
         let Some(zoom) = &mut self.zoom else { return };
         let (from_s, to_s) = (from.as_secs_f64(), to.as_secs_f64());
-        let most = MAX_GROWTH * zoom.largest_rate * (to_s - from_s);
+        let most = MAX_GROWTH * zoom.exponent.limit() * (to_s - from_s);
         if growth.abs() <= most {
             let expected = zoom.exponent.at(to_s).angle - zoom.exponent.at(from_s).angle;
             zoom.exponent.shift(growth - expected);

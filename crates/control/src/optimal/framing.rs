@@ -75,7 +75,7 @@ impl HeldRegion {
 }
 
 /// The shift of the disc, with its state.
-#[derive(Debug, Clone, Copy, Default)]
+#[derive(Debug, Clone, Copy)]
 pub(super) struct Framing {
     framed: Framed,
     shift: Pair,

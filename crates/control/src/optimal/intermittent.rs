@@ -54,7 +54,7 @@ pub struct IntermittentLaw {
 
 impl IntermittentLaw {
     /// A law without observations.
-    pub fn new(tuning: IntermittentTuning, profile: &VehicleProfile) -> Self {
+    pub fn new(tuning: IntermittentTuning, framed: Framed, profile: &VehicleProfile) -> Self {
         let AxisRates { pan, tilt } = profile.limits;
         let limits = [pan, tilt].map(AngularRate::radians_per_second);
         let axes = [&profile.camera.pan, &profile.camera.tilt];
@@ -68,7 +68,7 @@ impl IntermittentLaw {
             min_rates,
             ramps: [0, 1].map(|i| Ramps::new(lags_s[i], tuning.cruise_rate.base, responses_s, min_rates[i])),
             bearings: BearingFilter::new(tuning.noise),
-            framing: Framing::default(),
+            framing: Framing::new(framed),
             mean_bearing: mean_bearing(tuning.memory_s),
             usual_motion: usual_motion(),
             start_look_ahead: look_ahead(tuning.start_look_ahead_s),
@@ -80,12 +80,6 @@ impl IntermittentLaw {
             cruise_rate: MIN_CRUISE_RATE,
             plateaus: [0.0; 2],
         }
-    }
-
-    /// The same law, which shows this.
-    #[must_use]
-    pub fn showing(self, framed: Framed) -> Self {
-        Self { framing: Framing::new(framed), ..self }
     }
 
     /// Discards the observations of the target.

@@ -38,7 +38,7 @@ pub struct RecedingHorizonLaw {
 
 impl RecedingHorizonLaw {
     /// A law without observations.
-    pub fn new(tuning: Tuning, profile: &VehicleProfile) -> Self {
+    pub fn new(tuning: Tuning, framed: Framed, profile: &VehicleProfile) -> Self {
         let AxisRates { pan, tilt } = profile.limits;
         let limits = [pan, tilt].map(AngularRate::radians_per_second);
         let min_rates =
@@ -47,18 +47,12 @@ impl RecedingHorizonLaw {
             limits: [0, 1].map(|axis| limits[axis].min(tuning.max_rate.max(min_rates[axis]))),
             min_rates,
             bearings: BearingFilter::new(tuning.noise),
-            framing: Framing::default(),
+            framing: Framing::new(framed),
             stop_look_ahead: Propagation::new(tuning.stop_look_ahead_s, &tuning.noise),
             tuning,
             command_in_force: CameraCommand::REST,
             rested_since: None,
         }
-    }
-
-    /// The same law, which shows this.
-    #[must_use]
-    pub fn showing(self, framed: Framed) -> Self {
-        Self { framing: Framing::new(framed), ..self }
     }
 
     /// Discards the observations of the target.

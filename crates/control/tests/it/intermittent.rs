@@ -2,7 +2,7 @@
 
 use barrelman_control::{CameraLaw, IntermittentTuning, OptimalLaw};
 use barrelman_vocab::OptimalMode::Intermittent;
-use barrelman_vocab::{CameraCommand, ImagePoint, Timestamp, VehicleProfile};
+use barrelman_vocab::{CameraCommand, Framed, ImagePoint, Timestamp, VehicleProfile};
 
 use crate::optimal::{STEP_S, follow, law, rates, step};
 
@@ -121,7 +121,7 @@ fn the_camera_turns_less_after_a_target_that_is_expected_back() {
     let azimuths = (0..900_u32).map(|k| (0.1 * STEP_S * f64::from(k.saturating_sub(600))).min(0.6));
     let pan_with = |return_time_s: f64| {
         let tuning = IntermittentTuning { return_time_s, ..IntermittentTuning::DEFAULT };
-        let law = Box::new(OptimalLaw::with_tuning(tuning, &profile));
+        let law = Box::new(OptimalLaw::with_tuning(tuning, Framed::Boat, &profile));
         final_pan(&mut CameraLaw::from_law(law, &profile), &profile, azimuths.clone())
     };
     let (expected_back, never_back) = (pan_with(IntermittentTuning::DEFAULT.return_time_s), pan_with(1e9));

@@ -31,15 +31,7 @@ pub(crate) fn step(
     let region = Region::from_shares(profile.region, PICTURE);
     let percept = Percept::new(position, region);
     let captured = now.minus(Duration::from_millis(100));
-    let command = law.command(&LawInput {
-        percept: &percept,
-        region,
-        picture: PICTURE,
-        captured,
-        is_measured: true,
-        destination: None,
-        now,
-    });
+    let command = law.command(&LawInput::measured(&percept, region, PICTURE, captured, now));
     law.on_command_applied(command, now);
     command
 }
@@ -128,7 +120,8 @@ fn looking_down_steeply_pan_is_spared() {
         let mut profile = VehicleProfile::fotokite_pro();
         profile.camera.initial_tilt = barrelman_vocab::Angle::from_degrees(-down);
         let tuning = Tuning { steep_view_gain, horizon_s: 3.0, ..Tuning::MINIMUM_ENERGY };
-        let mut law = CameraLaw::from_law(Box::new(OptimalLaw::with_tuning(tuning, &profile)), &profile);
+        let mut law =
+            CameraLaw::from_law(Box::new(OptimalLaw::with_tuning(tuning, Framed::Boat, &profile)), &profile);
         rates(step(&mut law, &profile, ImagePoint { x: 190.0, y: 0.0 }, Timestamp::from_secs_f64(1.0)))[0]
     };
     assert!((first(0.0, 1.0) - first(0.0, 0.0)).abs() < 1e-3, "looking level nothing is to be spared");

@@ -2,9 +2,7 @@
 
 use barrelman_control::size_keeping::SizeInput;
 use barrelman_control::{LawInput, Percept};
-use barrelman_vocab::{
-    CameraCommand, Framed, ImagePoint, Localisation, Nudge, PictureSize, Timestamp, ZoomAbility,
-};
+use barrelman_vocab::{CameraCommand, Framed, Localisation, Nudge, Timestamp, ZoomAbility};
 
 use super::Pilot;
 use crate::outcome::{Notice, Refusal, ZoomState};
@@ -41,10 +39,7 @@ impl Pilot {
         input: &LawInput<'_>,
     ) -> CameraCommand {
         let destination_share = match (self.settings.law.framed(), input.destination) {
-            (Framed::Both, Some(ImagePoint { x, y })) => {
-                let PictureSize { width, height } = input.picture;
-                (2.0 * x.abs() / f64::from(width.max(1))).max(2.0 * y.abs() / f64::from(height.max(1)))
-            }
+            (Framed::Both, Some(destination)) => destination.share_to_border(input.picture),
             (Framed::Boat, _) | (Framed::Both, None) => 0.0,
         };
         let camera = self.law.camera();
