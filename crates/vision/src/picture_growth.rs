@@ -89,25 +89,30 @@ impl PictureGrowth {
     }
 }
 
+/// A patch: its place, as shares of the picture's sides, and its shift, pixels.
+type Patch = ((f64, f64), (f32, f32));
+
+/// The growth that two patches tell along each axis in which they are far enough apart.
+fn growths((first, second): (Patch, Patch), size: PictureSize) -> impl Iterator<Item = f64> {
+    let ((at_a, a), (at_b, b)) = (first, second);
+    let horizontal = (at_a.0 - at_b.0, f64::from(a.0 - b.0), f64::from(size.width));
+    let vertical = (at_a.1 - at_b.1, f64::from(a.1 - b.1), f64::from(size.height));
+    let is_apart = |(apart, ..): &(f64, f64, f64)| apart.abs() >= MIN_DISTANCE;
+    [horizontal, vertical].into_iter().filter(is_apart).map(|(apart, grown, side)| grown / (apart * side))
+}
+
 /// The growth that the shifts of the patches tell.
 fn growth_of(shifts: &[Option<(f32, f32)>; PATCHES], size: PictureSize) -> Option<f64> {
-    if shifts.iter().flatten().count() < MIN_PATCHES {
+    let seen = || PATCH_CENTRES.into_iter().zip(shifts).filter_map(|(at, shift)| Some((at, (*shift)?)));
+    if seen().count() < MIN_PATCHES {
         return None;
     }
-    let sides = [f64::from(size.width), f64::from(size.height)];
+    let pairs = seen().enumerate().flat_map(|(index, one)| seen().take(index).map(move |other| (one, other)));
     let mut slopes = [0.0; PATCHES * (PATCHES - 1)];
     let mut count = 0;
-    for first in 0..PATCHES {
-        for second in 0..first {
-            let (Some(a), Some(b)) = (shifts[first], shifts[second]) else { continue };
-            let (at_a, at_b) = (PATCH_CENTRES[first], PATCH_CENTRES[second]);
-            let apart = [at_a.0 - at_b.0, at_a.1 - at_b.1];
-            let grown = [f64::from(a.0 - b.0), f64::from(a.1 - b.1)];
-            for axis in (0..2).filter(|axis: &usize| apart[*axis].abs() >= MIN_DISTANCE) {
-                slopes[count] = grown[axis] / (apart[axis] * sides[axis]);
-                count += 1;
-            }
-        }
+    for slope in pairs.flat_map(|pair| growths(pair, size)) {
+        slopes[count] = slope;
+        count += 1;
     }
     let slopes = &mut slopes[..count];
     slopes.sort_unstable_by(f64::total_cmp);
