@@ -5,19 +5,16 @@
 
 use std::collections::BTreeMap;
 
-use anyhow::{Context, Result};
+use anyhow::Result;
 use barrelman_detector::Object;
 
 use super::measured::{LEAST_SCORE, MeasuredDetector};
 use super::tally::{Tally, Wanted};
 use crate::statistics::mean;
-use crate::tracker::clip_sets::{is_on_water, recording_of};
+use crate::tracker::clip_sets::{class_of, is_on_water, recording_of};
 use crate::tracker::clips::ClipFolder;
 use crate::tracker::labelled_pictures::labelled_pictures;
 use crate::tracker::text_table::{Table, cell};
-
-/// What the labelled objects are.
-const CLASSES: &str = include_str!("../../data/clip_classes.csv");
 
 /// The detections and the label of each picture of a clip.
 struct ClipRun {
@@ -67,11 +64,6 @@ pub(super) fn measure(detector: &mut MeasuredDetector, clips: &[ClipFolder], fra
         }
     }
     Ok(())
-}
-
-fn class_of(clip: &str) -> Result<&'static str> {
-    let row = CLASSES.lines().filter_map(|line| line.split_once(',')).find(|(name, _)| *name == clip);
-    Ok(row.with_context(|| format!("{clip} is not in research/eval/data/clip_classes.csv"))?.1)
 }
 
 fn print_clips(runs: &[ClipRun], score: f32) {

@@ -6,6 +6,8 @@
 use std::collections::BTreeMap;
 use std::ops::Range;
 
+use anyhow::{Context, Result};
+
 use super::clips::ClipFolder;
 use crate::statistics::mean;
 
@@ -13,6 +15,9 @@ use crate::statistics::mean;
 /// folders.
 pub(crate) const TUNED_ON: &str = "clips";
 pub(crate) const UNSEEN: &str = "clips-more";
+
+/// What the labelled objects are.
+const CLASSES: &str = include_str!("../../data/clip_classes.csv");
 
 /// The clips of [`TUNED_ON`] that show a boat or a person on water.
 const TUNED_ON_WATER: [&str; 9] = [
@@ -140,6 +145,15 @@ pub(crate) fn set_mean<'a>(figures: impl Iterator<Item = (&'a str, f64)>) -> Set
 /// The number of recordings among clips.
 pub(crate) fn count_recordings<'a>(clips: impl Iterator<Item = &'a str>) -> usize {
     clips.map(recording_of).collect::<std::collections::BTreeSet<_>>().len()
+}
+
+/// What the labelled object of a clip is: `boat`, `person` or `other`.
+///
+/// # Errors
+/// If the clip is not in the list.
+pub(crate) fn class_of(clip: &str) -> Result<&'static str> {
+    let row = CLASSES.lines().filter_map(|line| line.split_once(',')).find(|(name, _)| *name == clip);
+    Ok(row.with_context(|| format!("{clip} is not in research/eval/data/clip_classes.csv"))?.1)
 }
 
 #[cfg(test)]

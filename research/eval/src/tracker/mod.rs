@@ -34,6 +34,7 @@ mod candidates;
 pub(crate) mod empty_water;
 pub(crate) mod labelled_pictures;
 pub(crate) mod past_selection;
+mod tapped_people;
 mod taps;
 pub(crate) mod training_samples;
 

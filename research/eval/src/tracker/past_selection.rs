@@ -26,7 +26,7 @@ use serde_json::json;
 use super::clip_sets::hidden_frames;
 use super::clips::{Clip, list_clips};
 use super::scoring::Label;
-use super::{candidates, empty_water, taps};
+use super::{candidates, empty_water, tapped_people, taps};
 use crate::output::print_line;
 use crate::rng_of_name::rng_of_name;
 use crate::workspace::path_or_default;
@@ -63,11 +63,14 @@ pub(crate) struct SelectionOptions {
     /// of ../shared/data/clips-more, too].
     #[arg(long)]
     taps: bool,
-    /// The objects that are found in single pictures instead: on --starts labelled frames of each clip.
+    /// Instead, tap on the people in the clips once, and follow them to the end.
     #[arg(long, conflicts_with = "taps")]
+    people: bool,
+    /// The objects that are found in single pictures instead: on --starts labelled frames of each clip.
+    #[arg(long, conflicts_with_all = ["taps", "people"])]
     candidates: bool,
     /// The candidates on water without any object instead, in --starts rendered seas of each sea state.
-    #[arg(long, conflicts_with_all = ["taps", "candidates"])]
+    #[arg(long, conflicts_with_all = ["taps", "people", "candidates"])]
     empty_water: bool,
     /// Print each selection that was not right.
     #[arg(long)]
@@ -169,6 +172,9 @@ impl Tally {
 /// # Errors
 /// If a clip or the output file cannot be used.
 pub(crate) fn run(options: &SelectionOptions) -> Result<bool> {
+    if options.people {
+        return tapped_people::run(options.clips.as_deref(), &options.clip);
+    }
     if options.candidates {
         return candidates::run(options.clips.as_deref(), &options.clip, options.starts);
     }
