@@ -135,7 +135,7 @@ impl CampaignPlan {
         };
         if request.guidance.is_some() && !has_person(&loaded.scenario) {
             bail!(
-                "there is nobody to go to in {}: --guidance is for scenarios with a boat and a swimmer (rescue, rescue-current, rescue-surf, two-boats)",
+                "there is nobody to go to in {}: --guidance is for scenarios with a boat and a swimmer (rescue, rescue-current, rescue-surf, rescue-four, two-boats)",
                 loaded.scenario.name
             );
         }

@@ -19,7 +19,7 @@ macro_rules! built_in {
 }
 
 /// The built-in scenarios, in the order of the list.
-pub const BUILT_IN: [BuiltIn; 20] = built_in![
+pub const BUILT_IN: [BuiltIn; 21] = built_in![
     "lab1",
     "lab2",
     "arena1",
@@ -39,6 +39,7 @@ pub const BUILT_IN: [BuiltIn; 20] = built_in![
     "rescue",
     "rescue-current",
     "rescue-surf",
+    "rescue-four",
     "two-boats",
 ];
 

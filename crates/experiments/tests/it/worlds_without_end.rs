@@ -53,7 +53,7 @@ fn until_a_trial_would_end_a_world_without_an_end_is_the_same() {
 
 #[test]
 fn a_helmsman_at_the_end_of_the_path_waits_there() {
-    for name in ["rescue", "rescue-current", "rescue-surf", "two-boats"] {
+    for name in ["rescue", "rescue-current", "rescue-surf", "rescue-four", "two-boats"] {
         let scenario = loaded(name).scenario;
         let TargetScript::Boat(script) = &scenario.target else { panic!("{name} has a boat") };
         let end = *script.way_points.last().unwrap();

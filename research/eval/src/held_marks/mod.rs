@@ -23,7 +23,7 @@ use crate::output::print_line;
 use crate::parallel;
 use judge::{Figures, Judge};
 
-const SCENARIOS: [&str; 3] = ["rescue", "rescue-current", "rescue-surf"];
+const SCENARIOS: [&str; 5] = ["rescue", "rescue-current", "rescue-surf", "rescue-four", "two-boats"];
 /// Least share of the pictures in which a mark is at its person, or says that it is lost.
 const HONEST_SHARE: f64 = 0.97;
 /// Largest share of the pictures in which a mark is on another person.
@@ -38,9 +38,12 @@ pub(crate) struct Options {
     /// The first seed.
     #[arg(long, value_name = "SEED", default_value_t = 50_000)]
     first_seed: u64,
-    /// Only the scenarios whose name begins so.
+    /// Only this scenario.
     #[arg(long, value_name = "NAME")]
     only: Option<String>,
+    /// Another sea state than that of the scenario, 0 to 4.
+    #[arg(long, value_name = "STATE")]
+    sea_state: Option<u8>,
 }
 
 /// Prints the table. Returns whether every requirement holds.
@@ -55,17 +58,17 @@ pub(crate) fn run(options: &Options) -> Result<bool> {
     );
     let mut is_met = true;
     for scenario in SCENARIOS {
-        if options.only.as_ref().is_none_or(|only| scenario.starts_with(only.as_str())) {
-            is_met &= run_scenario(scenario, &seeds)?;
+        if options.only.as_ref().is_none_or(|only| scenario == only) {
+            is_met &= run_scenario(scenario, options.sea_state, &seeds)?;
         }
     }
     print_line(if is_met { "\nevery requirement holds" } else { "\nrequirements are MISSED" });
     Ok(is_met)
 }
 
-fn run_scenario(scenario: &str, seeds: &[u64]) -> Result<bool> {
-    let by_hand = trials(&plan(scenario, Perception::Truth)?, seeds)?;
-    let held = trials(&plan(scenario, Perception::Pixels(TrackerName::Fused))?, seeds)?;
+fn run_scenario(scenario: &str, sea_state: Option<u8>, seeds: &[u64]) -> Result<bool> {
+    let by_hand = trials(&plan(scenario, sea_state, Perception::Truth)?, seeds)?;
+    let held = trials(&plan(scenario, sea_state, Perception::Pixels(TrackerName::Fused))?, seeds)?;
     let figures = held.iter().fold(Figures::default(), |sum, (_, figures)| sum.plus(*figures));
     print_line(&format!("{scenario:15} by hand  {}", guidance_cells(&by_hand)));
     print_line(&format!(
@@ -80,10 +83,10 @@ fn run_scenario(scenario: &str, seeds: &[u64]) -> Result<bool> {
     Ok(figures.honest_share() >= HONEST_SHARE && figures.wrong_share() <= WRONG_SHARE)
 }
 
-fn plan(scenario: &str, perception: Perception) -> Result<CampaignPlan> {
+fn plan(scenario: &str, sea_state: Option<u8>, perception: Perception) -> Result<CampaignPlan> {
     CampaignPlan::new(&CampaignRequest {
         scenario: scenario.to_owned(),
-        overrides: ScenarioOverrides::default(),
+        overrides: ScenarioOverrides { sea_state, ..ScenarioOverrides::default() },
         law: LawChoice::OPTIMAL,
         rate: None,
         guidance: Some(GuidanceLaw::LineOfSight),
