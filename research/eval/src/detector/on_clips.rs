@@ -116,16 +116,3 @@ fn print_thresholds(set: &str, runs: &[&ClipRun]) {
     let recordings: std::collections::BTreeSet<_> = runs.iter().map(|run| recording_of(&run.name)).collect();
     table.print(&format!("Clips {set}, {} recordings, each counts once", recordings.len()));
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn clips_have_a_class() {
-        assert_eq!(class_of("raft_whitewater").unwrap(), "boat");
-        assert!(class_of("none").is_err());
-        let classes = CLASSES.lines().skip(1).map(|line| line.split_once(',').unwrap().1);
-        assert!(classes.into_iter().all(|class| ["person", "boat", "other"].contains(&class)));
-    }
-}

@@ -161,6 +161,14 @@ mod tests {
     use super::*;
 
     #[test]
+    fn clips_have_a_class() {
+        assert_eq!(class_of("raft_whitewater").unwrap(), "boat");
+        assert!(class_of("none").is_err());
+        let classes = CLASSES.lines().skip(1).map(|line| line.split_once(',').unwrap().1);
+        assert!(classes.into_iter().all(|class| ["person", "boat", "other"].contains(&class)));
+    }
+
+    #[test]
     fn clips_of_one_recording_belong_to_it() {
         for (clip, recording) in [
             ("stress_redboat_small320", "redboat_overhead"),
