@@ -10,7 +10,8 @@
 //! while the boat moves. The tracker takes the end of the boat that goes first for the bow: of a boat that
 //! goes astern, or is set by waves and wind, it reports the stern. So the tracker's heading counts as an
 //! axis. Its end is the one near the course of a boat that goes ahead by the model, or else the one near the
-//! heading so far.
+//! heading so far. A heading that the boat's answer to its thrust contradicts is corrected
+//! ([`AnsweredBow`]).
 //!
 //! Work: O(1) per step, with one search in the history of [`HISTORY_LEN`] entries; no allocation after
 //! construction.
@@ -24,9 +25,11 @@ use super::tuning::{LineOfSightTuning, VesselModel};
 use crate::ring::Ring;
 use crate::wrapped::wrapped;
 
+mod answered_bow;
 mod bow;
 mod motion;
 
+use answered_bow::AnsweredBow;
 use motion::{HISTORY_LEN, MIN_INTERVAL_S, Motion, motion_at, turned_at};
 
 /// Standard deviation of each component of the velocity before the second fix, m/s.
@@ -117,6 +120,7 @@ pub struct BoatTrack {
     heading: Option<Heading>,
     arrived: Option<Timestamp>,
     answer: AnswerCheck,
+    answered_bow: AnsweredBow,
 }
 
 impl BoatTrack {
@@ -144,6 +148,7 @@ impl BoatTrack {
             heading: None,
             arrived: None,
             answer: AnswerCheck::new(),
+            answered_bow: AnsweredBow::new(),
         }
     }
 
@@ -153,6 +158,7 @@ impl BoatTrack {
         self.heading = None;
         self.arrived = None;
         self.answer.restart();
+        self.answered_bow.restart();
     }
 
     /// Whether what is seen hardly moved while the commanded boat would have.
@@ -163,6 +169,7 @@ impl BoatTrack {
     /// Expects an answer to the commands from now on.
     pub(super) fn expect_answer(&mut self) {
         self.answer.restart();
+        self.answered_bow.restart();
     }
 
     /// Length of the way through the water by the model, metres.
@@ -264,9 +271,12 @@ impl BoatTrack {
             .push(displacement, |previous, newest| newest.at_s - previous.at_s >= MIN_INTERVAL_S);
         self.arrived = Some(now);
         if fix.is_commanded {
-            self.answer.add(at_s, (x, y), self.motion_at(at_s).way);
+            let way = self.motion_at(at_s).way;
+            self.answer.add(at_s, (x, y), way);
+            self.answered_bow.add(at_s, (x, y), way);
         } else {
             self.answer.restart();
+            self.answered_bow.restart();
         }
         self.observe_heading(fix, at_s);
     }

@@ -9,6 +9,8 @@ use crate::wrapped::wrapped;
 const HEADING_NOISE: f64 = 0.01;
 /// Standard deviation of the course as a heading, radians: the crab angle.
 const CRAB_RAD: f64 = 0.35;
+/// Variance of a heading that the boat's answer to its thrust tells, rad².
+const ANSWERED_VARIANCE: f64 = 0.2;
 
 impl BoatTrack {
     pub(super) fn observe_heading(&mut self, fix: &BoatFix, at_s: f64) {
@@ -21,6 +23,10 @@ impl BoatTrack {
                 angle: last.angle + turn,
                 variance: last.variance + HEADING_NOISE * (at_s - last.at_s).max(0.0),
             };
+            let contradiction = self.answered_bow.contradiction(last.angle - motion.turned);
+            if let Some(angle) = contradiction.filter(|_| fix.heading.is_none()) {
+                (last.angle, last.variance) = (wrapped(angle + motion.turned), ANSWERED_VARIANCE);
+            }
         }
         let (vx, vy) = estimate.velocity();
         let squared_speed = vx * vx + vy * vy;
