@@ -7,7 +7,8 @@
 //!
 //! A bow that is estimated from courses, or seen as the wrong end of the boat, may be the stern. A boat that
 //! goes astern to keep off a person then goes to the person. So a bow is corrected that was contradicted for
-//! [`CONTRADICTED_S`]. Smaller errors are not: the fit is coarse. Work: O(n) per fix for n stored places.
+//! [`CONTRADICTED_S`] where the tracker sees no axis. Smaller errors are not: the fit is coarse
+//! (`docs/decisions/0062-a-bow-that-is-contradicted.md`). Work: O(n) per fix for n stored places.
 
 use crate::ring::Ring;
 use crate::wrapped::wrapped;
