@@ -60,6 +60,7 @@ use clap::{Args, ValueEnum as _};
 use self::mutant::Mutant;
 use self::run_result::RunResult;
 use self::subject::Subject;
+use self::vessel::run::HELD_MARK;
 use crate::output::print_line;
 use crate::parallel;
 
@@ -203,6 +204,10 @@ pub(crate) fn run(options: &Options) -> Result<bool> {
         let moved = campaign.moved(licence);
         holds &= moved >= least;
         print_line(&format!("moved with the licence {licence}: {moved} runs (at least {least})"));
+    }
+    let held = campaign.moved(HELD_MARK);
+    if held > 0 {
+        print_line(&format!("{HELD_MARK}: {held} runs"));
     }
     print_line(&format!(
         "{} runs in {:.0} s: {} later than {} ms or without a licence, {panics} panics; {} with guard and \

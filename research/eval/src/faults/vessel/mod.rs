@@ -10,6 +10,7 @@ mod program;
 mod script;
 
 mod console;
+mod person_picture;
 mod truth_tracker;
 
 pub(super) mod vessel_kind;

@@ -7,7 +7,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use barrelman_link::RequestedCommand;
 use barrelman_link::guard::message::ToGuard;
-use barrelman_pilot::vessel::GuidanceLaw;
+use barrelman_pilot::vessel::{GuidanceLaw, Mark};
 use barrelman_pilot::{
     CommandPath, Input, LawSettings, Notice, Pilot, PilotSettings, Refusal, VesselMode, VesselSettings,
 };
@@ -25,6 +25,7 @@ use super::super::picture::PICTURE;
 use super::super::video_path::Arrived;
 use super::console::Console;
 use super::oracle::{VesselOracle, VideoArrival};
+use super::person_picture::person_picture;
 use super::truth_tracker::{Truth, TruthTracker};
 
 /// A point of the water, to the right of the boat.
@@ -46,33 +47,43 @@ pub(super) struct VesselProgram {
     mode: VesselMode,
     pan_rad_per_s: f64,
     truth: Truth,
-    /// The pixels of every video frame: the tracker does not read them.
+    /// The pixels of every video frame: only the tracker of a mark reads them.
     pixels: Arc<Picture>,
     frames: u64,
-    mark: PixelPoint,
+    mark: (MarkKind, PixelPoint),
+    /// Whether the boat was guided to a mark that a tracker held.
+    pub(super) went_to_held_mark: bool,
     pub(super) console: Console,
     /// The program's end of the link to the boat.
     pub(super) end: LinkEnd<VesselOrder>,
 }
 
 impl VesselProgram {
-    pub(super) fn new(vessel: VesselProfile, guidance: GuidanceLaw, mutant: Mutant) -> Self {
+    /// The program of this boat. Its mark is a place, or a person, whom a tracker holds.
+    pub(super) fn new(vessel: VesselProfile, guidance: GuidanceLaw, marks: MarkKind, mutant: Mutant) -> Self {
+        let mark = if vessel.fail_safe == FailSafe::Neutral { MARK } else { FAR_MARK };
+        let pixels = match marks {
+            MarkKind::Person => person_picture(PICTURE, mark),
+            _ => Picture::black(PICTURE, ColourEncoding::JPEG),
+        };
+
         let truth = Truth::new(Mutex::new(None));
         let tracker = Box::new(TruthTracker::new(Arc::clone(&truth)));
         let profile = VehicleProfile::fotokite_pro();
         let settings = PilotSettings { profile: profile.clone(), law: LawSettings::MotorSchema };
         let settings_of_vessel = VesselSettings { profile: vessel, guidance, path: CommandPath::Link };
         Self {
-            pilot: Pilot::new(settings, tracker).with_vessel(settings_of_vessel),
+            pilot: Pilot::new(settings, tracker).keeping_frames().with_vessel(settings_of_vessel),
             profile,
             mutant,
             wake_at: None,
             mode: VesselMode::Released,
             pan_rad_per_s: 0.0,
             truth,
-            pixels: Arc::new(Picture::black(PICTURE, ColourEncoding::JPEG)),
+            pixels: Arc::new(pixels),
             frames: 0,
-            mark: if vessel.fail_safe == FailSafe::Neutral { MARK } else { FAR_MARK },
+            mark: (marks, mark),
+            went_to_held_mark: false,
             console: Console::new(),
             end: LinkEnd::new(RequestedCommand { command: VesselOrder::Released, renew_by: None }),
         }
@@ -156,7 +167,8 @@ impl VesselProgram {
 
     /// Marks a place on a video frame. Returns whether it is marked.
     pub(super) fn mark(&mut self, now: Timestamp) -> bool {
-        let drawn = DrawnMark { mark: MarkKind::Place, at: self.mark, captured_ns: now.minus(MARK_AGE) };
+        let (mark, at) = self.mark;
+        let drawn = DrawnMark { mark, at, captured_ns: now.minus(MARK_AGE) };
         matches!(
             self.request(OperatorRequest::Vessel(VesselRequest::Mark(drawn)), now),
             Some(Notice::Marked(..))
@@ -190,6 +202,9 @@ impl VesselProgram {
         self.wake_at = outcome.next_step_at();
         self.pan_rad_per_s = outcome.command.pan.radians_per_second();
         self.mode = outcome.vessel.mode;
+        self.went_to_held_mark |= self.mode == VesselMode::Guided
+            && !outcome.vessel.command.is_neutral()
+            && outcome.vessel.marks.iter().any(Mark::is_held);
         let command = match outcome.vessel.is_commanded() {
             true => VesselOrder::Commanded(outcome.vessel.command),
             false => VesselOrder::Released,

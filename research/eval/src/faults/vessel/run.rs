@@ -2,7 +2,7 @@
 
 use anyhow::Result;
 use barrelman_pilot::vessel::GuidanceLaw;
-use barrelman_vocab::VesselOrder;
+use barrelman_vocab::{MarkKind, VesselOrder};
 
 use super::super::fault::{self, FaultKind};
 use super::super::machine::{Machine, Moment};
@@ -23,6 +23,11 @@ use crate::rng_of_name::rng_of_name;
 const HEIGHT_INTERVAL_MS: u64 = 200;
 /// A boat that another commander steers is left alone after this time on a line without faults, ms.
 const YIELDS_WITHIN_MS: u64 = 1_500;
+
+/// Share of the guided runs over the water in which a tracker holds the mark.
+const HELD_SHARE: f64 = 0.05;
+/// The name of ways to a mark that a tracker holds, among the licences.
+pub(crate) const HELD_MARK: &str = "guided to a held mark";
 
 struct World {
     vessel: Vessel,
@@ -63,10 +68,16 @@ pub(crate) fn run(
     let guidance = if is_over_water { GuidanceLaw::LineOfSight } else { GuidanceLaw::Laboratory };
     // Go asks a boat for its mode; a helm does not.
     let is_ready = licence == Some(VesselLicence::ByHand) || rng.uniform() < 0.5;
+    // Few: trackers read every picture.
+    let has_person = is_over_water
+        && licence == Some(VesselLicence::Guided)
+        && mutant == Mutant::None
+        && rng_of_name("held mark", number ^ seed).uniform() < HELD_SHARE;
+    let marks = if has_person { MarkKind::Person } else { MarkKind::Place };
     let mut world = World {
         vessel,
         boat: vessel.boat(&faults, is_ready, mutant),
-        program: VesselProgram::new(vessel.profile()?, guidance, mutant),
+        program: VesselProgram::new(vessel.profile()?, guidance, marks, mutant),
         script: Script { licence, engages_again: rng.uniform() < 0.5, mutant, is_helm_held: false },
         oracle: VesselOracle::new(vessel.own_limit_ms(&faults), vessel.profile()?.fail_safe),
         phase: rng.between(0.0, core::f64::consts::TAU),
@@ -81,7 +92,7 @@ pub(crate) fn run(
     }
     Ok(RunResult {
         worst_ms: world.oracle.worst_ms().to_vec(),
-        moved: world.oracle.moved(),
+        moved: world.moved(),
         violation: world.oracle.violation().cloned(),
         is_excluded: false,
         faults: world.machine.faults,
@@ -89,6 +100,12 @@ pub(crate) fn run(
 }
 
 impl World {
+    /// The licences with which the boat moved, and whether it went to a held mark.
+    fn moved(&self) -> Vec<&'static str> {
+        let held = self.program.went_to_held_mark.then_some(HELD_MARK);
+        self.oracle.moved().into_iter().chain(held).collect()
+    }
+
     fn advance(&mut self, at_ms: u64, trace: &mut dyn FnMut(&str)) {
         self.machine.line.advance(at_ms);
         self.boat.advance(&mut self.machine.line, at_ms, trace);
