@@ -39,10 +39,10 @@ const LEAST_WAY_M: f64 = 15.0;
 /// Where the boat was seen, and where the model was, along x and y, metres. The model's places have an origin
 /// and axes of their own.
 #[derive(Debug, Clone, Copy)]
-struct Place {
-    at_s: f64,
-    seen: (f64, f64),
-    modelled: (f64, f64),
+pub(super) struct Place {
+    pub(super) at_s: f64,
+    pub(super) seen: (f64, f64),
+    pub(super) modelled: (f64, f64),
 }
 
 const NO_PLACE: Place = Place { at_s: f64::NEG_INFINITY, seen: (0.0, 0.0), modelled: (0.0, 0.0) };
@@ -73,15 +73,18 @@ impl AnswerCheck {
         self.places.push(place, |previous, newest| newest.at_s - previous.at_s >= INTERVAL_S);
     }
 
+    /// The places of so many seconds before the newest one, newest first; none after a restart.
+    pub(super) fn window(&self, duration_s: f64) -> impl Iterator<Item = &Place> {
+        let newest = self.places.newest();
+        core::iter::once(newest)
+            .chain(self.places.earlier())
+            .take_while(move |place| newest.at_s - place.at_s <= duration_s)
+    }
+
     /// Whether the boat did not answer over the whole window before the newest place.
     pub(super) fn is_unanswered(&self) -> bool {
-        let newest = self.places.newest();
-        let now_s = newest.at_s;
-        let window = || {
-            core::iter::once(newest)
-                .chain(self.places.earlier())
-                .take_while(|place| now_s - place.at_s <= WINDOW_S + INTERVAL_S)
-        };
+        let now_s = self.places.newest().at_s;
+        let window = || self.window(WINDOW_S + INTERVAL_S);
         let is_whole = window().last().is_some_and(|oldest| now_s - oldest.at_s >= WINDOW_S);
         if !is_whole {
             return false;

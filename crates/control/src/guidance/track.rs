@@ -148,7 +148,7 @@ impl BoatTrack {
             heading: None,
             arrived: None,
             answer: AnswerCheck::new(),
-            answered_bow: AnsweredBow::new(),
+            answered_bow: AnsweredBow::default(),
         }
     }
 
@@ -157,8 +157,7 @@ impl BoatTrack {
         self.estimate = None;
         self.heading = None;
         self.arrived = None;
-        self.answer.restart();
-        self.answered_bow.restart();
+        self.expect_answer();
     }
 
     /// Whether what is seen hardly moved while the commanded boat would have.
@@ -169,7 +168,7 @@ impl BoatTrack {
     /// Expects an answer to the commands from now on.
     pub(super) fn expect_answer(&mut self) {
         self.answer.restart();
-        self.answered_bow.restart();
+        self.answered_bow = AnsweredBow::default();
     }
 
     /// Length of the way through the water by the model, metres.
@@ -271,12 +270,9 @@ impl BoatTrack {
             .push(displacement, |previous, newest| newest.at_s - previous.at_s >= MIN_INTERVAL_S);
         self.arrived = Some(now);
         if fix.is_commanded {
-            let way = self.motion_at(at_s).way;
-            self.answer.add(at_s, (x, y), way);
-            self.answered_bow.add(at_s, (x, y), way);
+            self.answer.add(at_s, (x, y), self.motion_at(at_s).way);
         } else {
-            self.answer.restart();
-            self.answered_bow.restart();
+            self.expect_answer();
         }
         self.observe_heading(fix, at_s);
     }

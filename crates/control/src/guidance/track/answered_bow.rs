@@ -10,16 +10,11 @@
 //! [`CONTRADICTED_S`] where the tracker sees no axis. Smaller errors are not: the fit is coarse
 //! (`docs/decisions/0062-a-bow-that-is-contradicted.md`). Work: O(n) per fix for n stored places.
 
-use crate::ring::Ring;
+use crate::guidance::answer::{AnswerCheck, Place};
 use crate::wrapped::wrapped;
 
 /// Time over which the ways are fitted, seconds.
 const WINDOW_S: f64 = 5.0;
-/// Interval of the stored places, seconds, and the gap after which a new window begins.
-const INTERVAL_S: f64 = 0.25;
-const MAX_GAP_S: f64 = 1.0;
-/// Stored places; they cover the window.
-const PLACES: usize = 24;
 /// Least number of places that are fitted.
 const MIN_PLACES: usize = 6;
 /// Standard deviations of a current's components, m/s, and of a place, metres: waves and the camera's sway.
@@ -33,98 +28,61 @@ const MAX_OFF_RAD: f64 = 1.6;
 /// A bow is corrected that was contradicted for this time, seconds.
 const CONTRADICTED_S: f64 = 0.5;
 
-/// Where the boat was seen, and where the model was, which has axes of its own; metres.
-#[derive(Debug, Clone, Copy)]
-struct Place {
-    at_s: f64,
-    seen: (f64, f64),
-    modelled: (f64, f64),
-}
-
-const NO_PLACE: Place = Place { at_s: f64::NEG_INFINITY, seen: (0.0, 0.0), modelled: (0.0, 0.0) };
-
-/// The check of the bow, with the places.
-#[derive(Debug, Clone)]
+/// The check of the bow.
+#[derive(Debug, Clone, Default)]
 pub(super) struct AnsweredBow {
-    places: Ring<Place, PLACES>,
     contradicted_since_s: Option<f64>,
 }
 
 impl AnsweredBow {
-    /// A check without places.
-    pub(super) fn new() -> Self {
-        Self { places: Ring::new(NO_PLACE), contradicted_since_s: None }
-    }
-
-    /// Begins a new window.
-    pub(super) fn restart(&mut self) {
-        self.places.for_each_mut(|place| *place = NO_PLACE);
-        self.contradicted_since_s = None;
-    }
-
-    /// Adds a place that was seen while the boat was commanded, and the model's at the same time.
-    pub(super) fn add(&mut self, at_s: f64, seen: (f64, f64), modelled: (f64, f64)) {
-        if at_s - self.places.newest().at_s > MAX_GAP_S {
-            self.restart();
-        }
-        let place = Place { at_s, seen, modelled };
-        self.places.push(place, |previous, newest| newest.at_s - previous.at_s >= INTERVAL_S);
-    }
-
     /// The angle from the model's axes to those of the places that contradicts a bow `bow_rad` to the right
     /// of the model's axes, once it has done so long enough, radians.
-    pub(super) fn contradiction(&mut self, bow_rad: f64) -> Option<f64> {
-        let now_s = self.places.newest().at_s;
-        let Some(angle) = self.axes().filter(|angle| wrapped(angle - bow_rad).abs() > MAX_OFF_RAD) else {
+    pub(super) fn contradiction(&mut self, answer: &AnswerCheck, at_s: f64, bow_rad: f64) -> Option<f64> {
+        let Some(angle) = axes(answer).filter(|angle| wrapped(angle - bow_rad).abs() > MAX_OFF_RAD) else {
             self.contradicted_since_s = None;
             return None;
         };
-        let since_s = *self.contradicted_since_s.get_or_insert(now_s);
-        (now_s - since_s >= CONTRADICTED_S).then_some(angle)
+        let since_s = *self.contradicted_since_s.get_or_insert(at_s);
+        (at_s - since_s >= CONTRADICTED_S).then_some(angle)
     }
+}
 
-    /// The direction of the model's axes, radians to the right; `None` where the ways do not tell it.
-    fn axes(&self) -> Option<f64> {
-        let newest = self.places.newest();
-        let window = || {
-            core::iter::once(newest)
-                .chain(self.places.earlier())
-                .take_while(|place| newest.at_s - place.at_s <= WINDOW_S)
-        };
-        let count = window().count();
-        if count < MIN_PLACES {
-            return None;
-        }
-        let mean = |value: fn(&Place) -> (f64, f64)| {
-            let (x, y) = window().map(value).fold((0.0, 0.0), |sum, at| (sum.0 + at.0, sum.1 + at.1));
-            (x / count as f64, y / count as f64)
-        };
-        let (seen_mean, modelled_mean) = (mean(|place| place.seen), mean(|place| place.modelled));
-        let (time_mean, _) = mean(|place| (place.at_s, 0.0));
-        // Sums of products, each with the conjugate of the first factor.
-        let mut times = PLACE_M * PLACE_M / (CURRENT_M_PER_S * CURRENT_M_PER_S);
-        let (mut way, mut way_of_time, mut seen_of_time, mut seen_of_way) =
-            (0.0, (0.0, 0.0), (0.0, 0.0), (0.0, 0.0));
-        for place in window() {
-            let t = place.at_s - time_mean;
-            let (x, y) = (place.modelled.0 - modelled_mean.0, place.modelled.1 - modelled_mean.1);
-            let (u, v) = (place.seen.0 - seen_mean.0, place.seen.1 - seen_mean.1);
-            times += t * t;
-            way += x * x + y * y;
-            way_of_time = (way_of_time.0 + t * x, way_of_time.1 + t * y);
-            seen_of_time = (seen_of_time.0 + t * u, seen_of_time.1 + t * v);
-            seen_of_way = (seen_of_way.0 + x * u + y * v, seen_of_way.1 + x * v - y * u);
-        }
-        // Without what the current explains.
-        let ((a, b), (u, v)) = (way_of_time, seen_of_time);
-        let way = way - (a * a + b * b) / times;
-        let (re, im) = (seen_of_way.0 - (a * u + b * v) / times, seen_of_way.1 - (a * v - b * u) / times);
-        let size = libm::hypot(re, im);
-        let is_told =
-            way > 0.0 && GAINS.contains(&(size / way)) && size > MIN_SIGNIFICANCE * PLACE_M * libm::sqrt(way);
-        // An angle of complex numbers is one to the left.
-        is_told.then(|| -libm::atan2(im, re))
+/// The direction of the model's axes, radians to the right; `None` where the ways do not tell it.
+fn axes(answer: &AnswerCheck) -> Option<f64> {
+    let window = || answer.window(WINDOW_S);
+    let count = window().count();
+    if count < MIN_PLACES {
+        return None;
     }
+    let mean = |value: fn(&Place) -> (f64, f64)| {
+        let (x, y) = window().map(value).fold((0.0, 0.0), |sum, at| (sum.0 + at.0, sum.1 + at.1));
+        (x / count as f64, y / count as f64)
+    };
+    let (seen_mean, modelled_mean) = (mean(|place| place.seen), mean(|place| place.modelled));
+    let (time_mean, _) = mean(|place| (place.at_s, 0.0));
+    // Sums of products, each with the conjugate of the first factor.
+    let mut times = PLACE_M * PLACE_M / (CURRENT_M_PER_S * CURRENT_M_PER_S);
+    let (mut way, mut way_of_time, mut seen_of_time, mut seen_of_way) =
+        (0.0, (0.0, 0.0), (0.0, 0.0), (0.0, 0.0));
+    for place in window() {
+        let t = place.at_s - time_mean;
+        let (x, y) = (place.modelled.0 - modelled_mean.0, place.modelled.1 - modelled_mean.1);
+        let (u, v) = (place.seen.0 - seen_mean.0, place.seen.1 - seen_mean.1);
+        times += t * t;
+        way += x * x + y * y;
+        way_of_time = (way_of_time.0 + t * x, way_of_time.1 + t * y);
+        seen_of_time = (seen_of_time.0 + t * u, seen_of_time.1 + t * v);
+        seen_of_way = (seen_of_way.0 + x * u + y * v, seen_of_way.1 + x * v - y * u);
+    }
+    // Without what the current explains.
+    let ((a, b), (u, v)) = (way_of_time, seen_of_time);
+    let way = way - (a * a + b * b) / times;
+    let (re, im) = (seen_of_way.0 - (a * u + b * v) / times, seen_of_way.1 - (a * v - b * u) / times);
+    let size = libm::hypot(re, im);
+    let is_told =
+        way > 0.0 && GAINS.contains(&(size / way)) && size > MIN_SIGNIFICANCE * PLACE_M * libm::sqrt(way);
+    // An angle of complex numbers is one to the left.
+    is_told.then(|| -libm::atan2(im, re))
 }
 
 #[cfg(test)]
@@ -136,7 +94,7 @@ mod tests {
     /// 2 s on, in a current, with its bow `bow` radians to the right, for 10 s at 15 frames/s. It goes at this
     /// share of the speed of the model.
     fn contradicted(bow: f64, assumed: f64, share: f64) -> Option<(f64, f64)> {
-        let mut check = AnsweredBow::new();
+        let (mut answer, mut check) = (AnswerCheck::new(), AnsweredBow::default());
         (0..150).find_map(|frame| {
             let at_s = f64::from(frame) / 15.0;
             let after_s = (at_s - 2.0).max(0.0);
@@ -144,8 +102,8 @@ mod tests {
             let wave = (0.15 * libm::sin(2.1 * at_s), 0.1 * libm::cos(1.7 * at_s));
             let (x, y) = turned(astern, bow);
             let seen = (0.3 * at_s + share * x + wave.0, -0.1 * at_s + share * y + wave.1);
-            check.add(at_s, seen, astern);
-            check.contradiction(assumed).map(|angle| (at_s, angle))
+            answer.add(at_s, seen, astern);
+            check.contradiction(&answer, at_s, assumed).map(|angle| (at_s, angle))
         })
     }
 

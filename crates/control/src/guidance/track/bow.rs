@@ -23,7 +23,8 @@ impl BoatTrack {
                 angle: last.angle + turn,
                 variance: last.variance + HEADING_NOISE * (at_s - last.at_s).max(0.0),
             };
-            let contradiction = self.answered_bow.contradiction(last.angle - motion.turned);
+            let contradiction =
+                self.answered_bow.contradiction(&self.answer, at_s, last.angle - motion.turned);
             if let Some(angle) = contradiction.filter(|_| fix.heading.is_none()) {
                 (last.angle, last.variance) = (wrapped(angle + motion.turned), ANSWERED_VARIANCE);
             }
