@@ -64,7 +64,9 @@ impl VesselProgram {
         let mark = if vessel.fail_safe == FailSafe::Neutral { MARK } else { FAR_MARK };
         let pixels = match marks {
             MarkKind::Person => person_picture(PICTURE, mark),
-            _ => Picture::black(PICTURE, ColourEncoding::JPEG),
+            MarkKind::Place | MarkKind::WayPoint | MarkKind::Forbidden | MarkKind::Home => {
+                Picture::black(PICTURE, ColourEncoding::JPEG)
+            }
         };
 
         let truth = Truth::new(Mutex::new(None));
