@@ -22,8 +22,9 @@
 //!    confident the answer is (`confidence`, `identity`).
 //! 4. *Measure*: the filter's responses at other sizes and rotations give size and rotation, the moments of
 //!    the colour correct centre and axis, the blob of the paint follows a target that changes its shape
-//!    (`shape`), and the path distinguishes bow and stern (`heading`). A track that stayed with another
-//!    object is moved back onto the target (`exchange`).
+//!    (`shape`), later silhouettes give an axis that the selection did not show (`later_axis`), and the path
+//!    distinguishes bow and stern (`heading`). A track that stayed with another object is moved back onto the
+//!    target (`exchange`).
 //! 5. *Learn*: filter and histograms adapt to the frame if the target is well visible (`learning`).
 //!
 //! A lost target is searched for by colour in the whole picture, and by the filter at the place of the loss
@@ -53,6 +54,7 @@ mod detector;
 mod exchange;
 mod identity;
 mod known_scene;
+mod later_axis;
 mod learned_target;
 mod learning;
 mod observer;
@@ -61,6 +63,7 @@ mod recognition;
 mod refiner;
 mod reported_box;
 mod search;
+mod seen_axis;
 mod shape;
 mod views;
 
@@ -289,7 +292,7 @@ impl Follower {
     fn measure(&mut self, frame: &VideoFrame, candidate: &Candidate, seconds: f64) {
         let Candidate { observation, refined } = candidate;
         let (picture, seconds_f32) = (&*frame.picture, seconds as f32);
-        let Self { target, shape, learning, .. } = self;
+        let Self { target, shape, heading, learning, .. } = self;
         let Detector { observer, refiner, .. } = &mut self.detector;
         let before = target.geometry.centre;
         let change = observer.measure_pose_change(target, observation);
@@ -302,6 +305,9 @@ impl Follower {
             }
         }
         shape.follow_refined_box(target, refined, &refiner.window, observation.centre);
+        if shape.later_axis.follow(&observer.crop, target, change.turn, seconds_f32) {
+            heading.reset();
+        }
         self.motion.correct(picture, &self.target.geometry);
         self.add_motion(before, frame.capture.at.as_secs_f64(), seconds);
     }

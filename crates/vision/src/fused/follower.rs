@@ -15,6 +15,7 @@ use super::exchange::{Exchange, ExchangedTarget};
 use super::geometry::TargetGeometry;
 use super::identity::IdentityCheck;
 use super::known_scene::KnownScene;
+use super::later_axis::LaterAxis;
 use super::learned_target::LearnedTarget;
 use super::learning::Learning;
 use super::observation::Observation;
@@ -23,6 +24,7 @@ use super::prediction::TargetMotion;
 use super::recognition::{LossPoint, Recognition};
 use super::reported_box::ReportedBox;
 use super::search::Search;
+use super::seen_axis::SeenAxis;
 use super::selection::{BoxChoice, Selection, SelectionColours};
 use super::shape::Shape;
 use super::target::Target;
@@ -262,6 +264,7 @@ impl Follower {
         geometry.patch_angle = observation.pose.angle;
         self.jump_to(observation);
         self.shape.blob.restart();
+        self.shape.later_axis = LaterAxis::default();
         self.exchange.restart();
         self.heading.reset();
     }
@@ -309,10 +312,11 @@ impl Follower {
             return;
         };
         let (du, dv) = (geometry.centre.0 - before.0 - shift.0, geometry.centre.1 - before.1 - shift.1);
-        let length = 2.0 * f64::from(geometry.longer_half_axis());
+        let Some(axis) = self.shape.axis(geometry) else { return };
+        let length = f64::from(axis.sides.0.max(axis.sides.1));
         let moved = (f64::from(du), f64::from(dv));
         let source = self.motion.camera_motion_source();
-        self.heading.add_motion(at_s, seconds, moved, f64::from(geometry.axis), length, source);
+        self.heading.add_motion(at_s, seconds, moved, f64::from(axis.angle), length, source);
     }
 
     /// The localisation to report for a frame.
@@ -323,7 +327,19 @@ impl Follower {
 
     /// A localisation with these bounds and confidence.
     pub(super) fn localisation(&self, frame: &VideoFrame, bounds: PixelBox, confidence: f64) -> Localisation {
-        self.reported.localisation(&self.target, &self.heading, frame, (bounds, confidence))
+        let axis = self.shape.axis(&self.target.geometry);
+        let centre = self.reported.hull_centre(&self.target, &self.heading);
+        let shape = axis.map(SeenAxis::shape);
+        let bow = axis.zip(self.heading.is_bow_at_axis_end());
+        Localisation {
+            captured: frame.capture.at,
+            picture: frame.picture.size(),
+            centre,
+            bounds,
+            shape,
+            heading: bow.map(|(axis, is_at_end)| axis.heading(is_at_end)),
+            confidence,
+        }
     }
 
     /// Keeps the view of a frame that will be learned from, if the view is new. `probability` is that of the

@@ -1,10 +1,9 @@
-//! The stage that reports: the reported box follows the network's box, and gives the localisation.
+//! The stage that reports: the reported box follows the network's box.
 //!
-//! Input: the network's box, and the target. Output: a [`Localisation`]. The reported box follows the
+//! Input: the network's box, and the target. Output: the box, and the hull's centre. The reported box follows the
 //! network's box faster than the target's own box does, which the filter uses.
 
-use barrelman_vocab::track::Shape;
-use barrelman_vocab::{Angle, Localisation, PixelBox, PixelPoint, VideoFrame};
+use barrelman_vocab::{PixelBox, PixelPoint};
 
 use super::geometry::TargetGeometry;
 use super::target::Target;
@@ -78,42 +77,13 @@ impl ReportedBox {
         }
     }
 
-    /// A localisation with these bounds and confidence.
-    pub(super) fn localisation(
-        &self,
-        target: &Target,
-        heading: &HeadingEstimator,
-        frame: &VideoFrame,
-        (bounds, confidence): (PixelBox, f64),
-    ) -> Localisation {
-        let geometry = &target.geometry;
-        let half = geometry.half_axes();
-        let axis = geometry.axis;
-        let shape = geometry.extent.axis().map(|_| Shape {
-            major_px: 2.0 * f64::from(half.0.max(half.1)),
-            minor_px: 2.0 * f64::from(half.0.min(half.1)),
-            axis: to_anticlockwise(axis, core::f64::consts::PI),
-        });
-        let bow = geometry.extent.axis().and_then(|_| heading.is_bow_at_axis_end());
-        let end = |is_at_end: bool| if is_at_end { axis } else { axis + core::f32::consts::PI };
-        Localisation {
-            captured: frame.capture.at,
-            picture: frame.picture.size(),
-            centre: self.hull_centre(target, heading),
-            bounds,
-            shape,
-            heading: bow.map(|is_at_end| to_anticlockwise(end(is_at_end), core::f64::consts::TAU)),
-            confidence,
-        }
-    }
-
     /// The hull's centre; the centre of the reported box if there is no reference silhouette.
     ///
     /// While the bow is unknown, the centre lies halfway between the ends of the colour. That is wrong if bow
     /// or stern have another paint, or if the wake has the target's colour. Once the bow is known, the centre
     /// follows from the operator's box, which contains the whole hull
     /// ([`ReferenceSilhouette::box_astern`](super::reference_silhouette::ReferenceSilhouette::box_astern)).
-    fn hull_centre(&self, target: &Target, heading: &HeadingEstimator) -> PixelPoint {
+    pub(super) fn hull_centre(&self, target: &Target, heading: &HeadingEstimator) -> PixelPoint {
         let geometry = &target.geometry;
         let (u, v) = (f64::from(geometry.centre.0), f64::from(geometry.centre.1));
         let Some(reference) = &target.reference else {
@@ -129,13 +99,4 @@ impl ReportedBox {
             .apply((along * 2.0 * half.0 / reference.length, across * 2.0 * half.1 / reference.breadth));
         PixelPoint { u: u + f64::from(right), v: v + f64::from(down) }
     }
-}
-
-/// Converts an angle clockwise from image right to one anticlockwise, from 0 (inclusive) to `period`
-/// (exclusive).
-fn to_anticlockwise(clockwise: f32, period: f64) -> Angle {
-    let turned = -f64::from(clockwise);
-    let wrapped = turned - period * (turned / period).floor();
-    // Rounding can give the period itself.
-    Angle::from_radians(if wrapped < period { wrapped } else { 0.0 })
 }

@@ -6,9 +6,12 @@
 
 use super::blob::BlobFollower;
 use super::contradiction::Contradiction;
+use super::geometry::TargetGeometry;
+use super::later_axis::LaterAxis;
 use super::observation::Observation;
 use super::observer::PoseChange;
 use super::ratio::is_within;
+use super::seen_axis::SeenAxis;
 use super::shape_following::{FollowingTimes, follow_shape};
 use super::target::Target;
 use crate::crop::Crop;
@@ -71,10 +74,21 @@ impl Default for ShapeSettings {
 pub(super) struct Shape {
     settings: ShapeSettings,
     pub(super) blob: BlobFollower,
+    /// Followed without a silhouette at the selection.
+    pub(super) later_axis: LaterAxis,
     contradiction: Contradiction,
 }
 
 impl Shape {
+    /// The target's axis, if it is known.
+    pub(super) fn axis(&self, geometry: &TargetGeometry) -> Option<SeenAxis> {
+        let (along, across) = geometry.half_axes();
+        match geometry.extent.axis() {
+            Some(_) => Some(SeenAxis { angle: geometry.axis, sides: (2.0 * along, 2.0 * across) }),
+            None => self.later_axis.seen(),
+        }
+    }
+
     /// Follows size, rotation and centre, `seconds` after the last frame.
     pub(super) fn follow(
         &mut self,

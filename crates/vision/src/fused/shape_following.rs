@@ -34,7 +34,7 @@ pub(super) fn follow_shape(
 }
 
 /// Difference of two axes, -pi/2 to pi/2.
-fn axis_difference(to: f32, from: f32) -> f32 {
+pub(super) fn axis_difference(to: f32, from: f32) -> f32 {
     let pi = core::f32::consts::PI;
     let turns = (to - from) / pi;
     (turns - (turns + 0.5).floor()) * pi

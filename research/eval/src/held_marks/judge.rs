@@ -8,10 +8,12 @@ use barrelman_sim::snapshot::{ObjectKind, SceneObject};
 use barrelman_sim::{Optics, Truth, World, WorldPoint};
 use barrelman_trial::campaign::StepObserver;
 use barrelman_trial::target_in_picture::TargetInPicture;
-use barrelman_vocab::{MarkKind, PixelPoint, Timestamp, Track, VehicleRates};
+use barrelman_vocab::{Angle, MarkKind, PixelPoint, Timestamp, Track, VehicleRates};
 
 /// A mark is at a person within this distance, metres.
 const AT_PERSON_M: f64 = 1.0;
+/// An axis is off that differs by more than this angle on the water, radians.
+const AXIS_ERROR_RAD: f64 = 0.35;
 /// Truths of pictures that are on their way.
 const KEPT: usize = 64;
 
@@ -23,6 +25,11 @@ pub(super) struct Figures {
     lost: u64,
     at_person: u64,
     at_other: u64,
+    /// Pictures in which the boat is followed; of those, that in which its axis is seen; of those, that in
+    /// which the axis is off by more than [`AXIS_ERROR_RAD`] on the water.
+    followed: u64,
+    axis_seen: u64,
+    axis_off: u64,
 }
 
 impl Figures {
@@ -33,6 +40,9 @@ impl Figures {
             lost: self.lost + other.lost,
             at_person: self.at_person + other.at_person,
             at_other: self.at_other + other.at_other,
+            followed: self.followed + other.followed,
+            axis_seen: self.axis_seen + other.axis_seen,
+            axis_off: self.axis_off + other.axis_off,
         }
     }
 
@@ -60,10 +70,29 @@ impl Figures {
     pub(super) fn wrong_share(&self) -> f64 {
         share(self.at_other, self.held)
     }
+
+    /// Of the pictures in which the boat is followed: that in which its axis is seen.
+    pub(super) fn axis_share(&self) -> f64 {
+        share(self.axis_seen, self.followed)
+    }
+
+    /// Of the pictures with an axis: that in which the axis is off by more than 0.35 rad.
+    pub(super) fn axis_off_share(&self) -> f64 {
+        share(self.axis_off, self.axis_seen)
+    }
 }
 
 fn share(part: u64, whole: u64) -> f64 {
     part as f64 / whole.max(1) as f64
+}
+
+/// Pixels to the right, and down, each for a metre along the world's x and y.
+type Slopes = ((f64, f64), (f64, f64));
+
+/// The metres along x and y that are so many pixels to the right and down.
+fn solved(((a, b), (c, d)): Slopes, (u, v): (f64, f64)) -> (f64, f64) {
+    let determinant = a * d - b * c;
+    ((d * u - b * v) / determinant, (a * v - c * u) / determinant)
 }
 
 /// What was true when a picture was taken.
@@ -103,14 +132,38 @@ impl Judge {
 
     /// Distance over the water between a pixel and a person, metres, to first order.
     fn distance_m(&self, truth: &Truth, person: WorldPoint, at: PixelPoint) -> Option<f64> {
-        let pixel =
-            |x: f64, y: f64| self.pixel(truth, WorldPoint { x: person.x + x, y: person.y + y, z: 0.0 });
-        let (seen, right, ahead) = (pixel(0.0, 0.0)?, pixel(0.1, 0.0)?, pixel(0.0, 0.1)?);
+        let seen = self.pixel(truth, person)?;
+        let (x, y) = solved(self.slopes(truth, person)?, (at.u - seen.u, at.v - seen.v));
+        Some(libm::hypot(x, y))
+    }
+
+    /// Pixels to the right, and down, each for a metre along the world's x and y at a point of the water.
+    fn slopes(&self, truth: &Truth, point: WorldPoint) -> Option<Slopes> {
+        let pixel = |x: f64, y: f64| self.pixel(truth, WorldPoint { x: point.x + x, y: point.y + y, z: 0.0 });
+        let (seen, along_x, along_y) = (pixel(0.0, 0.0)?, pixel(0.1, 0.0)?, pixel(0.0, 0.1)?);
         let slope = |to: PixelPoint| (10.0 * (to.u - seen.u), 10.0 * (to.v - seen.v));
-        let ((a, c), (b, d)) = (slope(right), slope(ahead));
-        let (u, v) = (at.u - seen.u, at.v - seen.v);
-        let determinant = a * d - b * c;
-        Some(libm::hypot((d * u - b * v) / determinant, (a * v - c * u) / determinant))
+        let ((a, c), (b, d)) = (slope(along_x), slope(along_y));
+        Some(((a, b), (c, d)))
+    }
+
+    /// Compares the boat's axis that the tracker sees with the true one, both on the water.
+    fn judge_axis(&mut self, truth: &Truth, track: &Track) {
+        let Track::Tracking(seen) = track else { return };
+        self.figures.followed += 1;
+        let axis = seen.shape.map(|shape| shape.axis);
+        let Some(axis) = axis.and_then(|axis| self.direction_on_water(truth, axis)) else { return };
+        self.figures.axis_seen += 1;
+        // Either end may be the bow.
+        let error = libm::asin(libm::sin(axis - truth.target.heading.radians()).abs());
+        self.figures.axis_off += u64::from(error > AXIS_ERROR_RAD);
+    }
+
+    /// A direction in the picture at the boat, as one on the water, radians.
+    fn direction_on_water(&self, truth: &Truth, direction: Angle) -> Option<f64> {
+        let ((a, b), (c, d)) = self.slopes(truth, truth.target.position)?;
+        let (sin, cos) = libm::sincos(direction.radians());
+        let (x, y) = solved(((a, b), (c, d)), (cos, -sin));
+        Some(libm::atan2(y, x))
     }
 
     fn judge(&mut self, taken: &Taken, mark: &Mark, frame_view: &FrameView, now: Timestamp) -> Option<()> {
@@ -146,6 +199,7 @@ impl StepObserver for Judge {
         let Some(index) = self.taken.iter().position(|taken| taken.truth.at == captured) else { return };
         self.taken.drain(..index);
         let Some(taken) = self.taken.pop_front() else { return };
+        self.judge_axis(&taken.truth, &outcome.track);
         for mark in outcome.vessel.marks.iter().filter(|mark| mark.kind == MarkKind::Person) {
             self.judge(&taken, mark, &frame_view, captured);
         }

@@ -8,7 +8,7 @@
 //! | confidence | labelled real clips | whether the confidence is calibrated, and how often it is sure and wrong |
 //! | absence | sequences cropped from clips, generated scenes | targets that leave the picture and return |
 //! | gaps | labelled real clips | whether the track goes on with another object after a gap in the video |
-//! | orientation | generated scenes | axis and heading of manoeuvring boats |
+//! | orientation | generated scenes, labelled bows | axis and heading of boats |
 //! | leave one out | labelled real clips | how well settings chosen on other recordings do |
 //!
 //! The clips may not be redistributed. They are read from folders beside the repository. Times are the CPU
@@ -26,6 +26,7 @@ mod reliability;
 
 mod absence;
 mod gaps;
+mod labelled_bows;
 mod orientation;
 
 mod leave_one_out;
@@ -94,6 +95,9 @@ pub(crate) fn run(options: &Options) -> Result<bool> {
     let gaps = options.gaps.then(|| gaps::run(&options, &factory, &mut requirements)).transpose()?;
     let orientation =
         options.orientation.then(|| orientation::run(&options, &config, &mut requirements)).transpose()?;
+    if options.orientation {
+        labelled_bows::run(&config)?;
+    }
     let leave_one_out = options.leave_one_out.then(|| leave_one_out::run(&options, &config)).transpose()?;
     let is_met = requirements.finish();
     if let Some(path) = &options.json {

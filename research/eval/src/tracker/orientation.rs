@@ -37,7 +37,7 @@ const MIN_AXIS_LENGTH_PX: f64 = 40.0;
 const MIN_UNDER_WAY_S: f64 = 3.0;
 
 /// A larger heading error confuses bow and stern, degrees.
-const WRONG_END_DEG: f64 = 90.0;
+pub(super) const WRONG_END_DEG: f64 = 90.0;
 
 const MAX_AXIS_ERROR_DEG: f64 = 5.0;
 const MIN_PRESENT_SHARE: f64 = 0.8;
@@ -84,8 +84,7 @@ impl Measurement {
             if let Some(shape) = localisation.shape
                 && truth.major_px >= MIN_AXIS_LENGTH_PX
             {
-                let error_deg = angle_deg(shape.axis, truth.heading);
-                measured.axis_errors_deg.push(error_deg.min(180.0 - error_deg));
+                measured.axis_errors_deg.push(axis_error_deg(shape.axis, truth.heading));
             }
             if let Some(heading) = heading {
                 measured.heading_errors_deg.push(angle_deg(heading, truth.heading));
@@ -132,9 +131,15 @@ impl Measurement {
 }
 
 /// The angle between two directions, 0 to 180 degrees.
-fn angle_deg(a: Angle, b: Angle) -> f64 {
+pub(super) fn angle_deg(a: Angle, b: Angle) -> f64 {
     let difference = (a.degrees() - b.degrees()).rem_euclid(360.0);
     difference.min(360.0 - difference)
+}
+
+/// The angle between an axis and a heading, 0 to 90 degrees: either end may be the bow.
+pub(super) fn axis_error_deg(axis: Angle, heading: Angle) -> f64 {
+    let error_deg = angle_deg(axis, heading);
+    error_deg.min(180.0 - error_deg)
 }
 
 /// Runs all scenes, prints the table, judges the requirements, and returns the figures.
