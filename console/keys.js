@@ -11,7 +11,10 @@ const nameOf = ({ key }) => (key.length === 1 ? key.toLowerCase() : key);
  *   controls with keys that are held; `take`: of a digit
  */
 export function listenToKeys({ act, take, held, onEscape }) {
+  // A browser on a Mac does not tell that a key goes up while Meta is down: the key would be held for ever.
+  const releaseWithMeta = (event) => (event.metaKey || event.key === "Meta") && held.forEach((control) => control.release());
   addEventListener("keydown", (event) => {
+    releaseWithMeta(event);
     const isText = takesText(event.target);
     if (event.key === " " && !isText) {
       if (!event.repeat) act.stop();
@@ -27,6 +30,7 @@ export function listenToKeys({ act, take, held, onEscape }) {
     else if (!event.repeat && BUTTONS[key] && !document.getElementById(BUTTONS[key]).disabled) act[BUTTONS[key]]();
   });
   addEventListener("keyup", (event) => {
+    releaseWithMeta(event);
     if (event.key === " " && !takesText(event.target)) event.preventDefault();
     const key = nameOf(event);
     held.some((control) => control.onKey(key, false));

@@ -154,6 +154,19 @@ class TestDemo:
             time.sleep(0.4)
             assert demo.status()["vessel"]["throttle"] == 0
 
+    def test_key_whose_release_the_meta_key_swallows_is_not_held(
+        self, demo: Program, demo_page: Page
+    ) -> None:
+        demo_page.press("up")
+        demo.wait(lambda status: status["vessel"]["throttle"] > 0, "the throttle")
+        demo_page.press(Keys.META)
+        demo.wait(lambda status: status["vessel"]["throttle"] == 0, "the neutral boat")
+        demo_page.release(Keys.META)
+        # The browser repeats a key that is down, which holds it anew.
+        demo_page.release("up")
+        time.sleep(0.4)
+        assert demo.status()["vessel"]["throttle"] == 0
+
     def test_sounds_are_asked_for_and_the_screen_is_kept_awake(self, demo_page: Page, check: Check) -> None:
         page = demo_page
         page.follow_boat()
