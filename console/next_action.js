@@ -25,10 +25,12 @@ export function nextAction({ loss, isConnected, isStopOverdue, seat, snapshot })
   if (alarms.includes("drill")) return "drill";
   if (alarms.includes("camera-turns")) return "camera-turns";
   if (alarms.includes("boat-moves")) return "boat-moves";
+  if (alarms.includes("boat-may-move")) return "boat-may-move";
   if (video.state !== "up" || alarms.includes("no-video")) return "video";
   if (alarms.includes("camera-may-turn")) return "camera-may-turn";
   if (alarms.includes("stale-video")) return "late";
   if (alarms.includes("link-down")) return "link";
+  if (alarms.includes("boat-link-down")) return "boatLink";
   if (alarms.includes("control-lost")) return "vehicle";
   if (alarms.includes("emergency") || mode.cause === "emergency" || mode.cause === "landing") return "emergency";
   if (mode.cause === "pan-opposed" || mode.cause === "tilt-opposed") return "opposed";

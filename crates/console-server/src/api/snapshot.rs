@@ -92,8 +92,9 @@ pub struct StatusSnapshot {
     /// The camera's work so far, and that of the paper's schema beside it.
     pub work: CameraWork,
     /// Alarms in force, by their keys: `stale-video`, `no-video`, `link-down`, `camera-may-turn`,
-    /// `camera-turns`, `boat-moves`, `control-lost`, `end-stop`, `emergency`, `battery-low`,
-    /// `recording-failed`, `console-lost`, `track-lost`, `net-yaw`, `net-yaw-limit`, `drill`.
+    /// `camera-turns`, `boat-link-down`, `boat-may-move`, `boat-moves`, `control-lost`, `end-stop`,
+    /// `emergency`, `battery-low`, `recording-failed`, `console-lost`, `track-lost`, `net-yaw`,
+    /// `net-yaw-limit`, `drill`.
     pub alarms: Vec<&'static str>,
     /// How many presses of Stop have been taken so far; a press is acknowledged when this reaches its number.
     pub stops_taken: u64,

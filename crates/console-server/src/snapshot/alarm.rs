@@ -17,6 +17,10 @@ pub enum Alarm {
     LinkDown,
     /// Nothing reaches a camera that was turning.
     CameraMayTurn,
+    /// Commands do not reach the boat.
+    BoatLinkDown,
+    /// Nothing reaches a boat that was under way.
+    BoatMayMove,
     /// The camera turns although zero is commanded.
     CameraTurns,
     /// The boat moves although neutral is commanded.
@@ -50,6 +54,10 @@ impl Named for Alarm {
             Self::LinkDown => "link down: commands do not reach the camera",
             Self::CameraMayTurn => {
                 "nothing reaches the camera, which may be turning: stop it at the ground station"
+            }
+            Self::BoatLinkDown => "link to the boat down: neither commands nor Stop reach the boat",
+            Self::BoatMayMove => {
+                "nothing reaches the boat, which may be under way: stop it with its remote control"
             }
             Self::CameraTurns => "camera turns although zero is commanded: stop it at the ground station",
             Self::BoatMoves => {

@@ -4,7 +4,7 @@ use barrelman_experiments::drill::DrillState;
 use std::sync::Arc;
 use std::time::Duration;
 
-use barrelman_pilot::{Input, Outcome};
+use barrelman_pilot::{Input, Outcome, VesselMode};
 use barrelman_video::sender_clock::VideoTiming;
 use barrelman_vocab::drive_mode::DriveMode;
 use barrelman_vocab::telemetry::{ControlState, FlightState, LinkState};
@@ -71,8 +71,15 @@ impl Publisher {
     /// Nothing reaches a camera that was turning. The alarm lasts until zeros have been sent on a reopened
     /// port.
     pub fn set_may_be_turning(&mut self, text: &str, now: Timestamp) {
-        self.state.vehicle.may_be_turning = true;
+        self.state.vehicle.may_be_moving = true;
         self.events.add(now, Level::Alarm, "camera-may-turn", text.to_owned());
+        self.publish(now);
+    }
+
+    /// Nothing reaches a boat that was under way. The alarm lasts until neutral commands have been sent on a
+    /// reopened port.
+    pub fn set_boat_may_move(&mut self, now: Timestamp) {
+        self.state.vessel.may_be_moving = true;
         self.publish(now);
     }
 
@@ -109,6 +116,7 @@ impl Publisher {
             Input::VesselTelemetry(telemetry) => {
                 let before = self.state.vessel;
                 self.state.vessel.on_telemetry(telemetry);
+                self.log_vessel_link(before.link, outcome.at);
                 self.log_vessel(&before, telemetry);
             }
             Input::Localisation(_) | Input::Detections(_) | Input::Request(_) | Input::Tick => {}
@@ -251,7 +259,10 @@ impl Publisher {
             tilt.radians() < low + END_STOP_MARGIN_RAD || tilt.radians() > high - END_STOP_MARGIN_RAD
         });
         let net_yaw = state.outcome.as_ref().map_or(NetYawLevel::Free, |outcome| outcome.net_yaw.level);
-        let is_link_down = matches!(vehicle.link, LinkStatus::Link(link) if link != LinkState::Up);
+        let is_boat_commanded = state
+            .outcome
+            .as_ref()
+            .is_some_and(|outcome| !matches!(outcome.vessel.mode, VesselMode::Absent | VesselMode::Released));
         [
             (Alarm::TrackLost, is_lost),
             (
@@ -264,8 +275,10 @@ impl Publisher {
                 mode == Some(Mode::Holding(HoldCause::VideoSilent))
                     || matches!(state.video.source.state, VideoSourceState::Lost(_)),
             ),
-            (Alarm::LinkDown, is_link_down),
-            (Alarm::CameraMayTurn, vehicle.may_be_turning),
+            (Alarm::LinkDown, vehicle.link.is_down()),
+            (Alarm::CameraMayTurn, vehicle.may_be_moving),
+            (Alarm::BoatLinkDown, is_boat_commanded && state.vessel.link.is_down()),
+            (Alarm::BoatMayMove, state.vessel.may_be_moving),
             (
                 Alarm::CameraTurns,
                 state.outcome.as_ref().is_some_and(|outcome| outcome.unasked_motion.is_some()),

@@ -18,6 +18,11 @@ pub enum LinkStatus {
 }
 
 impl LinkStatus {
+    /// Whether commands do not arrive.
+    pub fn is_down(self) -> bool {
+        matches!(self, Self::Link(state) if state != LinkState::Up)
+    }
+
     /// The name in the console's API.
     pub const fn key(self) -> &'static str {
         match self {
@@ -73,8 +78,8 @@ pub struct VehicleSnapshot {
     pub flight: Option<FlightState>,
     /// The gimbal, the camera and the stream that are used; also of a link that was lost.
     pub equipment: UsedEquipment,
-    /// Whether nothing reaches a camera that was turning.
-    pub may_be_turning: bool,
+    /// Whether nothing reaches a camera that was turning, or a boat that was under way.
+    pub may_be_moving: bool,
 }
 
 impl VehicleSnapshot {
@@ -85,12 +90,12 @@ impl VehicleSnapshot {
                 self.link = LinkStatus::Link(state);
                 // A session begins with zeros, and is up when the vehicle has answered: before that, the
                 // zeros may not have arrived.
-                let may_be_turning = self.may_be_turning && state != LinkState::Up;
+                let may_be_moving = self.may_be_moving && state != LinkState::Up;
                 *self = match state {
-                    LinkState::Up => Self { may_be_turning, ..*self },
+                    LinkState::Up => Self { may_be_moving, ..*self },
                     _ => {
                         let Self { link, equipment, .. } = *self;
-                        Self { link, may_be_turning, equipment, ..Self::default() }
+                        Self { link, may_be_moving, equipment, ..Self::default() }
                     }
                 };
             }
@@ -179,19 +184,19 @@ mod tests {
         position: None,
         flight: Some(FlightState::Flying),
         equipment: UsedEquipment { gimbal: None, camera: None, stream: None },
-        may_be_turning: false,
+        may_be_moving: false,
         is_battery_low: true,
     };
 
     #[test]
     fn a_camera_that_may_turn_may_until_the_vehicle_has_answered() {
-        let mut vehicle = VehicleSnapshot { may_be_turning: true, ..KNOWN };
+        let mut vehicle = VehicleSnapshot { may_be_moving: true, ..KNOWN };
         for state in [LinkState::Silent, LinkState::Opening, LinkState::Starting] {
             vehicle.on_telemetry(&Telemetry { at: at(0), report: Report::Link(state) });
-            assert!(vehicle.may_be_turning, "{state:?}");
+            assert!(vehicle.may_be_moving, "{state:?}");
         }
         vehicle.on_telemetry(&Telemetry { at: at(0), report: UP });
-        assert!(!vehicle.may_be_turning);
+        assert!(!vehicle.may_be_moving);
     }
 
     #[test]

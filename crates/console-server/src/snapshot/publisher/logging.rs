@@ -98,6 +98,15 @@ impl Publisher {
         }
     }
 
+    pub(super) fn log_vessel_link(&self, before: LinkStatus, now: Timestamp) {
+        if let LinkStatus::Link(state) = self.state.vessel.link
+            && before != self.state.vessel.link
+        {
+            let level = if state == LinkState::Up { Level::Info } else { Level::Warning };
+            self.events.add(now, level, "boat-link", format!("boat: {}", link_state_text(state)));
+        }
+    }
+
     pub(super) fn log_link_change(&self, before: LinkStatus, now: Timestamp) {
         if let LinkStatus::Link(state) = self.state.vehicle.link
             && before != self.state.vehicle.link

@@ -464,6 +464,36 @@ fn unasked_motion_is_an_alarm_as_long_as_it_lasts() {
 }
 
 #[test]
+fn a_boat_that_is_commanded_and_not_reached_is_an_alarm() {
+    let mut publisher = publisher();
+    let mut at_mode = |mode, link| {
+        let input = Input::VesselTelemetry(Telemetry { at: at(0), report: Report::Link(link) });
+        let vessel = VesselOutcome { mode, ..VesselOutcome::absent() };
+        let outcome = Outcome { vessel, ..idle(at(0)) };
+        publisher.on_step(&input, &outcome, VehicleRates::REST, LawId::Schema);
+        publisher.newest().alarms.clone()
+    };
+    assert_eq!(at_mode(VesselMode::Neutral, LinkState::Up), []);
+    assert_eq!(at_mode(VesselMode::Neutral, LinkState::Opening), [Alarm::BoatLinkDown]);
+    assert_eq!(at_mode(VesselMode::Neutral, LinkState::Silent), [Alarm::BoatLinkDown]);
+    assert_eq!(at_mode(VesselMode::Released, LinkState::Silent), []);
+    publisher.set_boat_may_move(at(0));
+    assert_eq!(publisher.newest().alarms, [Alarm::BoatMayMove]);
+    let mut at_mode = |link| {
+        let input = Input::VesselTelemetry(Telemetry { at: at(0), report: Report::Link(link) });
+        publisher.on_step(&input, &idle(at(0)), VehicleRates::REST, LawId::Schema);
+        publisher.newest().alarms.clone()
+    };
+    assert_eq!(at_mode(LinkState::Starting), [Alarm::BoatMayMove]);
+    assert_eq!(at_mode(LinkState::Up), []);
+    let links = events(&publisher).into_iter().filter(|(_, key, _)| key == "boat-link");
+    let said: Vec<String> = links.map(|(_, _, text)| text).collect();
+    let expected = ["link up", "link opening", "the vehicle is silent", "link starting", "link up"]
+        .map(|text| format!("boat: {text}"));
+    assert_eq!(said, expected);
+}
+
+#[test]
 fn what_the_boat_says_is_logged_at_each_change_and_its_texts_once() {
     let mut publisher = publisher();
     let mut tell = |seconds: u64, report| {

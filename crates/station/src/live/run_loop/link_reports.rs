@@ -70,7 +70,10 @@ impl RunLoop<'_> {
                 tracing::warn!("the boat is not reached ({reason}); trying on");
             }
             // A port that is refused repeatedly is reported once.
-            LinkReport::Lost { reason, .. } => {
+            LinkReport::Lost { reason, may_be_turning } => {
+                if may_be_turning {
+                    self.publisher.set_boat_may_move(self.events.now());
+                }
                 if !std::mem::replace(&mut state.is_vessel_loss_told, true) {
                     tracing::error!("the link to the boat was lost ({reason}); reopening it, neutral first");
                 }
@@ -79,6 +82,7 @@ impl RunLoop<'_> {
                 tracing::error!(
                     "the guard of the boat is gone ({reason}); starting another one, neutral first"
                 );
+                self.publisher.set_boat_may_move(self.events.now());
             }
             LinkReport::HeldUp => tracing::error!("the pilot is held up: the link makes the boat neutral"),
             LinkReport::Suspended(gap) => self.on_suspension(state, gap),
