@@ -185,7 +185,7 @@ impl Configuration {
                 source: login_source(&file.video)?,
                 permits_basic: file.video.allow_basic_login.unwrap_or(false),
             },
-            video_trust: trust_files("video", &file.video.certificate_sha256, &file.video.ca_file)?,
+            video_trust: video_trust(&file.video)?,
             link: file.link.url.clone(),
             link_access: link_access(&file.link)?,
             link_video_host: file.link.video_host.clone(),
@@ -231,17 +231,40 @@ fn link_access(link: &LinkSection) -> Result<LinkAccess> {
     Ok(LinkAccess {
         token_file: link.token_file.clone(),
         login_file: link.login_file.clone(),
-        trust: trust_files("link", &link.certificate_sha256, &link.ca_file)?,
+        trust: trust_files(
+            "link",
+            &["https://", "onvifs://"],
+            &[&link.url],
+            (&link.certificate_sha256, &link.ca_file),
+        )?,
     })
 }
 
+fn video_trust(video: &VideoSection) -> Result<TrustFiles> {
+    let addresses = [&video.url, &video.second_url];
+    trust_files("video", &["rtsps://"], &addresses, (&video.certificate_sha256, &video.ca_file))
+}
+
+/// The certificates of a section. Where addresses are given, one of them has to be encrypted, by one of these
+/// schemes: otherwise nothing would be checked.
 fn trust_files(
     section: &str,
-    certificate_sha256: &Option<String>,
-    ca_file: &Option<PathBuf>,
+    schemes: &[&str],
+    addresses: &[&Option<String>],
+    (certificate_sha256, ca_file): (&Option<String>, &Option<PathBuf>),
 ) -> Result<TrustFiles> {
     if certificate_sha256.is_some() && ca_file.is_some() {
         bail!("{section}.certificate_sha256 and {section}.ca_file are both given: omit one");
+    }
+    let is_given = certificate_sha256.is_some() || ca_file.is_some();
+    let addresses: Vec<&str> = addresses.iter().filter_map(|address| address.as_deref()).collect();
+    let is_encrypted = |address: &&str| schemes.iter().any(|scheme| address.starts_with(scheme));
+    if is_given && !addresses.is_empty() && !addresses.iter().any(is_encrypted) {
+        let key = if ca_file.is_some() { "ca_file" } else { "certificate_sha256" };
+        let wanted = schemes.join(" or ");
+        bail!(
+            "{section}.{key} is about {wanted}, and {section}.url is not encrypted: omit the key, or use {wanted}"
+        );
     }
     Ok(TrustFiles { certificate_sha256: certificate_sha256.clone(), ca_file: ca_file.clone() })
 }

@@ -162,7 +162,7 @@ impl VesselSection {
             throttle_rise_per_s: self.throttle_rise_per_s.unwrap_or(base.throttle_rise_per_s),
             stand_off_m: self.stand_off_m.unwrap_or(base.stand_off_m),
             keep_out_m: self.keep_out_m.unwrap_or(base.keep_out_m),
-            fail_safe: self.fail_safe(),
+            fail_safe: self.fail_safe()?,
             ..base
         };
         let vehicle = self.vehicle(name)?;
@@ -179,14 +179,20 @@ impl VesselSection {
         Ok(Some(SystemId(system)))
     }
 
-    fn fail_safe(&self) -> FailSafe {
-        match self.keep_way_throttle {
-            None | Some(0.0) => FailSafe::Neutral,
+    fn fail_safe(&self) -> Result<FailSafe> {
+        Ok(match self.keep_way_throttle {
+            None | Some(0.0) => {
+                ensure!(
+                    self.keep_way_s.is_none(),
+                    "vessel.keep_way_s has no effect without vessel.keep_way_throttle: give a throttle, or omit both"
+                );
+                FailSafe::Neutral
+            }
             Some(throttle) => FailSafe::KeepWay(KeepWay {
                 throttle,
                 lasts: Duration::from_secs_f64(self.keep_way_s.unwrap_or(KEEP_WAY_S)),
             }),
-        }
+        })
     }
 
     /// A complete section.

@@ -180,6 +180,13 @@ fn what_cannot_be_meant_is_refused_with_its_place() {
         "[vessel]\nkeep_way_throttle = 0.4\n",
         "vessel.keep_way_throttle = 0.4: use a share from 0 to 0.3",
     );
+    refused("[vessel]\nkeep_way_s = 2\n", "vessel.keep_way_s has no effect without vessel.keep_way_throttle");
+    for (section, url, wanted) in
+        [("link", "http://kite/api", "https:// or onvifs://"), ("video", "rtsp://kite/live", "rtsps://")]
+    {
+        let text = format!("[{section}]\nurl = \"{url}\"\nca_file = \"ca.pem\"\n");
+        refused(&text, &format!("{section}.ca_file is about {wanted}, and {section}.url is not encrypted"));
+    }
     refused("[vessel]\nkeep_way_s = 4\n", "vessel.keep_way_s = 4: use seconds from 0.1 to 3");
     refused("[vessel]\nstand_off_m = 0\n", "vessel.stand_off_m = 0: use metres from 0.5 to 50");
     refused("[vessel]\nvehicle_system = 0\n", "vessel.vehicle_system = 0: use 1 to 255");
