@@ -44,8 +44,8 @@ use guiding::{GO_AGAIN, Guide, GuideView, NoWater};
 use marks::RouteChange;
 use unasked_speed::UnaskedSpeed;
 
-/// A reported height holds for this time.
-const HEIGHT_LASTS: Duration = Duration::from_secs(10);
+/// A reported height or tilt holds for this time.
+pub const POSE_LASTS: Duration = Duration::from_secs(10);
 /// Least height, metres: on the ground nothing is looked down on.
 const LEAST_HEIGHT_M: f64 = 1.0;
 
@@ -235,7 +235,7 @@ impl VesselPilot {
 
     /// Why the boat would be guided in the picture; `None`: it is guided over the water.
     fn no_water(&self, now: Timestamp) -> Option<NoWater> {
-        let is_tilt_current = self.tilt_reported_at.is_some_and(|at| now.since(at) <= HEIGHT_LASTS);
+        let is_tilt_current = self.tilt_reported_at.is_some_and(|at| now.since(at) <= POSE_LASTS);
         match (self.guide.law(), is_tilt_current, self.height_m(now)) {
             (GuidanceLaw::Laboratory | GuidanceLaw::ByHand, ..) => Some(NoWater::Law),
             (GuidanceLaw::LineOfSight, false, _) => Some(NoWater::NoTilt),
@@ -246,7 +246,7 @@ impl VesselPilot {
 
     /// Height of the camera, where height and tilt are known now.
     fn height_m(&self, now: Timestamp) -> Option<f64> {
-        let is_current = |at: Timestamp| now.since(at) <= HEIGHT_LASTS;
+        let is_current = |at: Timestamp| now.since(at) <= POSE_LASTS;
         let (height_m, _) =
             self.height.filter(|(height_m, at)| is_current(*at) && *height_m >= LEAST_HEIGHT_M)?;
         self.tilt_reported_at.filter(|at| is_current(*at)).map(|_| height_m)

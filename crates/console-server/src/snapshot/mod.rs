@@ -18,6 +18,7 @@ mod camera_work;
 mod drive_state;
 mod event_log;
 mod frame_rate;
+mod pose_reports;
 mod step_time;
 mod text_rate;
 mod timing_text;

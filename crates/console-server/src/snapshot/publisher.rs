@@ -17,6 +17,7 @@ use super::alarm::Alarm;
 use super::boat_on_water::BoatFinder;
 use super::event_log::{EventLog, Level};
 use super::frame_rate::FrameRate;
+use super::pose_reports::PoseReports;
 use super::step_time::StepTime;
 use super::text_rate::TextRate;
 use super::vehicle::LinkStatus;
@@ -45,6 +46,7 @@ pub struct Publisher {
     /// The boat's mode when its acceptance was logged last.
     logged_mode: Option<DriveMode>,
     texts: TextRate,
+    pose_reports: PoseReports,
 }
 
 impl Publisher {
@@ -65,6 +67,7 @@ impl Publisher {
             is_console_lost: false,
             logged_mode: None,
             texts: TextRate::default(),
+            pose_reports: PoseReports::default(),
         }
     }
 
@@ -109,6 +112,7 @@ impl Publisher {
             Input::Telemetry(telemetry) => {
                 let before = self.state.vehicle;
                 self.state.vehicle.on_telemetry(telemetry);
+                self.pose_reports.note(telemetry);
                 self.log_link_change(before.link, outcome.at);
                 self.log_acceptance(before.acceptance, outcome.at);
                 self.log_equipment(before.equipment, telemetry);
@@ -123,6 +127,7 @@ impl Publisher {
         }
         self.work.on_step(outcome);
         self.log_outcome(outcome);
+        self.pose_reports.forget_old(&mut self.state.vehicle, outcome.at);
         self.state.boat = self.boat.find(outcome.track, &self.state.vehicle, outcome.earth);
         self.state.steps += 1;
         self.state.beats += 1;

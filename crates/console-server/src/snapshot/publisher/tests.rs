@@ -464,6 +464,22 @@ fn unasked_motion_is_an_alarm_as_long_as_it_lasts() {
 }
 
 #[test]
+fn tilt_and_height_that_are_reported_no_more_are_forgotten() {
+    let mut publisher = publisher();
+    let mut after = |ms: u64, report| {
+        let input = Input::Telemetry(Telemetry { at: at(ms), report });
+        publisher.on_step(&input, &idle(at(ms)), VehicleRates::REST, LawId::Schema);
+        let vehicle = publisher.newest().vehicle;
+        (vehicle.tilt.is_some(), vehicle.altitude_m.is_some())
+    };
+    assert_eq!(after(0, Report::CameraTilt(Angle::ZERO)), (true, false));
+    assert_eq!(after(5_000, Report::CameraHeight(20.0)), (true, true));
+    assert_eq!(after(10_000, Report::CameraHeight(20.0)), (true, true));
+    assert_eq!(after(10_001, Report::CameraHeight(20.0)), (false, true));
+    assert_eq!(after(20_002, Report::CameraTilt(Angle::ZERO)), (true, false));
+}
+
+#[test]
 fn a_boat_that_is_commanded_and_not_reached_is_an_alarm() {
     let mut publisher = publisher();
     let mut at_mode = |mode, link| {
