@@ -291,7 +291,8 @@ function listen() {
 fillWords();
 document.documentElement.dataset.theme = localStorage.getItem("theme") ?? "day";
 chosen = decodeURIComponent(location.hash.slice(1).replace(/^token=.*/, ""));
-if (!(await enter())) await askForToken(words);
+const entry = await enter();
+if (entry !== "open") await askForToken(words, entry);
 listen();
 setInterval(showTime, 100);
 await load();

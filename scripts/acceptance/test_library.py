@@ -9,6 +9,7 @@ from typing import Any
 import cv2
 import pytest
 from selenium.webdriver.common.by import By
+from selenium.webdriver.common.keys import Keys
 from selenium.webdriver.support.ui import Select
 
 from client import DISENGAGE, ENGAGE, Program, Request
@@ -152,6 +153,13 @@ const isDrawn = () => Math.abs((scene.dataset.ms ?? -1000) - ms) < 60;
 const look = () => (isDrawn() ? done(performance.now() - began) : requestAnimationFrame(look));
 look();
 """
+
+
+def test_library_asks_a_stranger_for_the_token(program: Program, folder: pathlib.Path) -> None:
+    with program, Page(f"http://{program.host}/library", folder, "stranger") as page:
+        wait_until(lambda: page.element("entry").is_displayed(), "the question")
+        page.element("token").send_keys(program.token, Keys.ENTER)
+        wait_until(lambda: "first.mcap" in page.text("recordings"), "the list")
 
 
 def test_half_an_hour_opens_and_seeks_at_once(
