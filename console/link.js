@@ -17,6 +17,7 @@ const ENDING = new Set(["stop", "stop-vessel", "disengage"]);
 const TRY_AGAIN_LATER = 1013;
 /** The program closes the socket with this code at its end. */
 const GOING_AWAY = 1001;
+const FAREWELL = "the program ends";
 
 export class Link extends EventTarget {
   #socket = null;
@@ -38,6 +39,8 @@ export class Link extends EventTarget {
   wasUp = false;
   /** Whether the program said that it ends. */
   isEnded = false;
+  /** What may still move after its end. */
+  left = { camera: false, boat: false };
   /** Whether the program closed the connection because too many pages are open. */
   isDismissed = false;
   clock = new ProgramClock();
@@ -74,10 +77,13 @@ export class Link extends EventTarget {
       if (event.data instanceof ArrayBuffer) this.#onVideo(event.data);
       else this.#onText(JSON.parse(event.data));
     };
-    socket.onclose = ({ code }) => {
+    socket.onclose = ({ code, reason }) => {
       if (socket !== this.#socket) return;
       this.isDismissed = code === TRY_AGAIN_LATER;
-      this.isEnded = code === GOING_AWAY || (this.isEnded && !this.isUp);
+      // What is between page and program closes connections with this code, too.
+      const isFarewell = code === GOING_AWAY && reason.startsWith(FAREWELL);
+      if (isFarewell) this.left = { camera: reason.includes("camera"), boat: reason.includes("boat") };
+      this.isEnded = isFarewell || (this.isEnded && !this.isUp);
       this.#setUp(false);
       this.#socket = null;
       if (!this.isDismissed) this.#retry();

@@ -107,13 +107,15 @@ function showLoss() {
   if (loss === before) return;
   at("lost").hidden = loss === null;
   at("lost").dataset.loss = loss ?? "";
-  at("lost").textContent = loss === null ? "" : words.losses[loss === "ended" && isRestUnknown() ? "endedUnknown" : loss];
+  at("lost").textContent = loss === null ? "" : loss === "ended" ? words.endedText(leftMoving()) : words.losses[loss];
   if (loss !== null && loss !== "ended") sounds.play("alarm");
 }
 
-/** Alarms with which the last zeros may not have reached the camera. */
-const MAY_TURN = new Set(["camera-turns", "camera-may-turn", "link-down"]);
-const isRestUnknown = () => Boolean(snapshot?.alarms.some((alarm) => MAY_TURN.has(alarm)));
+/** What may move after the end: by the program's last words, and by its last alarms. */
+function leftMoving() {
+  const has = (alarm) => Boolean(snapshot?.alarms.includes(alarm));
+  return { camera: link.left.camera || has("camera-turns"), boat: link.left.boat || has("boat-moves") };
+}
 
 let lastMode = null;
 link.addEventListener("snapshot", ({ detail }) => {
@@ -126,7 +128,7 @@ link.addEventListener("snapshot", ({ detail }) => {
   strips.add(snapshot, video.delay?.median ?? null);
   const { vessel } = snapshot;
   const isBoatMoving = seat.isControlling && ["by-hand", "guided", "holding"].includes(vessel?.mode);
-  keepAwake(snapshot.mode.engaged || isBoatMoving, () => toast(words.reasons.screenMayGoDark));
+  keepAwake(snapshot.mode.engaged || isBoatMoving, () => toast(words.reasons.screenMayGoDark(isSecureContext)));
   const { alarms } = snapshot;
   if (lastMode && alarms.some((alarm) => !lastMode.alarms.includes(alarm))) sounds.play("alarm");
   else if (lastMode && lastMode.name !== snapshot.mode.name) sounds.play(snapshot.mode.name === "stopped" ? "stop" : "good");

@@ -70,9 +70,9 @@ export class Stage extends EventTarget {
     this.redraw();
   }
 
-  /** Shows nothing. */
+  /** Shows nothing. What is being drawn is dropped. */
   clear() {
-    this.#shown = null;
+    [this.#shown, this.#drag, this.#keyBox] = [null, null, null];
     this.trail.clear();
     this.#picture.getContext("2d").clearRect(0, 0, this.#picture.width, this.#picture.height);
     this.redraw();

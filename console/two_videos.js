@@ -45,6 +45,8 @@ export class TwoVideos {
   #show(number) {
     this.#stage.isWatchedOnly = number !== this.#tracked;
     this.#stage.unfreeze();
+    // A box on the picture of the other video would be taken for one on this video.
+    if (number !== this.#video.shown) this.#stage.clear();
     this.#video.show(number);
   }
 }

@@ -75,7 +75,8 @@ export class Video extends EventTarget {
     if (number === this.shown) return;
     [this.shown, this.path, this.drawnAt] = [number, "none", null];
     for (const picture of this.#waiting.splice(0)) picture.image.close();
-    this.decoder.close();
+    this.#nextJpeg = null;
+    this.decoder.skip();
     [this.#delay, this.lagMs] = [new Percentiles(), 0];
     this.#choose();
   }
@@ -103,7 +104,8 @@ export class Video extends EventTarget {
 
   #onMessage(message) {
     const unit = readVideoMessage(message);
-    if (!unit) return;
+    // Of the other video: it was under way when the page asked for this one.
+    if (!unit || unit.video !== this.shown) return;
     const arrived = { ...unit, at: performance.now() };
     if ((unit.kind === H264 && this.path === "h264") || (unit.kind === H265 && this.path === "h265")) {
       this.#decode(arrived);
@@ -137,7 +139,7 @@ export class Video extends EventTarget {
       const picture = this.#nextJpeg;
       this.#nextJpeg = null;
       const image = await createImageBitmap(new Blob([picture.payload], { type: "image/jpeg" })).catch(() => null);
-      if (image) this.#add(image, picture);
+      if (image && picture.video === this.shown) this.#add(image, picture);
     }
     this.#isJpegDecoding = false;
   }

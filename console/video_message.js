@@ -18,6 +18,7 @@ export function readVideoMessage(message) {
     epoch: head.getUint32(4, true),
     captured: Number(head.getBigUint64(8, true)),
     index: Number(head.getBigUint64(16, true)),
+    video: head.getUint8(28) === 2 ? "second" : "first",
     payload: new Uint8Array(message, HEAD_BYTES),
   };
 }

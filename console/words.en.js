@@ -70,8 +70,10 @@ export default {
     hangs: "THE PROGRAM HANGS - what stands here is old. The link rests the camera; look at the ground station.",
     behind: "THIS PAGE IS LATE - the network or this device is too slow. What stands here is old. Stop works.",
     dismissed: "TOO MANY PAGES ARE OPEN - this one was disconnected. Close others, then reload.",
-    ended: "The program has ended; the camera rests.",
-    endedUnknown: "The program has ended. The camera may be turning: look at the ground station.",
+  },
+  endedText: ({ camera, boat }) => {
+    const left = [camera && "The camera may be turning: look at the ground station.", boat && "The boat may be under way: stop it with its remote control."].filter(Boolean);
+    return left.length ? `The program has ended. ${left.join(" ")}` : "The program has ended; the camera rests.";
   },
   // Across the picture
   notices: {
@@ -133,7 +135,7 @@ export default {
     noBoat: "No boat is connected.", nothingMarked: "Mark a place or a person first.", noHome: "Mark home first.",
     engaged: "The camera is engaged.", disengaged: "The camera is disengaged.", boatStopped: "The boat is stopped.",
     guided: "The boat goes already.", notLost: "The boat is not lost.", notRecorded: "Nothing is recorded.", notTwisted: "The tether is not twisted by half a turn.",
-    screenMayGoDark: "The screen may go dark while engaged: this page is not encrypted. Set the device to stay awake, or use https.",
+    screenMayGoDark: (isEncrypted) => `The screen may go dark: ${isEncrypted ? "the browser does not keep it awake. Set" : "this page is not encrypted. Use https, or set"} the device to stay awake.`,
     nothingFollowed: "Nothing is followed.", unacknowledged: "STOP NOT ACKNOWLEDGED: use the ground station's own stop.",
   },
   layers: {

@@ -178,7 +178,9 @@ class TestBrowser:
         assert page.complaints() == []
 
     def test_page_that_is_not_secure_says_that_the_screen_may_go_dark(self, page: Page) -> None:
-        page.script("Object.defineProperty(window, 'isSecureContext', { value: false })")
+        page.script("""
+            Object.defineProperty(window, 'isSecureContext', { value: false });
+            Object.defineProperty(navigator, 'wakeLock', { value: undefined })""")
         page.click_enabled("engage")
-        wait_until(lambda: "screen may go dark" in page.text("toast"), "the notice")
+        wait_until(lambda: "screen may go dark: this page is not encrypted" in page.text("toast"), "the notice")
         page.click("disengage")

@@ -11,7 +11,7 @@ use axum::body::{Body, to_bytes};
 use axum::http::{Request, Response};
 use barrelman_host::clock::Clock;
 use barrelman_pilot::{Input, Outcome};
-use barrelman_vocab::{self as vocab, LawId, VehicleProfile, VehicleRates, Videos};
+use barrelman_vocab::{self as vocab, LawId, VehicleProfile, VehicleRates, VideoNumber, Videos};
 use tower::ServiceExt as _;
 
 use super::access::{Access, Role};
@@ -75,7 +75,7 @@ impl InMemory {
             gateway: Arc::new(Gateway::new(|| {})),
             snapshots: publisher.subscribe(),
             events: publisher.events(),
-            videos: Videos::one(VideoOutlet::default()),
+            videos: Videos::one(VideoOutlet::new(VideoNumber::First)),
             time: SessionTime::new(Clock::start().started_earlier(UPTIME)),
             library: None,
         };

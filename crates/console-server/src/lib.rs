@@ -41,6 +41,7 @@ mod tokens;
 
 pub mod api;
 mod files;
+mod left_moving;
 mod manual;
 mod metrics;
 mod requests;
@@ -69,6 +70,7 @@ mod in_memory;
 mod test_scenes;
 
 pub use https::CertificateFiles;
+pub use left_moving::LeftMoving;
 pub use library::Library;
 pub use links::print_served;
 pub use map::Map;

@@ -7,7 +7,7 @@ use std::time::Duration;
 use barrelman_host::latest::Latest;
 use barrelman_pilot::Outcome;
 use barrelman_video::jpeg;
-use barrelman_vocab::{VehicleRates, VideoFrame};
+use barrelman_vocab::{VehicleRates, VideoFrame, VideoNumber};
 use bytes::Bytes;
 use tokio::sync::watch;
 
@@ -20,6 +20,7 @@ const POLL_INTERVAL: Duration = Duration::from_millis(100);
 /// The newest video frame, and the newest JPEG of one.
 #[derive(Debug)]
 pub struct PictureSlot {
+    number: VideoNumber,
     frames: Latest<VideoFrame>,
     pictures: watch::Sender<Bytes>,
     viewers: AtomicUsize,
@@ -27,9 +28,11 @@ pub struct PictureSlot {
     pub(super) newest: NewestPicture,
 }
 
-impl Default for PictureSlot {
-    fn default() -> Self {
+impl PictureSlot {
+    /// No picture so far of this video.
+    pub fn new(number: VideoNumber) -> Self {
         Self {
+            number,
             frames: Latest::default(),
             pictures: watch::Sender::new(Bytes::new()),
             viewers: AtomicUsize::new(0),
@@ -96,7 +99,8 @@ pub(super) fn encode_pictures(slot: &PictureSlot) {
     while let Some(frame) = slot.frames.wait_until_wanted(POLL_INTERVAL, || slot.has_viewer()) {
         match jpeg::encode(&frame.picture) {
             Ok(payload) => {
-                slot.pictures.send_replace(VideoHead::of_picture(&frame).message(&payload).into());
+                slot.pictures
+                    .send_replace(VideoHead::of_picture(&frame, slot.number).message(&payload).into());
             }
             Err(error) => tracing::error!("a picture for the console cannot be encoded: {error}"),
         }
@@ -123,7 +127,7 @@ mod tests {
 
     #[test]
     fn every_page_that_asks_gets_the_newest_frame_as_jpeg() {
-        let slot = Arc::new(PictureSlot::default());
+        let slot = Arc::new(PictureSlot::new(VideoNumber::First));
         let mut first = PictureViewer::new(Arc::clone(&slot));
         put(&slot, 6);
         put(&slot, 7);
@@ -148,7 +152,7 @@ mod tests {
 
     #[test]
     fn pictures_are_wanted_while_a_page_shows_them() {
-        let slot = Arc::new(PictureSlot::default());
+        let slot = Arc::new(PictureSlot::new(VideoNumber::First));
         assert!(!slot.has_viewer());
         let viewers = [PictureViewer::new(Arc::clone(&slot)), PictureViewer::new(Arc::clone(&slot))];
         let [first, second] = viewers;

@@ -23,6 +23,7 @@ use tokio::sync::oneshot;
 use tower::ServiceExt as _;
 
 use super::https::{Accepted, Identity, accept};
+use super::left_moving::LeftMoving;
 use super::limited_stream::{Bytes, LimitedStream};
 use super::limits::{BYTES, HEADER_TIMEOUT, SEND_TIMEOUT};
 use super::links::{announce, fingerprint};
@@ -47,10 +48,10 @@ const ACCEPTED_IN_A_TURN: u64 = 4;
 /// more.
 const TASKS_BETWEEN_LOOKS: u32 = 8;
 
-/// A running console. Dropping it ends the server and all its connections.
+/// A running console. Dropping it ends the server and all its connections, as [`ConsoleServer::end`] does.
 pub struct ConsoleServer {
     address: SocketAddr,
-    end: Option<oneshot::Sender<()>>,
+    end: Option<oneshot::Sender<LeftMoving>>,
     thread: Option<JoinHandle<()>>,
     encoders: Vec<JoinHandle<()>>,
     pictures: Vec<Arc<PictureSlot>>,
@@ -80,7 +81,7 @@ impl ConsoleServer {
         let console = Arc::new(Console::new(parts, map, on_lost, entrance));
         console.links.publish(tokens.get())?;
         let runtime = runtime().context("the console's server cannot be started")?;
-        let (end, ended) = oneshot::channel::<()>();
+        let (end, ended) = oneshot::channel();
         let fingerprint = fingerprint(https.as_deref()).map(str::to_owned);
         let thread = threads::spawn("console", on_panic, move || {
             runtime.block_on(async {
@@ -93,10 +94,11 @@ impl ConsoleServer {
                     }
                     () = watch_seats(&console) => {}
                     () = watch_tokens(&console) => {}
-                    _ = ended => console.end().await,
+                    left = ended => console.end(left.unwrap_or(LeftMoving::NOT_KNOWN)).await,
                 }
             });
-            // Dropping the runtime closes all connections.
+            // Closes all connections. Work on recordings that goes on is not waited for.
+            runtime.shutdown_background();
         })?;
         announce(origin, tokens.get().as_ref(), kept.file.as_deref(), fingerprint.as_deref())?;
         Ok(Self { address: origin.address, end: Some(end), thread: Some(thread), encoders, pictures })
@@ -105,6 +107,14 @@ impl ConsoleServer {
     /// The address that the server listens on.
     pub const fn address(&self) -> SocketAddr {
         self.address
+    }
+
+    /// Ends the server, and tells the pages what may still move. A server that is dropped tells that nothing
+    /// is known.
+    pub fn end(mut self, left: LeftMoving) {
+        if let Some(end) = self.end.take() {
+            let _ = end.send(left);
+        }
     }
 }
 

@@ -9,7 +9,7 @@ use tokio::sync::watch;
 use tokio::time::timeout;
 
 use barrelman_experiments::scenario::ScenarioChoice;
-use barrelman_vocab::{LawId, Videos};
+use barrelman_vocab::{LawId, VideoNumber, Videos};
 
 use super::access::{Access, Pass, Role};
 use super::api::{ControlSeat, Hello, StatusSnapshot};
@@ -17,6 +17,7 @@ use super::entrance::Entrance;
 use super::guard::Hosts;
 use super::https::Identity;
 use super::issued_links::IssuedLinks;
+use super::left_moving::LeftMoving;
 use super::library::Library;
 use super::map::Map;
 use super::on_lost::OnConsoleLost;
@@ -52,12 +53,20 @@ pub struct SessionFacts {
 }
 
 /// What the pages get of one video.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone)]
 pub struct VideoOutlet {
     /// Encoded units, where browsers can decode them.
     pub relay: Arc<VideoRelay>,
     /// Pictures, encoded anew as JPEG.
     pub pictures: Arc<PictureSlot>,
+}
+
+impl VideoOutlet {
+    /// Nothing so far of this video.
+    pub fn new(number: VideoNumber) -> Self {
+        let (relay, pictures) = (VideoRelay::new(number), PictureSlot::new(number));
+        Self { relay: Arc::new(relay), pictures: Arc::new(pictures) }
+    }
 }
 
 /// What a console is made of.
@@ -99,7 +108,7 @@ pub(super) struct Console {
     passes: Mutex<BTreeMap<ClientId, Pass>>,
     pub(super) seat_changes: watch::Sender<ControlSeat>,
     /// Whether the program ends.
-    pub(super) ending: watch::Sender<bool>,
+    pub(super) ending: watch::Sender<Option<LeftMoving>>,
 }
 
 impl Console {
@@ -126,7 +135,7 @@ impl Console {
             seats: Mutex::default(),
             passes: Mutex::default(),
             seat_changes: watch::Sender::new(ControlSeat::default()),
-            ending: watch::Sender::new(false),
+            ending: watch::Sender::new(None),
         }
     }
 
@@ -194,11 +203,11 @@ impl Console {
         f(&mut self.passes.lock().unwrap_or_else(PoisonError::into_inner))
     }
 
-    /// Tells all pages that the program ends, and waits until they are disconnected: a page that hears
+    /// Tells all pages that the program ends, and what may still move, and waits until they are disconnected: a page that hears
     /// nothing more would take the end for a lost connection.
-    pub(super) async fn end(&self) {
+    pub(super) async fn end(&self, left: LeftMoving) {
         let mut seats = self.seat_changes.subscribe();
-        self.ending.send_replace(true);
+        self.ending.send_replace(Some(left));
         let _ = timeout(FAREWELL, seats.wait_for(has_no_page)).await;
     }
 

@@ -27,6 +27,7 @@ use super::access::{Pass, Role};
 use super::api::{Answer, ClientMessage, ControlSeat, ServerMessage, VideoPath, WantedVideo};
 use super::frame_counter::FrameCounter;
 use super::in_flight::InFlight;
+use super::left_moving::LeftMoving;
 use super::limited_stream::LimitedStream;
 use super::limits::{FRAMES, IDLE_TIMEOUT, MAX_MESSAGE_BYTES, READ_BYTES, SEND_TIMEOUT};
 use super::pictures::PictureViewer;
@@ -250,8 +251,8 @@ async fn write(
                 }
                 writer.send_seat(seat, id).await?;
             }
-            () = ends(&mut ending) => {
-                return dismiss(&mut writer, CloseCode::Away, "the program ends").await;
+            left = ends(&mut ending) => {
+                return dismiss(&mut writer, CloseCode::Away, left.reason()).await;
             }
             changed = handled.changed() => {
                 changed.map_err(|_| Closed)?;
@@ -284,8 +285,9 @@ async fn write(
 }
 
 /// Waits until the program ends.
-async fn ends(ending: &mut watch::Receiver<bool>) {
-    let _ = ending.wait_for(|is_ending| *is_ending).await;
+async fn ends(ending: &mut watch::Receiver<Option<LeftMoving>>) -> LeftMoving {
+    let left = ending.wait_for(Option::is_some).await.ok();
+    left.and_then(|left| *left).unwrap_or(LeftMoving::NOT_KNOWN)
 }
 
 /// Tells a page why its connection ends.

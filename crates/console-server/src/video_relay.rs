@@ -3,8 +3,8 @@
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-use barrelman_vocab::EncodedUnit;
 use barrelman_vocab::unit::UnitCodec;
+use barrelman_vocab::{EncodedUnit, VideoNumber};
 use bytes::Bytes;
 use tokio::sync::broadcast;
 
@@ -43,17 +43,17 @@ impl Group {
 /// Passes H.264 and H.265 units on to the pages. Adding a unit never waits for a page.
 #[derive(Debug)]
 pub struct VideoRelay {
+    number: VideoNumber,
     group: Mutex<Group>,
     units: broadcast::Sender<RelayedUnit>,
 }
 
-impl Default for VideoRelay {
-    fn default() -> Self {
-        Self { group: Mutex::default(), units: broadcast::channel(BACKLOG).0 }
-    }
-}
-
 impl VideoRelay {
+    /// Nothing so far of this video.
+    pub fn new(number: VideoNumber) -> Self {
+        Self { number, group: Mutex::default(), units: broadcast::channel(BACKLOG).0 }
+    }
+
     /// Adds a unit. Units of another codec are not relayed.
     pub fn add(&self, unit: &EncodedUnit) {
         let codec = match unit.codec {
@@ -69,7 +69,7 @@ impl VideoRelay {
         group.codec = codec.map(|(codec, _)| codec);
         let Some((_, kind)) = codec else { return };
         let unit = RelayedUnit {
-            message: VideoHead::of_unit(kind, unit).message(&unit.payload).into(),
+            message: VideoHead::of_unit(kind, unit, self.number).message(&unit.payload).into(),
             key: unit.key,
         };
         if unit.key {
@@ -129,7 +129,7 @@ mod tests {
 
     #[test]
     fn a_new_page_begins_with_the_newest_key_frame() {
-        let relay = VideoRelay::default();
+        let relay = VideoRelay::new(VideoNumber::First);
         for (index, key) in [(0, false), (1, true), (2, false), (3, true), (4, false)] {
             relay.add(&unit(index, key));
         }
@@ -141,7 +141,7 @@ mod tests {
 
     #[test]
     fn a_group_without_end_is_given_up_until_the_next_key_frame() {
-        let relay = VideoRelay::default();
+        let relay = VideoRelay::new(VideoNumber::First);
         relay.add(&unit(0, true));
         for index in 1..2 * MAX_GROUP_UNITS as u64 {
             relay.add(&unit(index, false));

@@ -10,10 +10,11 @@
 //! | 8..16 | time of capture, nanoseconds since the program's start |
 //! | 16..24 | number of the unit; a gap: units were left out, and decoding starts again with a key frame |
 //! | 24..26, 26..28 | width and height of the stored picture, pixels; 0: not known |
-//! | 28..32 | 0 |
+//! | 28 | number of the video: 1 or 2 |
+//! | 29..32 | 0 |
 
 use barrelman_vocab::unit::Rotation;
-use barrelman_vocab::{EncodedUnit, VideoFrame};
+use barrelman_vocab::{EncodedUnit, VideoFrame, VideoNumber};
 
 /// Length of the head, bytes.
 pub const HEAD_BYTES: usize = 32;
@@ -51,11 +52,13 @@ pub struct VideoHead {
     pub index: u64,
     /// Stored width and height; (0, 0) where they are not known.
     pub size: (u16, u16),
+    /// The video to which it belongs.
+    pub video: VideoNumber,
 }
 
 impl VideoHead {
     /// The head of a unit as it was received.
-    pub fn of_unit(kind: VideoKind, unit: &EncodedUnit) -> Self {
+    pub fn of_unit(kind: VideoKind, unit: &EncodedUnit, video: VideoNumber) -> Self {
         Self {
             kind,
             key: unit.key,
@@ -65,11 +68,12 @@ impl VideoHead {
             captured_ns: unit.capture.at.as_nanos(),
             index: unit.index,
             size: (0, 0),
+            video,
         }
     }
 
     /// The head of a video frame as JPEG.
-    pub fn of_picture(frame: &VideoFrame) -> Self {
+    pub fn of_picture(frame: &VideoFrame, video: VideoNumber) -> Self {
         let side = |length: u32| u16::try_from(length).unwrap_or(u16::MAX);
         let size = frame.picture.size();
         Self {
@@ -81,6 +85,7 @@ impl VideoHead {
             captured_ns: frame.capture.at.as_nanos(),
             index: frame.sequence,
             size: (side(size.width), side(size.height)),
+            video,
         }
     }
 
@@ -106,6 +111,7 @@ impl VideoHead {
         bytes[16..24].copy_from_slice(&self.index.to_le_bytes());
         bytes[24..26].copy_from_slice(&self.size.0.to_le_bytes());
         bytes[26..28].copy_from_slice(&self.size.1.to_le_bytes());
+        bytes[28] = self.video.count();
         bytes
     }
 }
@@ -123,19 +129,22 @@ mod tests {
         captured_ns: 0,
         index: 0,
         size: (0, 0),
+        video: VideoNumber::First,
     };
 
     /// The bytes of a head that are not zero, with their places.
     #[track_caller]
     fn check(head: VideoHead, expected: &[(usize, u8)]) {
         let bytes = head.to_bytes();
-        let set = bytes.iter().copied().enumerate().filter(|(_, byte)| *byte != 0);
+        let set = bytes[..28].iter().copied().enumerate().filter(|(_, byte)| *byte != 0);
         assert_eq!(set.collect::<Vec<_>>(), expected, "{head:?}");
+        assert_eq!(bytes[28..], [head.video.count(), 0, 0, 0]);
     }
 
     #[test]
     fn each_field_has_its_place() {
         check(HEAD, &[(0, 1), (1, 1)]);
+        check(VideoHead { video: VideoNumber::Second, ..HEAD }, &[(0, 1), (1, 1)]);
         check(VideoHead { kind: VideoKind::Jpeg, ..HEAD }, &[(0, 1), (1, 2)]);
         check(VideoHead { key: true, ..HEAD }, &[(0, 1), (1, 1), (2, 1)]);
         check(VideoHead { shown: true, ..HEAD }, &[(0, 1), (1, 1), (2, 2)]);

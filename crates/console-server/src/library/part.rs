@@ -256,7 +256,8 @@ impl Builder {
             ) => None,
         };
         if let Some(kind) = kind {
-            return self.add_item(UNIT, &VideoHead::of_unit(kind, unit).message(&unit.payload));
+            return self
+                .add_item(UNIT, &VideoHead::of_unit(kind, unit, VideoNumber::First).message(&unit.payload));
         }
         let mut frames = Vec::new();
         // A damaged unit gives no picture: the next key unit does.
@@ -266,7 +267,7 @@ impl Builder {
 
     fn add_picture(&mut self, frame: &VideoFrame) -> Result<()> {
         let payload = jpeg::encode(&frame.picture).context("a picture cannot be encoded as JPEG")?;
-        self.add_item(UNIT, &VideoHead::of_picture(frame).message(&payload))
+        self.add_item(UNIT, &VideoHead::of_picture(frame, VideoNumber::First).message(&payload))
     }
 
     fn add_scene(&mut self, frame: &FrameFingerprint, outcome: &RecordedOutcome) -> Result<()> {

@@ -14,6 +14,7 @@ use tokio::io::{AsyncReadExt as _, AsyncWriteExt as _, DuplexStream, duplex};
 
 use super::super::api::HEAD_BYTES;
 use super::super::in_memory::{CONTROL_TOKEN, InMemory, LIVE, WATCH_TOKEN, block_on};
+use super::super::left_moving::LeftMoving;
 use super::super::routes;
 use super::super::seats::MAX_CLIENTS;
 use super::*;
@@ -408,9 +409,10 @@ fn every_page_is_told_of_the_end_of_the_program() {
             Page::open(&session, CONTROL_TOKEN, "control").await,
             Page::open(&session, WATCH_TOKEN, "watch").await,
         ];
-        session.console.end().await;
+        session.console.end(LeftMoving { camera: false, boat: true }).await;
         for page in &mut pages {
-            assert_eq!(page.end().await, Received::Close(1001, "the program ends".to_owned()));
+            let said = "the program ends: the boat may be under way";
+            assert_eq!(page.end().await, Received::Close(1001, said.to_owned()));
         }
         assert!(session.console.with_seats(|seats| seats.state()).clients.is_empty());
     });

@@ -12,7 +12,7 @@ use barrelman_console_server::snapshot::{
     LinkStatus, Publisher, RecordingState, VideoSourceState, WorldState,
 };
 use barrelman_console_server::{
-    ConsoleParts, ConsoleServer, ConsoleSettings, SessionFacts, SessionTime, VideoOutlet,
+    ConsoleParts, ConsoleServer, ConsoleSettings, LeftMoving, SessionFacts, SessionTime, VideoOutlet,
 };
 use barrelman_experiments::drill::DrillJudge;
 use barrelman_experiments::drive::{Drive, DriveSetup, DriveWriter};
@@ -89,7 +89,7 @@ impl DriveSession {
             threads: &threads,
             clock,
             time,
-            outlet: VideoOutlet::default(),
+            outlet: VideoOutlet::new(VideoNumber::First),
             share: share.as_ref(),
             publisher,
         };
@@ -113,10 +113,10 @@ impl DriveSession {
         print_keys(&setup)?;
 
         let until = max_duration.map(|duration| clock.now().plus(duration));
-        let end = drives.run((setup, judge), first_files, &queue, until)?;
-        drop(server);
+        let end = drives.run((setup, judge), first_files, &queue, until);
+        server.end(LeftMoving::default());
         drop(terminal);
-        Ok(end)
+        end
     }
 }
 

@@ -9,7 +9,7 @@ use anyhow::{Context as _, Result};
 use barrelman_console_server::operator::Gateway;
 use barrelman_console_server::snapshot::{LinkStatus, Publisher, RecordingState, WorldState};
 use barrelman_console_server::{
-    ConsoleParts, ConsoleServer, ConsoleSettings, SessionFacts, SessionTime, VideoOutlet,
+    ConsoleParts, ConsoleServer, ConsoleSettings, LeftMoving, SessionFacts, SessionTime, VideoOutlet,
 };
 use barrelman_host::clock::Clock;
 use barrelman_host::output::OutputFile;
@@ -139,7 +139,7 @@ impl PartOpener<'_> {
         };
         let overlay = overlay.map(|file| self.begin_overlay(file)).transpose()?;
         let latest = Arc::new(LatestFrame::default());
-        let outlets = console.as_ref().map(|_| sources.as_ref().map(|_, _| VideoOutlet::default()));
+        let outlets = console.as_ref().map(|_| sources.as_ref().map(|number, _| VideoOutlet::new(number)));
         if sources.second.is_some() {
             publisher.add_second_video();
         }
@@ -326,7 +326,9 @@ impl OpenParts {
                 tracing::warn!("{error}");
             }
         }
-        drop(self.console);
+        if let Some(console) = self.console {
+            console.end(LeftMoving { camera: !is_stop_sent, boat: !is_vessel_neutral });
+        }
         drop((self.tracking_camera, self.tak, self.share, self.detector));
         if let Some(Recording { path, recorder }) = self.recording
             && let Some(sortie) = recorder.finish()
