@@ -13,7 +13,7 @@ export class Heartbeat {
   /** A snapshot came. */
   onSnapshot({ beat, drive }, nowMs) {
     if (beat !== this.#beat) this.#beatAt = nowMs;
-    // A demo that is paused rests.
+    // A demo turns no real camera, and takes no turns while it is paused or loads a world.
     [this.#beat, this.#isResting] = [beat, Boolean(drive)];
     if (this.#isResting) this.#beatAt = nowMs;
   }

@@ -1,6 +1,6 @@
 // Sounds of alarms and of changes of mode; off until the operator wants them.
 
-const TONES = { alarm: [880, 660, 880], warning: [520], good: [660, 880], stop: [330] };
+const TONES = { alarm: [880, 660, 880], good: [660, 880], stop: [330] };
 
 export class Sounds {
   isOn = false;

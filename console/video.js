@@ -15,7 +15,7 @@ const CATCH_UP_MS = 5000;
 /** So many skips within this time, ms: the browser or the network is too slow for the stream. */
 const [MAX_SKIPS, SKIP_WINDOW_MS] = [3, 60_000];
 
-export class Video extends EventTarget {
+export class Video {
   path = "none";
   /** The video that is shown: `first` or `second`. */
   shown = "first";
@@ -45,7 +45,6 @@ export class Video extends EventTarget {
 
   /** @param {import("./link.js").Link} link @param {(image: any, quarters: number, snapshot: object) => void} draw */
   constructor(link, draw) {
-    super();
     [this.link, this.draw] = [link, draw];
     this.decoder = new UnitDecoder((frame, unit) => this.#add(frame, unit), () => this.#refusePath());
     link.addEventListener("video", ({ detail }) => this.#onMessage(detail));
@@ -167,6 +166,5 @@ export class Video extends EventTarget {
     const programMs = this.#sessionMs(now);
     if (programMs !== null) this.#delay.add(now, programMs - captured / 1e6);
     [this.captured, this.drawn, this.drawnAt, this.lagMs] = [captured, this.drawn + 1, now, now - arrivedAt];
-    this.dispatchEvent(new Event("drawn"));
   }
 }

@@ -208,11 +208,6 @@ fn provenance(request: &Request) -> Provenance<'_> {
     }
 }
 
-/// What a request may do; an answer with 401 where it may do nothing.
-fn role_of(console: &Console, headers: &HeaderMap) -> Result<Role, Box<Response>> {
-    may_enter(&console.access, headers)
-}
-
 /// What a token permits.
 #[derive(Serialize, JsonSchema)]
 #[schemars(rename = "Access")]
@@ -222,7 +217,7 @@ pub(super) struct AccessBody {
 }
 
 async fn access(State(console): Shared, headers: HeaderMap) -> Response {
-    match role_of(&console, &headers) {
+    match may_enter(&console.access, &headers) {
         Ok(role) => json(&AccessBody { may_control: role == Role::Control }),
         Err(response) => *response,
     }
@@ -257,7 +252,7 @@ pub(super) fn log_in(access: &Access, headers: &HeaderMap) -> Response {
 }
 
 async fn status(State(console): Shared, headers: HeaderMap) -> Response {
-    match role_of(&console, &headers) {
+    match may_enter(&console.access, &headers) {
         Ok(role) => {
             console.hear_program(role);
             json(&console.status())
@@ -268,21 +263,21 @@ async fn status(State(console): Shared, headers: HeaderMap) -> Response {
 
 /// Who controls, for programs: pages are told on their sockets.
 async fn control(State(console): Shared, headers: HeaderMap) -> Response {
-    match role_of(&console, &headers) {
+    match may_enter(&console.access, &headers) {
         Ok(_) => json(&console.with_seats(|seats| seats.state())),
         Err(response) => *response,
     }
 }
 
 async fn picture(State(console): Shared, request: Request) -> Response {
-    match role_of(&console, request.headers()) {
+    match may_enter(&console.access, request.headers()) {
         Ok(_) => picture_answer::picture(&console, request.uri().query()).await,
         Err(response) => *response,
     }
 }
 
 async fn metrics(State(console): Shared, headers: HeaderMap) -> Response {
-    if let Err(response) = role_of(&console, &headers) {
+    if let Err(response) = may_enter(&console.access, &headers) {
         return *response;
     }
     let status = console.status();
@@ -321,7 +316,7 @@ async fn body_within(request: Request, limit: Duration) -> Result<Bytes, Box<Res
 
 async fn requests(State(console): Shared, request: Request) -> Response {
     let is_beyond_limit = request.extensions().get::<BeyondLimit>().is_some();
-    let role = match role_of(&console, request.headers()) {
+    let role = match may_enter(&console.access, request.headers()) {
         Ok(role) => role,
         Err(response) => return *response,
     };

@@ -17,11 +17,10 @@ use super::api::ControlSeat;
 /// How long the seat of a lost page is kept.
 pub(super) const GRACE: Duration = Duration::from_secs(2);
 
-/// How long the page in control may be silent. A page sends something each second.
+/// How long the page in control may be silent. A page sends something five times a second.
 pub(super) const MAX_SILENCE: Duration = Duration::from_secs(3);
 
-/// How long the page in control may be gone or silent before the boat is stopped. A page that commands a boat
-/// sends something four times a second. With the interval of the check, the boat is neutral after a second.
+/// How long the page in control may be gone or silent before the boat is stopped. With the interval of the check, the boat is neutral after a second.
 pub(super) const BOAT_SILENCE: Duration = Duration::from_millis(900);
 
 /// The largest number of pages at a time.
@@ -235,8 +234,8 @@ impl Seats {
             return Err("that page is not connected");
         }
         self.permitted(to).map_err(|_| "that page may only watch")?;
-        // The page that watched over the boat was heard a moment ago. One that only looked on is heard once a
-        // second, until it learns that the boat is its own.
+        // The page that watched over the boat was heard a moment ago. A program that only looked on may have
+        // been silent for longer.
         let heard = self.client(from).map(|client| client.heard);
         self.seat(to);
         if let (Some(client), Some(heard)) = (self.client(to), heard) {

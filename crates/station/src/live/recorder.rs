@@ -59,7 +59,14 @@ enum Item {
 pub struct RecorderInput {
     items: SyncSender<Item>,
     events: SyncSender<Event>,
-    has_failed: Arc<AtomicBool>,
+    failure: Arc<Failure>,
+}
+
+/// Whether the recording has failed, and whether the loop was told.
+#[derive(Debug, Default)]
+struct Failure {
+    has_failed: AtomicBool,
+    is_told: AtomicBool,
 }
 
 impl RecorderInput {
@@ -71,15 +78,16 @@ impl RecorderInput {
     /// Adds an item without blocking. A full queue ends the recording, as a recording with a gap cannot be
     /// replayed.
     fn enqueue(&self, item: Item) {
-        if self.has_failed.load(Ordering::Relaxed) {
-            return;
+        let Failure { has_failed, is_told } = &*self.failure;
+        if !has_failed.load(Ordering::Relaxed) {
+            let Err(TrySendError::Full(_)) = self.items.try_send(item) else { return };
+            has_failed.store(true, Ordering::Relaxed);
         }
-        if let Err(TrySendError::Full(_)) = self.items.try_send(item)
-            && !self.has_failed.swap(true, Ordering::Relaxed)
-        {
+        if !is_told.swap(true, Ordering::Relaxed) {
             let reason = "the disk is slower than what is to be recorded".to_owned();
-            // A full event queue means that the loop is held up; the alarm is then dropped.
-            let _ = self.events.try_send(Event::RecordingFailed { reason });
+            // Where the loop's queue is full, the loop is told with a later item.
+            let is_taken = self.events.try_send(Event::RecordingFailed { reason }).is_ok();
+            is_told.store(is_taken, Ordering::Relaxed);
         }
     }
 }
@@ -135,8 +143,8 @@ impl Recorder {
         let mut writer = writer.with_live(live);
         writer.flush()?;
         let (items, queue) = sync_channel(QUEUE_CAPACITY);
-        let has_failed = Arc::new(AtomicBool::new(false));
-        let input = RecorderInput { items, events: events.clone(), has_failed: Arc::clone(&has_failed) };
+        let failure = Arc::new(Failure::default());
+        let input = RecorderInput { items, events: events.clone(), failure: Arc::clone(&failure) };
         let alarm = events.clone();
         let (finished, sortie) = channel();
         let thread = threads::spawn("recorder", events, move || {
@@ -145,7 +153,8 @@ impl Recorder {
                 // Without a receiver, nobody wants it.
                 Ok(sortie) => drop(finished.send(sortie)),
                 Err(error) => {
-                    has_failed.store(true, Ordering::Relaxed);
+                    failure.is_told.store(true, Ordering::Relaxed);
+                    failure.has_failed.store(true, Ordering::Relaxed);
                     let reason = format!("{error:#}");
                     let _ = alarm.send(Event::RecordingFailed { reason });
                 }

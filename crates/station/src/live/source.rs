@@ -23,12 +23,11 @@ pub enum Source {
 }
 
 impl Source {
-    /// Loads a source. A stream or file is opened later, by [`Self::start`].
+    /// Loads a source. A stream or file is opened later, by [`Self::start`]. `trust`: which certificate of a
+    /// stream in TLS is accepted.
     ///
     /// # Errors
     /// If the scenario of a simulated world does not exist or has a mistake.
-    ///
-    /// `trust`: which certificate of a stream in TLS is accepted.
     pub fn load(url: SourceUrl, trust: Trust) -> Result<Self> {
         Ok(match url {
             SourceUrl::Video(url) => Self::Video(Box::new(url), trust),
