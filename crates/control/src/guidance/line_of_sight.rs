@@ -287,7 +287,9 @@ impl LineOfSight {
         let error = course.map(|course| wrapped(desired_course - course.radians()));
         let speed = self.allowed_speed(input, boat, stop);
         if self.backs_off(boat, input) {
-            return (VesselCommand { throttle: -limits.astern, rudder: 0.0 }, state);
+            let may_go = self.can_go_astern(boat, destination, input);
+            let throttle = if may_go { -limits.astern } else { 0.0 };
+            return (VesselCommand { throttle, rudder: 0.0 }, state);
         }
         let Some(error) = error else { return (self.get_way(input, speed), GuidanceState::GettingWay) };
         self.way_since = None;
@@ -325,9 +327,8 @@ impl LineOfSight {
             (Destination::Place(_), Some(_)) => {
                 (leg.distance_m < self.tuning.arrival_m, leg.distance_m > self.tuning.hold_m)
             }
-            (Destination::Person { .. }, Some(stop)) if leg.is_last => {
-                (stop.left_m < 0.2, stop.left_m > STAND_OFF_DRIFT_M)
-            }
+            // Also on the way to a way-point: a person may drift there.
+            (Destination::Person { .. }, Some(stop)) => (stop.left_m < 0.2, stop.left_m > STAND_OFF_DRIFT_M),
             _ => (false, true),
         };
         match self.phase {

@@ -312,6 +312,36 @@ fn a_person_who_drifts_towards_the_boat_is_given_way() {
 }
 
 #[test]
+fn a_person_who_drifts_to_a_boat_on_the_way_to_a_way_point_is_given_way() {
+    // The way-point lies behind the person, whom the boat reaches first.
+    let way_points = vec![WaterPoint { x: 0.0, y: 9.0 }];
+    let mut scene = Scene { gives_heading: true, way_points, ..Scene::new(0.0) };
+    let mut least_m = f64::INFINITY;
+    for frame in 0..450 {
+        let at = WaterPoint { x: 0.0, y: 8.0 - 0.35 * f64::from(frame) * FRAME_S };
+        let velocity_m_per_s = (0.0, -0.35);
+        let drifting = Destination::Person { at, velocity_m_per_s, stand_off_m: 2.0, uncertainty_m: 0.3 };
+        scene.step(Some(drifting), true);
+        least_m = least_m.min(scene.at.distance_to(at));
+    }
+    assert!(least_m > 2.0, "{least_m}");
+}
+
+#[test]
+fn a_boat_that_backs_off_from_a_circle_stays_out_of_that_behind_it() {
+    let mut scene = Scene { gives_heading: true, ..Scene::new(0.0) };
+    let circle = |y: f64| KeepOut { centre: WaterPoint { x: 0.0, y }, radius_m: 3.0 };
+    scene.keep_outs = vec![circle(4.2), circle(-4.2)];
+    let mut least_m = f64::INFINITY;
+    scene.run(place(0.0, 30.0), 20.0, |scene, _| {
+        for circle in &scene.keep_outs {
+            least_m = least_m.min(scene.at.distance_to(circle.centre) - circle.radius_m);
+        }
+    });
+    assert!(least_m > 0.0, "{least_m}");
+}
+
+#[test]
 fn a_boat_that_gives_way_to_a_person_stays_out_of_the_circles() {
     // The person drifts towards the boat; beyond the boat is a circle. The boat points at the person, or
     // away.

@@ -4,7 +4,7 @@ use barrelman_vocab::{VesselCommand, VesselLimits, WaterPoint};
 
 use super::{ASTERN_EXCESS, EDGE_M, LineOfSight, POINTS_AT, Stop};
 use crate::guidance::clearance::free_distance;
-use crate::guidance::input::{Destination, GuidanceInput, GuidanceState};
+use crate::guidance::input::{Destination, GuidanceInput, GuidanceState, KeepOut};
 use crate::guidance::track::BoatState;
 use crate::wrapped::wrapped;
 
@@ -27,20 +27,38 @@ impl LineOfSight {
         };
         let left_m = stop.map_or(0.0, |stop| stop.left_m);
         let away = self.retreat(boat, (at, velocity_m_per_s), left_m, &input.limits);
-        let may_go = self.can_coast_to_rest(boat, away.throttle, input);
+        let may_go = self.can_coast_to_rest(boat, away.throttle, input.keep_outs);
         (if may_go { away } else { VesselCommand::NEUTRAL }, GuidanceState::StandingOff)
     }
 
     /// Whether a boat under this thrust, ahead or astern, still comes to rest before every circle when the
     /// thrust ends.
-    fn can_coast_to_rest(&self, boat: &BoatState, throttle: f64, input: &GuidanceInput<'_>) -> bool {
+    fn can_coast_to_rest(&self, boat: &BoatState, throttle: f64, circles: &[KeepOut]) -> bool {
         let Some(heading) = boat.heading else { return false };
         let (sin, cos) = libm::sincos(heading.radians());
         let sign = if throttle < 0.0 { -1.0 } else { 1.0 };
         let direction = (sign * sin, sign * cos);
-        let Some(free_m) = free_distance(boat.point, direction, input.keep_outs, EDGE_M) else { return true };
+        let Some(free_m) = free_distance(boat.point, direction, circles, EDGE_M) else { return true };
         let speed = boat.velocity.0 * direction.0 + boat.velocity.1 * direction.1;
         speed.max(0.0) < self.stopping_speed(free_m, self.model.coasting_m_per_s2)
+    }
+
+    /// Whether a boat that backs off from a circle keeps out of those behind it, and of the stand-off of its
+    /// destination.
+    pub(super) fn can_go_astern(
+        &self,
+        boat: &BoatState,
+        destination: Destination,
+        input: &GuidanceInput<'_>,
+    ) -> bool {
+        let is_free = |circles: &[KeepOut]| self.can_coast_to_rest(boat, -input.limits.astern, circles);
+        let is_free_of_destination = match destination {
+            Destination::Place(_) => true,
+            Destination::Person { at, stand_off_m, .. } => {
+                is_free(&[KeepOut { centre: at, radius_m: stand_off_m }])
+            }
+        };
+        is_free(input.keep_outs) && is_free_of_destination
     }
 
     /// The command of a boat at rest before a person: away from the person where it is too close. A boat that
