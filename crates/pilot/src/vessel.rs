@@ -141,8 +141,8 @@ pub struct VesselPilot {
     guide: Guide,
     marks: Marks,
     height: Option<(f64, Timestamp)>,
-    /// Whether the boat went over the water at the last Go.
-    goes_over_water: bool,
+    /// Whether the operator has confirmed a guidance in the picture, which keeps out of no circles.
+    goes_without_circles: bool,
     /// When a Go was refused that would have gone in the picture.
     gone_in_picture_at: Option<Timestamp>,
     tilt_reported_at: Option<Timestamp>,
@@ -160,7 +160,7 @@ impl VesselPilot {
             guide: Guide::new(guidance),
             marks: Marks::default(),
             height: None,
-            goes_over_water: false,
+            goes_without_circles: false,
             gone_in_picture_at: None,
             tilt_reported_at: None,
             frame_view: None,
@@ -185,6 +185,7 @@ impl VesselPilot {
     /// Another boat was selected: the guidance of the previous one ends.
     pub(crate) fn begin_target(&mut self) {
         self.guide.reset_boat();
+        self.gone_in_picture_at = None;
         if self.gate.is_guiding() {
             self.gate.stop(VesselStop::OtherBoat);
         }
@@ -230,6 +231,7 @@ impl VesselPilot {
 
     /// Everything is stopped.
     pub(crate) const fn stop(&mut self, cause: StopCause) {
+        self.gone_in_picture_at = None;
         self.gate.stop(VesselStop::Everything(cause));
     }
 
@@ -284,8 +286,9 @@ impl VesselPilot {
                 let guide_view = GuideView { camera: &modelled, is_commanded: self.gate.is_commanding() };
                 let advice = self.guide.step(seen, guide_view, &self.marks, &self.profile, now);
                 self.gate.set_clear(self.guide.has_room());
-                let is_water_lost = self.goes_over_water && self.marks.have_circles();
-                if is_water_lost && self.gate.is_guiding() && self.no_water(now).is_some() {
+                let needs_water = !self.goes_without_circles && self.marks.have_circles();
+                let is_water_lost = self.no_water(now).is_some_and(|why| why != NoWater::Law);
+                if needs_water && is_water_lost && self.gate.is_guiding() {
                     self.gate.stop(VesselStop::WaterLost);
                 }
                 if self.gate.is_guiding() && self.guide.is_unanswered() {

@@ -95,13 +95,14 @@ impl Marks {
     }
 
     /// Sets a mark in the view of its video frame. The first place or person is the destination, and so is
-    /// each one that is set while the one before is a place: a person that is being approached stays the
-    /// destination.
+    /// each one that is set while the one before is a place, or home to which no boat `is_guided`: a person
+    /// that is being approached stays the destination, and so does home on the way there.
     pub fn add(
         &mut self,
         drawn: &DrawnMark,
         frame_view: &FrameView,
         is_tilt_known: bool,
+        is_guided: bool,
     ) -> Result<u32, MarkRefusal> {
         if self.count == MAX_MARKS {
             return Err(MarkRefusal::TooMany);
@@ -127,8 +128,9 @@ impl Marks {
         });
         self.count += 1;
         let is_goal = matches!(drawn.mark, MarkKind::Place | MarkKind::Person);
-        let replaces =
-            self.destination().is_none_or(|mark| mark.kind == MarkKind::Place || mark.kind == MarkKind::Home);
+        let replaces = self
+            .destination()
+            .is_none_or(|mark| mark.kind == MarkKind::Place || (mark.kind == MarkKind::Home && !is_guided));
         let is_destination = is_goal && replaces;
         if is_destination {
             self.destination = Some(id);
@@ -206,7 +208,7 @@ impl Marks {
             _ => mark.drift = None,
         }
         (mark.direction, mark.water, mark.marked) = (direction, water, moved.captured_ns);
-        mark.has_tilt = is_tilt_known;
+        (mark.has_tilt, mark.held) = (is_tilt_known, None);
         // A boat that rests at its destination goes on to where the destination is now.
         if self.destination == Some(moved.id) {
             return Ok(RouteChange::DestinationMoved);

@@ -22,6 +22,10 @@ impl VesselPilot {
     ) -> Result<Option<VesselNotice>, Refusal> {
         // What the operator wants now is not what the boat went on with.
         self.gate.set_clear(false);
+        // A Go is confirmed by a Go alone.
+        if !matches!(request, VesselRequest::Guide | VesselRequest::GoHome) {
+            self.gone_in_picture_at = None;
+        }
         match request {
             VesselRequest::Mark(drawn) => {
                 return self.mark(drawn, picture, view).map(|id| Some(VesselNotice::Marked(id, drawn.mark)));
@@ -85,7 +89,7 @@ impl VesselPilot {
         if !was_guiding {
             self.guide.expect_answer();
             self.marks.begin_route();
-            self.goes_over_water = no_water.is_none();
+            self.goes_without_circles = no_water.is_some() && self.marks.have_circles();
         }
         self.gone_in_picture_at = None;
         Ok(VesselNotice::Going(no_water))
@@ -98,7 +102,10 @@ impl VesselPilot {
         view: VesselView<'_>,
     ) -> Result<u32, Refusal> {
         let frame_view = self.view_of(drawn.captured_ns, picture, view)?;
-        let id = self.marks.add(drawn, &frame_view, self.is_tilt_known()).map_err(refusal_of)?;
+        let id = self
+            .marks
+            .add(drawn, &frame_view, self.is_tilt_known(), self.gate.is_guiding())
+            .map_err(refusal_of)?;
         self.guide.anchor();
         Ok(id)
     }

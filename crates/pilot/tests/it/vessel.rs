@@ -682,6 +682,50 @@ fn a_boat_that_goes_around_people_stops_when_the_height_is_not_reported_any_more
 }
 
 #[test]
+fn a_go_is_confirmed_by_a_go_alone() {
+    let no_height = Refusal::PictureOnly(NoWater::NoHeight);
+    let go = OperatorRequest::Vessel(VesselRequest::Guide);
+    for between in [
+        OperatorRequest::Stop(StopCause::Operator),
+        OperatorRequest::Vessel(VesselRequest::StopVessel { by: VesselStopper::Operator }),
+        OperatorRequest::Vessel(VesselRequest::NextMark),
+    ] {
+        let mut bench = Bench::new();
+        bench.tell(Report::CameraTilt(Angle::from_degrees(-40.0)));
+        bench.see(INSIDE);
+        bench.mark(MarkKind::Person, TARGET);
+        refused(&bench.ask(go.clone()), no_height);
+        bench.ask(between.clone());
+        bench.see(INSIDE);
+        refused(&bench.ask(go.clone()), no_height);
+    }
+}
+
+#[test]
+fn a_circle_that_is_marked_on_the_way_stops_a_boat_that_is_guided_in_the_picture() {
+    let mut bench = Bench::new();
+    bench.see(INSIDE);
+    bench.mark(MarkKind::Place, TARGET);
+    bench.ask(OperatorRequest::Vessel(VesselRequest::Guide));
+    assert_eq!(bench.see(INSIDE).vessel.mode, VesselMode::Guided);
+    bench.mark(MarkKind::Forbidden, PixelPoint { u: 200.0, v: 300.0 });
+    assert_eq!(bench.see(INSIDE).vessel.mode, VesselMode::Stopped(VesselStop::WaterLost));
+}
+
+#[test]
+fn a_person_marked_on_the_way_home_does_not_turn_the_boat_round() {
+    let mut bench = Bench::going(MarkKind::Place);
+    bench.mark(MarkKind::Home, TARGET);
+    bench.ask(OperatorRequest::Vessel(VesselRequest::GoHome));
+    bench.mark(MarkKind::Person, PixelPoint { u: 200.0, v: 300.0 });
+    let destination = |outcome: &Outcome| outcome.vessel.marks.destination().map(|mark| mark.kind);
+    assert_eq!(destination(&bench.see(INSIDE)), Some(MarkKind::Home));
+    bench.ask(OperatorRequest::Vessel(VesselRequest::StopVessel { by: VesselStopper::Operator }));
+    bench.mark(MarkKind::Person, PixelPoint { u: 300.0, v: 300.0 });
+    assert_eq!(destination(&bench.see(INSIDE)), Some(MarkKind::Person));
+}
+
+#[test]
 fn a_step_with_a_boat_allocates_nothing() {
     let mut bench = Bench::going(MarkKind::Person);
     bench.mark(MarkKind::Forbidden, PixelPoint { u: 200.0, v: 300.0 });

@@ -116,12 +116,11 @@ impl Mark {
         match (&fix, &mut self.drift) {
             (Some(fix), Some(drift)) => _ = drift.see(fix, seen.captured),
             (Some(fix), drift) => *drift = Some(Drift::at_rest(fix, seen.captured)),
-            (None, _) => {}
+            (None, drift) => *drift = None,
         }
         self.direction = direction;
-        if let Some(fix) = fix {
-            self.water = Some(self.averaged(fix, seen.captured));
-        }
+        // An old place is none: it is placed again when height and tilt are known.
+        self.water = fix.map(|fix| self.averaged(fix, seen.captured));
         self.marked = seen.captured;
     }
 
