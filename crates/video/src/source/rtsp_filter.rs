@@ -19,6 +19,8 @@ const MAX_HEAD_BYTES: usize = 64 << 10;
 const MAX_BODY_BYTES: usize = 256 << 10;
 /// Largest access unit, bytes: a key frame of 4K video has less than 2 MiB.
 const MAX_UNIT_BYTES: usize = 8 << 20;
+/// The second byte of an RTCP packet.
+const RTCP_KINDS: core::ops::RangeInclusive<u8> = 192..=223;
 /// Length of the header of interleaved data, and of the part of an RTP header that holds its time.
 const INTERLEAVED_HEADER: usize = 4;
 const RTP_TIME_END: usize = 8;
@@ -225,8 +227,12 @@ fn has_version(head: &[u8]) -> bool {
     lines(head).next().is_some_and(|line| line.windows(6).any(|word| word == b" RTSP/"))
 }
 
-/// Counts an RTP packet to the access unit of its time.
+/// Counts an RTP packet to the access unit of its time. Reports of the sender (RTCP, RFC 5761) have no time
+/// there, and belong to no unit.
 fn count_unit(unit: &mut (u32, usize), packet: &[u8]) -> Result<(), Refusal> {
+    if packet.get(1).is_some_and(|kind| RTCP_KINDS.contains(kind)) {
+        return Ok(());
+    }
     let time = packet
         .get(..RTP_TIME_END)
         .map_or(unit.0, |header| u32::from_be_bytes([header[4], header[5], header[6], header[7]]));
@@ -326,6 +332,13 @@ mod tests {
         }
         assert!(stream.len() > 2 * MAX_UNIT_BYTES);
         assert!(passed(&stream, 4096).is_ok());
+    }
+
+    #[test]
+    fn reports_of_the_sender_are_no_part_of_an_access_unit() {
+        let report = [&[0x80, 200, 0, 6][..], &[7; 24]].concat();
+        let stream = data(1, &report).repeat(MAX_UNIT_BYTES / report.len() + 1);
+        assert!(passed(&stream, 1 << 16).is_ok());
     }
 
     #[test]
