@@ -10,7 +10,7 @@ use barrelman_vocab::mavlink::{Address, MavlinkPeers, SystemId};
 use barrelman_vocab::telemetry::{ControlState, Quaternion, Report};
 use mavlink::dialects::common::{
     COMMAND_ACK_DATA, GIMBAL_DEVICE_ATTITUDE_STATUS_DATA, GIMBAL_MANAGER_INFORMATION_DATA,
-    GIMBAL_MANAGER_STATUS_DATA, GimbalManagerCapFlags, HEARTBEAT_DATA, MavCmd, MavType,
+    GIMBAL_MANAGER_STATUS_DATA, GimbalManagerCapFlags, HEARTBEAT_DATA, MavType,
 };
 
 use super::autopilot_reports::AutopilotReports;
@@ -54,7 +54,7 @@ pub enum Received {
     Restarted,
     /// Anything else of the gimbal manager.
     Other,
-    /// A command to zoom was answered.
+    /// The camera has taken a command of this program to zoom, or does not know such commands.
     ZoomAnswered,
     /// The horizontal field of view of the camera that zooms.
     FieldOfView(Angle),
@@ -210,7 +210,9 @@ impl Facts {
                 self.report_control_again(each);
             }
         } else if let Some(answer) = frame.read::<COMMAND_ACK_DATA>() {
-            if answer.command == MavCmd::MAV_CMD_SET_CAMERA_ZOOM {
+            // The camera's own answer, or that of the autopilot that passes it on.
+            let is_of_vehicle = self.camera().is_some_and(|camera| camera.system == frame.from.system);
+            if is_of_vehicle && self.is_of_zoom(&answer) {
                 each(Received::ZoomAnswered);
             } else if self.is_manager(frame.from) && self.is_of_claim(&answer) {
                 self.on_claim_answered(answer.result, each);

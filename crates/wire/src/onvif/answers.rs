@@ -239,6 +239,9 @@ pub struct Spaces {
 /// A range of velocities.
 #[derive(Debug, Deserialize)]
 pub struct VelocitySpace {
+    /// The name.
+    #[serde(rename = "URI", default)]
+    pub uri: String,
     /// Pan.
     #[serde(rename = "XRange")]
     pub pan: Range,
@@ -250,6 +253,9 @@ pub struct VelocitySpace {
 /// A range of the zoom's velocities.
 #[derive(Debug, Deserialize)]
 pub struct ZoomVelocitySpace {
+    /// The name.
+    #[serde(rename = "URI", default)]
+    pub uri: String,
     /// The range.
     #[serde(rename = "XRange")]
     pub zoom: Range,

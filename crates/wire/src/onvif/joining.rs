@@ -3,24 +3,21 @@
 
 use core::time::Duration;
 
-use barrelman_vocab::acceptance::Acceptance;
 use barrelman_vocab::{Equipment, EquipmentKind, Timestamp};
 
 use super::answers::{
-    CapabilitiesBody, DateAndTimeBody, MoveOptions, MoveOptionsBody, Profile, ProfilesBody, ServiceAddress,
-    ServicesBody,
+    CapabilitiesBody, DateAndTimeBody, Profile, ProfilesBody, ServiceAddress, ServicesBody,
 };
-use super::ask::{Ask, MOVE_TIMEOUT, Media, Service};
+use super::ask::{Ask, Media, Service};
 use super::camera_time::CameraTime;
+use super::joining_error::{JoiningError, answer};
+use super::move_limits::limits_of;
 use super::refusal::Refusal;
 use super::soap;
 use super::velocity::FullSpeeds;
 
 /// The path of the device's service, which the standard states.
 const DEVICE_PATH: &str = "/onvif/device_service";
-
-/// A camera whose least time-out is longer is not used.
-const LATEST_TIMEOUT: Duration = Duration::from_secs(2);
 
 /// The paths of the services. The host is always that of the link, whatever the camera says.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
@@ -40,78 +37,6 @@ impl Paths {
         known.unwrap_or(DEVICE_PATH)
     }
 }
-
-/// Why a camera cannot be used.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub enum JoiningError {
-    /// It refuses a question.
-    Refused {
-        /// The question.
-        question: &'static str,
-        /// What it says.
-        refusal: Refusal,
-    },
-    /// Its answer to a question cannot be read.
-    Unreadable(&'static str),
-    /// It has no service of this name.
-    NoService(&'static str),
-    /// None of its media profiles pans and tilts.
-    NoMotion,
-    /// None of its media profiles that pan and tilt is called so.
-    NoProfile {
-        /// What the operator wrote.
-        chosen: String,
-        /// The profiles that pan and tilt.
-        moving: Vec<String>,
-    },
-    /// It cannot be turned at a speed.
-    NoVelocity,
-    /// It ends a motion by itself only after this time at least.
-    LateTimeout(Duration),
-}
-
-impl JoiningError {
-    /// What it means for commands.
-    pub const fn said(&self) -> Acceptance {
-        match self {
-            Self::Refused { refusal, .. } => refusal.said,
-            Self::Unreadable(_) => Acceptance::Fault,
-            Self::NoService(_)
-            | Self::NoMotion
-            | Self::NoProfile { .. }
-            | Self::NoVelocity
-            | Self::LateTimeout(_) => Acceptance::NoCamera,
-        }
-    }
-}
-
-impl core::fmt::Display for JoiningError {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        match self {
-            Self::Refused { question, refusal } => {
-                write!(f, "the camera refuses {question}: {}", refusal.words)
-            }
-            Self::Unreadable(question) => write!(f, "the camera's answer to {question} cannot be read"),
-            Self::NoService(name) => write!(f, "the camera has no {name} service"),
-            Self::NoMotion => f.write_str("none of the camera's media profiles has a PTZ configuration"),
-            Self::NoProfile { chosen, moving } => write!(
-                f,
-                "no media profile of the camera that moves is called {chosen:?}: let video.stream be one of {}",
-                moving.join(", ")
-            ),
-            Self::NoVelocity => f.write_str("the camera cannot be turned at a speed (ContinuousMove)"),
-            Self::LateTimeout(least) => write!(
-                f,
-                "the camera ends no motion by itself before {} s, and a connection that fails would leave it turning for \
-                 longer than {} s",
-                least.as_secs_f64(),
-                LATEST_TIMEOUT.as_secs_f64()
-            ),
-        }
-    }
-}
-
-impl core::error::Error for JoiningError {}
 
 /// A media profile that moves.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -302,54 +227,10 @@ impl Joining {
     }
 }
 
-fn answer<B: serde::de::DeserializeOwned>(
-    question: &'static str,
-    refused: Option<Refusal>,
-    body: &[u8],
-) -> Result<B, JoiningError> {
-    match refused {
-        Some(refusal) => Err(JoiningError::Refused { question, refusal }),
-        None => soap::read(body).ok_or(JoiningError::Unreadable(question)),
-    }
-}
-
 /// The path of an address; an address that has none is a path by itself.
 fn path_of(address: &str) -> String {
     let behind = address.split_once("://").map_or(address, |(_, rest)| rest);
     let path = behind.find('/').map_or("/", |at| &behind[at..]);
     // What could begin another request line is not used.
     path.chars().filter(char::is_ascii_graphic).take(256).collect()
-}
-
-/// The limits of the motion, of an answer or of one that the camera does not know.
-fn limits_of(refused: Option<Refusal>, body: &[u8]) -> Result<(FullSpeeds, Duration), JoiningError> {
-    match refused {
-        Some(refusal) if refusal.is_unknown => Ok((FullSpeeds::GENERIC, MOVE_TIMEOUT)),
-        refused => {
-            let found: MoveOptionsBody = answer("GetConfigurationOptions", refused, body)?;
-            limits(&found.answer.options)
-        }
-    }
-}
-
-/// The ends of the ranges, and the time-out nearest to [`MOVE_TIMEOUT`] that the camera takes.
-fn limits(options: &MoveOptions) -> Result<(FullSpeeds, Duration), JoiningError> {
-    let space = options.spaces.velocities.first().ok_or(JoiningError::NoVelocity)?;
-    let is_usable = |max: f64| (1e-3..=1e3).contains(&max);
-    if !is_usable(space.pan.max) || !is_usable(space.tilt.max) {
-        return Err(JoiningError::NoVelocity);
-    }
-    let seconds = |text: &String| text.parse::<jiff::SignedDuration>().ok()?.try_into().ok();
-    let stated = |end: fn(&super::answers::Timeouts) -> &String| -> Option<Duration> {
-        options.timeouts.as_ref().map(end).and_then(seconds)
-    };
-    let least = stated(|timeouts| &timeouts.min).unwrap_or_default();
-    let largest = stated(|timeouts| &timeouts.max).filter(|most| !most.is_zero()).unwrap_or(MOVE_TIMEOUT);
-    if least > LATEST_TIMEOUT {
-        return Err(JoiningError::LateTimeout(least));
-    }
-    let zoom =
-        options.spaces.zoom_velocities.first().map(|space| space.zoom.max).filter(|max| is_usable(*max));
-    let full = FullSpeeds { pan: space.pan.max, tilt: space.tilt.max, zoom };
-    Ok((full, MOVE_TIMEOUT.min(largest).max(least)))
 }

@@ -15,6 +15,8 @@ pub mod answers;
 pub mod camera_time;
 pub mod discovery;
 pub mod joining;
+mod joining_error;
+mod move_limits;
 pub mod refusal;
 pub mod schedule;
 pub mod session;
@@ -24,7 +26,8 @@ pub mod ptz_camera;
 
 pub use ask::Ask;
 pub use call::Call;
-pub use joining::{Joined, Joining, JoiningError, MovingProfile};
+pub use joining::{Joined, Joining, MovingProfile};
+pub use joining_error::JoiningError;
 pub use login::Login;
 pub use ptz_camera::{CameraFaults, CameraSettings, PtzCamera};
 

@@ -23,7 +23,8 @@ use barrelman_vocab::{Telemetry, Timestamp, VehicleRates};
 
 use super::ask::Ask;
 use super::call::{Call, Caller};
-use super::joining::{Joined, Joining, JoiningError};
+use super::joining::{Joined, Joining};
+use super::joining_error::JoiningError;
 use super::login::Login;
 use super::schedule::Schedule;
 use super::velocity::Velocity;

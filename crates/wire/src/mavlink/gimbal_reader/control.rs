@@ -10,11 +10,26 @@ use super::{Claim, Facts, Holder, Received};
 const CONTROL_REPORT_S: f64 = 0.5;
 
 impl Facts {
-    pub(super) fn is_of_claim(&self, answer: &COMMAND_ACK_DATA) -> bool {
-        let own = self.peers.own;
+    /// Whether a command of this program to zoom was taken, or is one that the camera does not know. One that
+    /// failed is sent again.
+    pub(super) fn is_of_zoom(&self, answer: &COMMAND_ACK_DATA) -> bool {
+        let has_failed = matches!(
+            answer.result,
+            MavResult::MAV_RESULT_TEMPORARILY_REJECTED
+                | MavResult::MAV_RESULT_FAILED
+                | MavResult::MAV_RESULT_IN_PROGRESS
+                | MavResult::MAV_RESULT_CANCELLED
+        );
+        answer.command == MavCmd::MAV_CMD_SET_CAMERA_ZOOM && self.is_to_us(answer) && !has_failed
+    }
+
+    fn is_to_us(&self, answer: &COMMAND_ACK_DATA) -> bool {
         let to = Address::new(answer.target_system, answer.target_component);
-        answer.command == MavCmd::MAV_CMD_DO_GIMBAL_MANAGER_CONFIGURE
-            && (to == own || to == Address::EVERYONE)
+        to == self.peers.own || to == Address::EVERYONE
+    }
+
+    pub(super) fn is_of_claim(&self, answer: &COMMAND_ACK_DATA) -> bool {
+        answer.command == MavCmd::MAV_CMD_DO_GIMBAL_MANAGER_CONFIGURE && self.is_to_us(answer)
     }
 
     pub(super) fn on_status(&mut self, status: &GIMBAL_MANAGER_STATUS_DATA, each: &mut impl FnMut(Received)) {

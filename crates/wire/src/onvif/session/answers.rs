@@ -8,7 +8,7 @@ use super::{OnvifSession, RETRY, State};
 use crate::http::motion::Speeds as _;
 use crate::onvif::answers::{Status, StatusBody};
 use crate::onvif::ask::Ask;
-use crate::onvif::joining::JoiningError;
+use crate::onvif::joining_error::JoiningError;
 use crate::onvif::refusal::Refusal;
 use crate::onvif::{soap, watch};
 use crate::session::RestEvidence;

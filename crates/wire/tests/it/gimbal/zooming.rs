@@ -5,8 +5,10 @@ use core::time::Duration;
 use barrelman_vocab::mavlink::{Address, ComponentId, MavlinkPeers};
 use barrelman_vocab::telemetry::{LinkState, Report};
 use barrelman_vocab::{Angle, VehicleRates, ZoomAbility};
+use barrelman_wire::mavlink::frame::FrameWriter;
 use barrelman_wire::mavlink::gimbal_manager::{CameraKind, GimbalManagerSettings};
 use barrelman_wire::{LinkHistory, NextAction, Session as _};
+use mavlink::dialects::common::{COMMAND_ACK_DATA, MavCmd, MavResult};
 
 use super::bench::{Bench, Sent, at, rates, sent};
 
@@ -57,6 +59,43 @@ fn a_zoom_is_repeated_while_it_is_wanted_and_followed_by_zeros_until_they_are_an
     let answered = bench.now_ms;
     bench.run(Duration::from_secs(3));
     assert_eq!(speeds(&bench, answered), [0.0; 0], "another client may zoom now");
+}
+
+#[test]
+fn zeros_that_fail_or_that_are_of_another_client_are_not_taken_for_answered() {
+    for (result, to, is_repeated) in [
+        (MavResult::MAV_RESULT_ACCEPTED, MavlinkPeers::DEFAULT.own, false),
+        (MavResult::MAV_RESULT_DENIED, MavlinkPeers::DEFAULT.own, false),
+        (MavResult::MAV_RESULT_FAILED, MavlinkPeers::DEFAULT.own, true),
+        (MavResult::MAV_RESULT_TEMPORARILY_REJECTED, MavlinkPeers::DEFAULT.own, true),
+        (MavResult::MAV_RESULT_ACCEPTED, Address::new(255, 190), true),
+    ] {
+        let mut bench = up();
+        bench.session.request(VehicleRates::REST.zooming(1.0), None);
+        bench.run(Duration::from_millis(500));
+        bench.session.request(VehicleRates::REST, None);
+        // What the vehicle itself answers gets lost.
+        bench.passes.1 = false;
+        let mut writer = FrameWriter::new(Address::new(1, 1), None);
+        for _ in 0..8 {
+            bench.run(Duration::from_millis(250));
+            let answer = COMMAND_ACK_DATA {
+                command: MavCmd::MAV_CMD_SET_CAMERA_ZOOM,
+                result,
+                progress: 0,
+                result_param2: 0,
+                target_system: to.system.0,
+                target_component: to.component.0,
+            };
+            bench.passes.1 = true;
+            let packet = writer.write(&answer);
+            bench.deliver(&[packet]);
+            bench.passes.1 = false;
+        }
+        let since = bench.now_ms;
+        bench.run(Duration::from_secs(1));
+        assert_eq!(!speeds(&bench, since).is_empty(), is_repeated, "{result:?} {to}");
+    }
 }
 
 #[test]
