@@ -131,8 +131,11 @@ impl Connection {
             && let Authorization::Digest(login) = connector.authorization()
             && let Some(digest) = Digest::begin(login, answer.headers())
         {
-            // The connection takes the next request when this answer has been read.
+            // The connection takes the next request when this answer has been read, or is closed with it.
             body_of(answer).await?;
+            if self.sender.ready().await.is_err() {
+                *self = Self::open(connector).await?;
+            }
             self.digest = Some(digest);
             answer = self.send(connector, asked).await?;
         }
