@@ -68,6 +68,18 @@ pub enum SourceAddress {
     Pipeline(String),
 }
 
+impl SourceAddress {
+    /// Whether the end of the source is meant: a file, what is read as one, and an own pipeline end. A camera's
+    /// stream that ends is lost.
+    pub fn may_end(&self) -> bool {
+        match self {
+            Self::Rtsp { .. } | Self::Udp { .. } | Self::Sdp(_) | Self::Device(_) => false,
+            Self::Network { url, .. } => url.starts_with("http"),
+            Self::File(_) | Self::Pipeline(_) => true,
+        }
+    }
+}
+
 /// A login. Not printed.
 #[derive(Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct SourceLogin {

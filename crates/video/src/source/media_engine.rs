@@ -40,6 +40,7 @@ impl Engine for MediaEngine {
             shown_address: self.shown_address.clone(),
             clock: self.clock,
             silent_after: Instant::now() + START_TIMEOUT,
+            may_end: self.settings.address.may_end(),
             is_open: false,
         })
     }
@@ -51,6 +52,7 @@ struct MediaConnection {
     clock: Clock,
     /// When silence means that the process has stopped.
     silent_after: Instant,
+    may_end: bool,
     is_open: bool,
 }
 
@@ -79,7 +81,11 @@ impl Connection for MediaConnection {
                 FromSource::SenderReport(report) => {
                     return ConnectionEvent::Reports(vec![self.report(report)]);
                 }
-                FromSource::Ended => return ConnectionEvent::Broken(Broken::Ended),
+                FromSource::Ended if self.may_end => return ConnectionEvent::Broken(Broken::Ended),
+                FromSource::Ended => {
+                    let reason = "the stream ended".to_owned();
+                    return ConnectionEvent::Broken(Broken::Temporary { reason, is_reached: self.is_open });
+                }
                 FromSource::Failed(failure) if failure.is_final => {
                     let address = self.shown_address.clone();
                     let (what, remedy) = (failure.what, failure.remedy);
