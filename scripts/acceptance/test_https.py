@@ -182,5 +182,7 @@ class TestBrowser:
             Object.defineProperty(window, 'isSecureContext', { value: false });
             Object.defineProperty(navigator, 'wakeLock', { value: undefined })""")
         page.click_enabled("engage")
-        wait_until(lambda: "screen may go dark: this page is not encrypted" in page.text("toast"), "the notice")
+        wait_until(
+            lambda: "screen may go dark: this page is not encrypted" in page.text("toast"), "the notice"
+        )
         page.click("disengage")

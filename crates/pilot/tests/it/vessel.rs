@@ -694,10 +694,10 @@ fn a_go_is_confirmed_by_a_go_alone() {
         bench.tell(Report::CameraTilt(Angle::from_degrees(-40.0)));
         bench.see(INSIDE);
         bench.mark(MarkKind::Person, TARGET);
-        refused(&bench.ask(go.clone()), no_height);
-        bench.ask(between.clone());
+        refused(&bench.ask(go), no_height);
+        bench.ask(between);
         bench.see(INSIDE);
-        refused(&bench.ask(go.clone()), no_height);
+        refused(&bench.ask(go), no_height);
     }
 }
 
