@@ -53,6 +53,8 @@ pub(crate) struct Scene {
     pub(crate) pilot: Pilot,
     pub(crate) ms: u64,
     sequence: u64,
+    /// Whether height and tilt are reported.
+    reports: bool,
     /// Allocations of the steps with frames so far.
     pub(crate) allocations: u64,
 }
@@ -83,14 +85,14 @@ impl Scene {
         for report in [Report::CameraTilt(Angle::from_degrees(-40.0)), Report::CameraHeight(15.0)] {
             pilot.step(Input::Telemetry(Telemetry { at: at(1_000), report }), at(1_000));
         }
-        Self { pilot, ms: 1_000, sequence: 0, allocations: 0 }
+        Self { pilot, ms: 1_000, sequence: 0, reports: true, allocations: 0 }
     }
 
     /// The next picture, with people at these places.
     pub(crate) fn see(&mut self, people: &[Option<PixelPoint>]) -> Outcome {
         self.ms += FRAME_MS;
         self.sequence += 1;
-        if self.sequence.is_multiple_of(30) {
+        if self.reports && self.sequence.is_multiple_of(30) {
             for report in [Report::CameraTilt(Angle::from_degrees(-40.0)), Report::CameraHeight(15.0)] {
                 self.pilot.step(Input::Telemetry(Telemetry { at: at(self.ms), report }), at(self.ms));
             }
@@ -224,6 +226,34 @@ fn a_mark_that_is_moved_holds_whom_it_is_moved_to_and_a_removed_one_nobody() {
     scene.ask(VesselRequest::Unmark { id });
     let outcome = scene.see_for(20, &both);
     assert_eq!(outcome.vessel.marks.iter().count(), 0);
+}
+
+#[test]
+fn a_mark_that_is_moved_to_the_bare_water_is_not_shown_as_held() {
+    let mut scene = Scene::new();
+    let people = [Some(FIRST)];
+    scene.see_for(5, &people);
+    let id = scene.mark(MarkKind::Person, FIRST);
+    assert!(mark(&scene.see_for(5, &people), id).held.is_some());
+    let captured_ns = at(scene.ms).minus(Duration::from_millis(LATENCY_MS));
+    scene.ask(VesselRequest::MoveMark(MovedMark { id, at: SECOND, captured_ns }));
+    assert_eq!(mark(&scene.see_for(5, &people), id).held, None);
+}
+
+#[test]
+fn a_place_from_before_a_gap_in_height_and_tilt_is_none_after_it() {
+    let mut scene = Scene::new();
+    let at_time = |frame: usize| [Some(moved(FIRST, 0.2 * frame as f64, 0.0))];
+    scene.see_for(5, &at_time(0));
+    let id = scene.mark(MarkKind::Person, FIRST);
+    scene.reports = false;
+    let last = (0..400).map(|frame| scene.see(&at_time(frame))).last().unwrap();
+    assert!(mark(&last, id).held.is_some() && mark(&last, id).water.is_none(), "{:?}", mark(&last, id));
+    scene.reports = true;
+    let back = (400..450).map(|frame| scene.see(&at_time(frame))).last().unwrap();
+    assert!(mark(&back, id).water.is_some());
+    let person = at_time(449)[0].unwrap();
+    assert!(off(&back, id, person) < 6.0, "{}", off(&back, id, person));
 }
 
 #[test]
