@@ -29,8 +29,6 @@ mod exchange;
 /// The uptime may be reported this much earlier than before without a restart, seconds: packets overtake each
 /// other.
 const UPTIME_TOLERANCE_S: f64 = 1.0;
-/// From this id on a gimbal device is named by its component, below it is a part of the manager's.
-const LEAST_COMPONENT_DEVICE: u8 = 7;
 
 /// What was received.
 #[derive(Debug, Clone, PartialEq)]
@@ -105,7 +103,7 @@ struct Facts {
     camera_information: Option<CameraInformation>,
     /// The newest time since boot in the messages of each kind: parts of a vehicle may have clocks of their
     /// own.
-    uptimes: [Option<f64>; 3],
+    uptimes: [Option<f64>; 4],
     uptime_s: Option<f64>,
     /// When the gimbal manager spoke of the chosen device last.
     device_heard_s: f64,
@@ -123,7 +121,10 @@ struct Facts {
 enum Timed {
     Information,
     Status,
+    /// An attitude that the manager sends.
     Attitude,
+    /// One that the device itself sends, by its own clock.
+    DevicesAttitude,
 }
 
 impl GimbalReader {
@@ -135,7 +136,7 @@ impl GimbalReader {
             choice: GimbalChoice::new(peers.device),
             autopilot: AutopilotReports::default(),
             camera_information: None,
-            uptimes: [None; 3],
+            uptimes: [None; 4],
             uptime_s: None,
             device_heard_s: 0.0,
             is_claimed: false,
@@ -202,7 +203,9 @@ impl Facts {
             }
         } else if let Some(attitude) = frame.read::<GIMBAL_DEVICE_ATTITUDE_STATUS_DATA>() {
             if self.is_of_gimbal(frame.from, attitude.gimbal_device_id) {
-                self.on_uptime(Timed::Attitude, attitude.time_boot_ms, each);
+                let is_managers = self.gimbal.is_some_and(|gimbal| gimbal.manager == frame.from);
+                let kind = if is_managers { Timed::Attitude } else { Timed::DevicesAttitude };
+                self.on_uptime(kind, attitude.time_boot_ms, each);
                 if attitude.gimbal_device_id != 0 {
                     self.device_heard_s = uptime_s(attitude.time_boot_ms);
                 }
@@ -275,9 +278,9 @@ impl Facts {
         let Some(gimbal) = self.gimbal.filter(|gimbal| gimbal.manager.system == from.system) else {
             return false;
         };
-        let is_another_component = LEAST_COMPONENT_DEVICE <= gimbal.device
-            && from != gimbal.manager
-            && from.component.0 != gimbal.device;
+        // The devices 1 to 6 are the manager's own.
+        let is_another_component =
+            gimbal.device != 0 && from != gimbal.manager && from.component.0 != gimbal.device;
         match device {
             0 => !is_another_component,
             _ => device == gimbal.device || gimbal.device == 0,
@@ -295,7 +298,7 @@ impl Facts {
         if behind_s > UPTIME_TOLERANCE_S {
             // No commander has the control of a vehicle that has just started.
             self.lose_control();
-            (self.uptimes, self.uptime_s, self.gimbal) = ([None; 3], Some(uptime_s), None);
+            (self.uptimes, self.uptime_s, self.gimbal) = ([None; 4], Some(uptime_s), None);
             self.device_heard_s = uptime_s;
             self.autopilot = AutopilotReports::default();
             self.choice.forget();

@@ -229,6 +229,22 @@ fn parts_of_a_vehicle_with_clocks_of_their_own_are_no_restart() {
 }
 
 #[test]
+fn an_attitude_from_the_device_and_one_from_its_manager_are_no_restarts() {
+    let mut vehicle = Vehicle::known(154);
+    let mut heard = vehicle.status(600_000, 154, Address::EVERYONE);
+    for turn in 0..5 {
+        heard.extend(vehicle.attitude(AUTOPILOT, 600_000 + 100 * turn, 154));
+        heard.extend(vehicle.attitude(Address::new(1, 154), 5_000 + 100 * turn, 0));
+    }
+    assert!(!heard.contains(&Received::Restarted), "{heard:?}");
+    // A device of the manager's own is not another component.
+    let mut vehicle = Vehicle::known(1);
+    vehicle.status(600_000, 1, Address::EVERYONE);
+    assert!(is_attitude(&vehicle.attitude(AUTOPILOT, 600_000, 1)));
+    assert_eq!(vehicle.attitude(Address::new(1, 154), 5_000, 0), []);
+}
+
+#[test]
 fn after_a_restart_the_gimbal_is_one_of_the_same_vehicle() {
     let mut vehicle = Vehicle::known(1);
     vehicle.status(600_000, 1, Address::EVERYONE);
