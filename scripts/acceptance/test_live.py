@@ -125,3 +125,21 @@ def test_video_returns_after_each_restart_of_the_server(
         "memory does not grow from the second restart on", memory[-1] - memory[1] <= GROWS_AT_MOST_MB, memory
     )
     check("the run ends with exit 0", code == 0, code)
+
+
+def test_camera_that_ends_its_stream_is_lost_and_comes_back_where_gstreamer_reads_it(
+    barrelman: pathlib.Path, camera: Camera, tmp_path: pathlib.Path, check: Check
+) -> None:
+    config = tmp_path / "gstreamer.toml"
+    config.write_text('[video]\nengine = "gstreamer"\n')
+    child = spawn([barrelman, "run", config, "--headless", "--no-record", "--video", camera.url])
+    errors = Lines(child.stderr)
+    errors.wait_for(UP)
+    ups = errors.count(UP)
+    # The server closes its connections in order.
+    camera.child.terminate()
+    camera.child.wait()
+    wait_until(lambda: errors.count("lost"), "the loss of the video")
+    camera.start()
+    wait_until(functools.partial(is_up_again, errors, ups), UP)
+    check("the run ends with exit 0", end(child) == 0)
