@@ -198,17 +198,10 @@ impl VesselPilot {
 
     /// What the camera's vehicle reports of its height and tilt.
     pub(crate) fn on_camera_report(&mut self, telemetry: &Telemetry) {
-        let height_m = match telemetry.report {
-            Report::CameraHeight(height_m) => height_m,
-            Report::Tether { altitude_m, .. } => altitude_m,
-            Report::Position { height_m, .. } => height_m,
-            Report::CameraTilt(_) => {
-                self.tilt_reported_at = Some(telemetry.at);
-                return;
-            }
-            _ => return,
-        };
-        if height_m.is_finite() {
+        if let Report::CameraTilt(_) = telemetry.report {
+            self.tilt_reported_at = Some(telemetry.at);
+        }
+        if let Some(height_m) = telemetry.report.height_m().filter(|height_m| height_m.is_finite()) {
             self.height = Some((height_m, telemetry.at));
         }
     }

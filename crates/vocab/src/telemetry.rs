@@ -113,6 +113,33 @@ pub enum Report {
     Acceptance(Acceptance),
 }
 
+impl Report {
+    /// The height of the camera that it tells, metres above the water or the place of the start.
+    pub const fn height_m(&self) -> Option<f64> {
+        match self {
+            Self::CameraHeight(height_m) | Self::Position { height_m, .. } => Some(*height_m),
+            Self::Tether { altitude_m, .. } => Some(*altitude_m),
+            Self::Link(_)
+            | Self::Ground { .. }
+            | Self::Control { .. }
+            | Self::VehicleAttitude(_)
+            | Self::GimbalAttitude(_)
+            | Self::CameraTilt(_)
+            | Self::CameraHeading(_)
+            | Self::CameraPan(_)
+            | Self::Speed(_)
+            | Self::DriveMode(_)
+            | Self::Text(_)
+            | Self::Equipment(_)
+            | Self::FieldOfView(_)
+            | Self::Zoom(_)
+            | Self::Flight { .. }
+            | Self::FlightState { .. }
+            | Self::Acceptance(_) => None,
+        }
+    }
+}
+
 /// State of the link to the vehicle.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum LinkState {

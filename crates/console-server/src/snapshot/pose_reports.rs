@@ -16,12 +16,11 @@ pub(super) struct PoseReports {
 impl PoseReports {
     /// Takes a report's time.
     pub(super) fn note(&mut self, telemetry: &Telemetry) {
-        match telemetry.report {
-            Report::CameraTilt(_) => self.tilt = Some(telemetry.at),
-            Report::Position { .. } | Report::CameraHeight(_) | Report::Tether { .. } => {
-                self.height = Some(telemetry.at);
-            }
-            _ => {}
+        if let Report::CameraTilt(_) = telemetry.report {
+            self.tilt = Some(telemetry.at);
+        }
+        if telemetry.report.height_m().is_some() {
+            self.height = Some(telemetry.at);
         }
     }
 

@@ -85,6 +85,7 @@ pub struct VehicleSnapshot {
 impl VehicleSnapshot {
     /// Takes a report.
     pub(super) fn on_telemetry(&mut self, telemetry: &Telemetry) {
+        self.altitude_m = telemetry.report.height_m().or(self.altitude_m);
         match telemetry.report {
             Report::Link(state) => {
                 self.link = LinkStatus::Link(state);
@@ -111,12 +112,9 @@ impl VehicleSnapshot {
             Report::Control { control, .. } => self.control = Some(control),
             Report::CameraTilt(tilt) => self.tilt = Some(tilt),
             Report::CameraHeading(heading) => self.camera_heading = Some(heading),
-            Report::Position { latitude, longitude, height_m, heading, .. } => {
-                self.altitude_m = Some(height_m);
+            Report::Position { latitude, longitude, heading, .. } => {
                 self.position = Some(VehiclePosition { latitude, longitude, heading });
             }
-            Report::CameraHeight(height_m) => self.altitude_m = Some(height_m),
-            Report::Tether { altitude_m, .. } => self.altitude_m = Some(altitude_m),
             Report::Flight { state, is_battery_low, .. } | Report::FlightState { state, is_battery_low } => {
                 (self.flight, self.is_battery_low) = (Some(state), is_battery_low);
             }
@@ -124,7 +122,9 @@ impl VehicleSnapshot {
             Report::Equipment(used) => {
                 self.equipment.on_used(used);
             }
-            Report::VehicleAttitude(_)
+            Report::CameraHeight(_)
+            | Report::Tether { .. }
+            | Report::VehicleAttitude(_)
             | Report::GimbalAttitude(_)
             | Report::CameraPan(_)
             | Report::Speed(_)
