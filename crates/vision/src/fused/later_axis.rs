@@ -9,6 +9,7 @@
 use super::extent::upright_box_of;
 use super::ratio::is_within;
 use super::seen_axis::SeenAxis;
+use super::selection::ellipse_around_box;
 use super::shape_following::axis_difference;
 use super::target::Target;
 use super::time_constant::rate_in;
@@ -18,8 +19,6 @@ use crate::silhouette::Silhouette;
 /// Settings of the later axis. Settings without a figure were not measured individually.
 #[derive(Debug, Clone, Copy)]
 struct LaterAxisSettings {
-    /// Half axes of the ellipse that is measured, in half sides of the box.
-    reach: f32,
     /// Minimum contrast of a silhouette, 0 to 1.
     min_contrast: f32,
     /// Maximum ratio of minor to major axis of a silhouette that gives the axis, 0 to 1.
@@ -41,7 +40,6 @@ struct LaterAxisSettings {
 impl Default for LaterAxisSettings {
     fn default() -> Self {
         Self {
-            reach: 1.42,
             min_contrast: 0.3,
             max_roundness: 0.55,
             min_fill: 0.7,
@@ -112,9 +110,8 @@ impl LaterAxis {
         let (settings, geometry) = (&self.settings, &target.geometry);
         let (width, height) = geometry.upright_box();
         let half = (0.5 * width, 0.5 * height);
-        let around = (settings.reach * half.0, settings.reach * half.1);
         let contrast = crop.contrast(geometry.centre, half, 0.0);
-        let seen = Silhouette::measure(crop, geometry.centre, around, 0.0, contrast)?;
+        let seen = Silhouette::measure(crop, geometry.centre, ellipse_around_box(half), 0.0, contrast)?;
         let own = crop.contrast(seen.centroid, seen.half_axes(), seen.axis);
         let (wide, high) = upright_box_of(seen.major, seen.minor, seen.axis);
         let fits = |seen: f32, known: f32| is_within(seen / known, settings.max_misfit);

@@ -255,6 +255,6 @@ impl Selection {
 }
 
 /// Half axes of an ellipse that contains a box with these half sides.
-fn ellipse_around_box(half: (f32, f32)) -> (f32, f32) {
+pub(super) fn ellipse_around_box(half: (f32, f32)) -> (f32, f32) {
     (BOX_ELLIPSE * half.0, BOX_ELLIPSE * half.1)
 }
