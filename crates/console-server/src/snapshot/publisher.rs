@@ -113,14 +113,14 @@ impl Publisher {
                 let before = self.state.vehicle;
                 self.state.vehicle.on_telemetry(telemetry);
                 self.pose_reports.note(telemetry);
-                self.log_link_change(before.link, outcome.at);
+                self.log_link_change("link", before.link, self.state.vehicle.link, outcome.at);
                 self.log_acceptance(before.acceptance, outcome.at);
                 self.log_equipment(before.equipment, telemetry);
             }
             Input::VesselTelemetry(telemetry) => {
                 let before = self.state.vessel;
                 self.state.vessel.on_telemetry(telemetry);
-                self.log_vessel_link(before.link, outcome.at);
+                self.log_link_change("boat-link", before.link, self.state.vessel.link, outcome.at);
                 self.log_vessel(&before, telemetry);
             }
             Input::Localisation(_) | Input::Detections(_) | Input::Request(_) | Input::Tick => {}

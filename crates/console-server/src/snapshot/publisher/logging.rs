@@ -98,21 +98,14 @@ impl Publisher {
         }
     }
 
-    pub(super) fn log_vessel_link(&self, before: LinkStatus, now: Timestamp) {
-        if let LinkStatus::Link(state) = self.state.vessel.link
-            && before != self.state.vessel.link
+    /// Logs a change of the link to the camera (`link`) or to the boat (`boat-link`).
+    pub(super) fn log_link_change(&self, key: &str, before: LinkStatus, link: LinkStatus, now: Timestamp) {
+        if let LinkStatus::Link(state) = link
+            && before != link
         {
             let level = if state == LinkState::Up { Level::Info } else { Level::Warning };
-            self.events.add(now, level, "boat-link", format!("boat: {}", link_state_text(state)));
-        }
-    }
-
-    pub(super) fn log_link_change(&self, before: LinkStatus, now: Timestamp) {
-        if let LinkStatus::Link(state) = self.state.vehicle.link
-            && before != self.state.vehicle.link
-        {
-            let level = if state == LinkState::Up { Level::Info } else { Level::Warning };
-            self.events.add(now, level, "link", link_state_text(state));
+            let whose = if key == "boat-link" { "boat: " } else { "" };
+            self.events.add(now, level, key, format!("{whose}{}", link_state_text(state)));
         }
     }
 }
