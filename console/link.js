@@ -17,6 +17,7 @@ const ENDING = new Set(["stop", "stop-vessel", "disengage"]);
 const TRY_AGAIN_LATER = 1013;
 /** The program closes the socket with this code at its end. */
 const GOING_AWAY = 1001;
+/** How the reason then begins; what may still move follows. */
 const FAREWELL = "the program ends";
 
 export class Link extends EventTarget {

@@ -20,7 +20,8 @@ pub(super) const GRACE: Duration = Duration::from_secs(2);
 /// How long the page in control may be silent. A page sends something five times a second.
 pub(super) const MAX_SILENCE: Duration = Duration::from_secs(3);
 
-/// How long the page in control may be gone or silent before the boat is stopped. With the interval of the check, the boat is neutral after a second.
+/// How long the page in control may be gone or silent before the boat is stopped. With the interval of the
+/// check, the boat is neutral after a second.
 pub(super) const BOAT_SILENCE: Duration = Duration::from_millis(900);
 
 /// The largest number of pages at a time.

@@ -203,8 +203,8 @@ impl Console {
         f(&mut self.passes.lock().unwrap_or_else(PoisonError::into_inner))
     }
 
-    /// Tells all pages that the program ends, and what may still move, and waits until they are disconnected: a page that hears
-    /// nothing more would take the end for a lost connection.
+    /// Tells all pages that the program ends, and what may still move. Waits until they are disconnected: a
+    /// page that hears nothing more would take the end for a lost connection.
     pub(super) async fn end(&self, left: LeftMoving) {
         let mut seats = self.seat_changes.subscribe();
         self.ending.send_replace(Some(left));

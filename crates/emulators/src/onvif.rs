@@ -220,7 +220,7 @@ fn unauthorised() -> Response {
     if let Ok(challenge) = HeaderValue::from_str(&digest::challenge()) {
         refusal.headers_mut().insert(header::WWW_AUTHENTICATE, challenge);
     }
-    // As many cameras do, which take the proof on another connection.
+    // As many cameras do, which take the proof on a new connection.
     refusal.headers_mut().insert(header::CONNECTION, HeaderValue::from_static("close"));
     refusal
 }

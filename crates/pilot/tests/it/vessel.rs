@@ -52,6 +52,15 @@ impl Bench {
         self.pilot.step(input, at(self.ms))
     }
 
+    /// A boat that goes to a place in the picture: neither height nor tilt is reported.
+    fn going_in_the_picture() -> Self {
+        let mut bench = Self::new();
+        bench.see(INSIDE);
+        bench.mark(MarkKind::Place, TARGET);
+        bench.ask(OperatorRequest::Vessel(VesselRequest::Guide));
+        bench
+    }
+
     pub(crate) fn ask(&mut self, request: OperatorRequest) -> Outcome {
         self.step(Input::Request(request))
     }
@@ -608,10 +617,7 @@ fn a_boat_that_is_lost_is_neutral_within_a_quarter_of_a_second() {
 
 #[test]
 fn without_height_or_tilt_the_boat_is_guided_by_the_picture() {
-    let mut bench = Bench::new();
-    bench.see(INSIDE);
-    bench.mark(MarkKind::Place, TARGET);
-    bench.ask(OperatorRequest::Vessel(VesselRequest::Guide));
+    let mut bench = Bench::going_in_the_picture();
     for _ in 0..10 {
         bench.see(INSIDE);
     }
@@ -703,10 +709,7 @@ fn a_go_is_confirmed_by_a_go_alone() {
 
 #[test]
 fn a_circle_that_is_marked_on_the_way_stops_a_boat_that_is_guided_in_the_picture() {
-    let mut bench = Bench::new();
-    bench.see(INSIDE);
-    bench.mark(MarkKind::Place, TARGET);
-    bench.ask(OperatorRequest::Vessel(VesselRequest::Guide));
+    let mut bench = Bench::going_in_the_picture();
     assert_eq!(bench.see(INSIDE).vessel.mode, VesselMode::Guided);
     bench.mark(MarkKind::Forbidden, PixelPoint { u: 200.0, v: 300.0 });
     assert_eq!(bench.see(INSIDE).vessel.mode, VesselMode::Stopped(VesselStop::WaterLost));

@@ -1,7 +1,7 @@
 //! The stage that reports: the reported box follows the network's box.
 //!
-//! Input: the network's box, and the target. Output: the box, and the hull's centre. The reported box follows the
-//! network's box faster than the target's own box does, which the filter uses.
+//! Input: the network's box, and the target. Output: the box, and the hull's centre. The reported box follows
+//! the network's box faster than the target's own box does, which the filter uses.
 
 use barrelman_vocab::{PixelBox, PixelPoint};
 

@@ -1,4 +1,4 @@
-//! How fast a camera turns and zooms, and how long a motion lasts without another command, as the camera states.
+//! How fast a camera turns and zooms, and how long a motion lasts that is not renewed, as the camera states.
 
 use core::time::Duration;
 

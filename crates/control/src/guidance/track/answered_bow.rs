@@ -90,8 +90,8 @@ mod tests {
     use super::*;
     use crate::guidance::estimate::turned;
 
-    /// The first time at which a bow is contradicted, and the angle, of a boat that goes astern from
-    /// 2 s on, in a current, with its bow `bow` radians to the right, for 10 s at 15 frames/s. It goes at this
+    /// The first time at which a bow is contradicted, and the angle, of a boat that goes astern from 2 s on,
+    /// in a current, with its bow `bow` radians to the right, for 10 s at 15 frames/s. The boat goes at this
     /// share of the speed of the model.
     fn contradicted(bow: f64, assumed: f64, share: f64) -> Option<(f64, f64)> {
         let (mut answer, mut check) = (AnswerCheck::new(), AnsweredBow::default());

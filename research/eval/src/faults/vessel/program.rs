@@ -68,7 +68,6 @@ impl VesselProgram {
                 Picture::black(PICTURE, ColourEncoding::JPEG)
             }
         };
-
         let truth = Truth::new(Mutex::new(None));
         let tracker = Box::new(TruthTracker::new(Arc::clone(&truth)));
         let profile = VehicleProfile::fotokite_pro();
