@@ -117,7 +117,11 @@ class Run:
         time.sleep(max(0.0, self.started + seconds - time.monotonic()))
 
     def wait(self) -> int:
-        wait_until(lambda: self.child.poll() is not None, "the end of the run", ENDS_WITHIN)
+        wait_until(
+            lambda: self.child.poll() is not None,
+            lambda: f"the end of the run after {self.errors.text()[-800:]!r}",
+            ENDS_WITHIN,
+        )
         self.errors.join()
         # The emulator hears the last line within its listening period.
         time.sleep(0.05)

@@ -48,7 +48,14 @@ impl Pipe {
     /// The next message.
     pub fn read(&self) -> PipeRead {
         let mut buffer = [0; MAX_MESSAGE_BYTES + 1];
-        match rustix::net::recv(&self.0, &mut buffer, RecvFlags::DONTWAIT) {
+        let mut receive = || rustix::net::recv(&self.0, &mut buffer, RecvFlags::DONTWAIT);
+        let received = match receive() {
+            // The other end was closed with messages that it had not read. The system says so once, before
+            // the messages that the other end had sent.
+            Err(Errno::CONNRESET) => receive(),
+            received => received,
+        };
+        match received {
             // No message is empty.
             Ok((_, 0)) => PipeRead::End,
             Ok((_, length)) => PipeRead::Message(buffer[..length.min(buffer.len())].to_vec()),
@@ -61,5 +68,22 @@ impl Pipe {
 impl AsFd for Pipe {
     fn as_fd(&self) -> BorrowedFd<'_> {
         self.0.as_fd()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_an_end_said_is_read_after_it_was_closed_with_messages_unread() {
+        let (program, guard) = Pipe::pair().unwrap();
+        let guard = Pipe::from_fd(guard);
+        assert!(guard.send(b"panicked") && guard.send(b"ended"));
+        assert!(program.send(b"a request that is not read"));
+        drop(guard);
+        let read = [program.read(), program.read(), program.read(), program.read()];
+        let message = |text: &[u8]| PipeRead::Message(text.to_vec());
+        assert_eq!(read, [message(b"panicked"), message(b"ended"), PipeRead::End, PipeRead::End]);
     }
 }

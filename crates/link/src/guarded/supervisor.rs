@@ -27,6 +27,9 @@ const RESTART_PAUSE: Duration = Duration::from_millis(500);
 /// Longest wait for the end of the guard when the link is closed. The guard itself goes on after that.
 const CLOSING_TIMEOUT: Duration = Duration::from_secs(7);
 
+/// Pause before a report is offered again that must not be lost.
+const REPORT_PAUSE: Duration = Duration::from_millis(5);
+
 /// What became of the first opening of the port.
 pub(super) enum FirstOpening {
     /// The port is open, or its vehicle may come.
@@ -204,7 +207,7 @@ where
             FromGuard::HeldUp => drop((self.report)(LinkReport::HeldUp)),
             FromGuard::Suspended(gap) => drop((self.report)(LinkReport::Suspended(gap))),
             FromGuard::Stopped(evidence) => drop((self.report)(LinkReport::Stopped(evidence))),
-            FromGuard::Panicked => drop((self.report)(LinkReport::Panicked)),
+            FromGuard::Panicked => self.report_until_taken(|| LinkReport::Panicked),
             // A later guard goes on trying; its state says so.
             FromGuard::NotOpened { .. }
             | FromGuard::Alive
@@ -231,9 +234,14 @@ where
             self.reader = reader;
         }
         let telemetry = Telemetry { at, report: Report::Link(state) };
-        // A state must not be lost: the pilot goes by it.
-        while !(self.report)(LinkReport::Telemetry(telemetry)) && !self.client.state().is_closing {
-            std::thread::sleep(Duration::from_millis(5));
+        // The pilot goes by the state.
+        self.report_until_taken(|| LinkReport::Telemetry(telemetry));
+    }
+
+    /// Makes a report that must not be lost, unless the link is closing.
+    fn report_until_taken(&self, report: impl Fn() -> LinkReport) {
+        while !(self.report)(report()) && !self.client.state().is_closing {
+            std::thread::sleep(REPORT_PAUSE);
         }
     }
 
