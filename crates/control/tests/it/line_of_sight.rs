@@ -520,6 +520,17 @@ impl Straight {
     /// Goes on for some seconds at `speed` (m/s, ahead positive) with the bow reported `reported_deg` from
     /// ahead. The heading of the track at the end, degrees.
     fn heading_after(&mut self, seconds: f64, speed: f64, reported_deg: f64) -> f64 {
+        self.goes(seconds, speed, Some(reported_deg), true).unwrap()
+    }
+
+    /// The same; without a reported bow the tracker sees no axis. `is_commanded`: by this program.
+    fn goes(
+        &mut self,
+        seconds: f64,
+        speed: f64,
+        reported_deg: Option<f64>,
+        is_commanded: bool,
+    ) -> Option<f64> {
         let throttle = (speed / VesselModel::JET.speed_per_throttle).clamp(-0.6, 0.6);
         let mut now = Timestamp::from_secs_f64(self.now_s);
         for _ in 0..(seconds / FRAME_S) as u64 {
@@ -527,16 +538,23 @@ impl Straight {
             self.track.apply_command(VesselCommand { throttle, rudder: 0.0 }, now);
             let point = WaterPoint { x: 0.0, y: self.y_m };
             let water = WaterFix { point, covariance: WaterCovariance::isotropic(0.05) };
-            let heading = Some((Angle::from_degrees(reported_deg), Angle::from_degrees(15.0)));
-            self.track.observe(
-                &BoatFix { captured: now, water, heading, is_commanded: true, sway_per_s: None },
-                now,
-            );
+            let heading = reported_deg.map(|bow| (Angle::from_degrees(bow), Angle::from_degrees(15.0)));
+            self.track
+                .observe(&BoatFix { captured: now, water, heading, is_commanded, sway_per_s: None }, now);
             self.y_m += speed * FRAME_S;
             self.now_s += FRAME_S;
         }
-        self.track.predicted(now).unwrap().1.heading.unwrap().degrees()
+        self.track.predicted(now).unwrap().1.heading.map(Angle::degrees)
     }
+}
+
+#[test]
+fn the_bow_of_a_boat_at_rest_is_kept_unless_another_hand_may_turn_the_boat() {
+    let mut boat = Straight::new();
+    boat.heading_after(3.0, 1.8, 5.0);
+    assert!(boat.goes(20.0, 0.0, None, true).is_some());
+    assert_eq!(boat.goes(3.0, 0.0, None, false), None);
+    assert!(boat.goes(1.0, 0.0, Some(100.0), false).is_some_and(|bow| (bow - 100.0).abs() < 5.0));
 }
 
 #[test]

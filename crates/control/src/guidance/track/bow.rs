@@ -5,8 +5,10 @@ use super::{BoatTrack, Heading, MAX_HEADING_VARIANCE};
 use crate::guidance::input::BoatFix;
 use crate::wrapped::wrapped;
 
-/// Growth of the heading's variance, rad² per second.
+/// Growth of the heading's variance, rad² per second: of a boat whose turns the model knows, and of one that
+/// another hand steers.
 const HEADING_NOISE: f64 = 0.01;
+const UNKNOWN_TURNS: f64 = 0.25;
 /// Standard deviation of the course as a heading, radians: the crab angle.
 const CRAB_RAD: f64 = 0.35;
 /// Variance of a heading that the boat's answer to its thrust tells, rad².
@@ -18,10 +20,11 @@ impl BoatTrack {
         let motion = self.motion_at(at_s);
         if let Some(last) = &mut self.heading {
             let turn = motion.turned - turned_at(&self.motion, last.at_s);
+            let noise = if fix.is_commanded { HEADING_NOISE } else { UNKNOWN_TURNS };
             *last = Heading {
                 at_s,
                 angle: last.angle + turn,
-                variance: last.variance + HEADING_NOISE * (at_s - last.at_s).max(0.0),
+                variance: last.variance + noise * (at_s - last.at_s).max(0.0),
             };
             let contradiction =
                 self.answered_bow.contradiction(&self.answer, at_s, last.angle - motion.turned);
