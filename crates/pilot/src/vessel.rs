@@ -191,6 +191,11 @@ impl VesselPilot {
         }
     }
 
+    /// Whether the boat may have gone bow first at a time of capture, as one may that another hand steers.
+    pub(crate) fn may_be_bow_first(&self, captured: Timestamp) -> bool {
+        !self.gate.is_commanding() || self.guide.went_ahead_at(captured)
+    }
+
     /// A video frame that is fresh has arrived.
     pub(crate) const fn on_video(&mut self, now: Timestamp) {
         self.gate.on_video(now);

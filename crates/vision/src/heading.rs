@@ -6,6 +6,8 @@
 //! is long enough, its direction votes for one end of the axis; the votes are summed and bounded. A boat that
 //! stops keeps its heading; a boat that was never under way has none.
 //!
+//! The path of a boat that is known to go astern, or to drift, does not vote.
+//!
 //! Bow and stern do not change places. Where the camera's motion is only measured in the picture, which on
 //! water may take the camera's motion for the boat's, votes against a bow that was known make it unknown, and
 //! not the other end the bow.
@@ -46,6 +48,8 @@ pub(crate) struct HeadingEstimator {
     votes: f64,
     /// Whether the bow that was known last is at the given end of the axis.
     known: Option<bool>,
+    /// Whether the boat may go bow first.
+    is_bow_first: bool,
 }
 
 /// How the camera's motion is known, which is not in the boat's motion over the water.
@@ -59,7 +63,13 @@ pub(crate) enum CameraMotionSource {
 
 impl Default for HeadingEstimator {
     fn default() -> Self {
-        Self { path: VecDeque::with_capacity(MAX_POINTS + 1), position: (0.0, 0.0), votes: 0.0, known: None }
+        Self {
+            path: VecDeque::with_capacity(MAX_POINTS + 1),
+            position: (0.0, 0.0),
+            votes: 0.0,
+            known: None,
+            is_bow_first: true,
+        }
     }
 }
 
@@ -67,6 +77,11 @@ impl HeadingEstimator {
     /// Starts the path anew, because the motion over water is unknown for a while. The votes stay.
     pub(crate) fn clear_path(&mut self) {
         self.path.clear();
+    }
+
+    /// Whether the boat may go bow first from now on.
+    pub(crate) const fn set_bow_first(&mut self, may_be: bool) {
+        self.is_bow_first = may_be;
     }
 
     /// Discards path and votes.
@@ -87,6 +102,10 @@ impl HeadingEstimator {
         length: f64,
         source: CameraMotionSource,
     ) {
+        if !self.is_bow_first {
+            self.clear_path();
+            return;
+        }
         self.position = (self.position.0 + du, self.position.1 + dv);
         if self.path.back().is_none_or(|last| at_s - last.at_s >= MIN_POINT_INTERVAL_S) {
             if self.path.len() >= MAX_POINTS {
@@ -253,6 +272,20 @@ mod tests {
         assert_eq!(boat.move_for(5.0, 0.0, 0.0), Some(true));
         boat.heading.reset();
         assert_eq!(boat.move_for(5.0, 0.0, 0.0), None);
+    }
+
+    #[test]
+    fn a_boat_that_cannot_go_bow_first_keeps_its_bow() {
+        let mut boat = Boat::default();
+        boat.heading.set_bow_first(false);
+        assert_eq!(boat.move_for(5.0, 1.0, 180.0), None);
+        boat.heading.set_bow_first(true);
+        assert_eq!(boat.move_for(4.0, 1.0, 0.0), Some(true));
+        boat.heading.set_bow_first(false);
+        assert_eq!(boat.move_for(5.0, 1.0, 180.0), Some(true));
+        // The path astern does not vote afterwards.
+        boat.heading.set_bow_first(true);
+        assert_eq!(boat.move_for(1.0, 1.0, 0.0), Some(true));
     }
 
     #[test]

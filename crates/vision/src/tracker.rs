@@ -24,6 +24,10 @@ pub trait Tracker: Send {
     /// selection.
     fn track(&mut self, frame: &VideoFrame, prior: Option<&MotionPrior>) -> Track;
 
+    /// Whether the target may go bow first, as boats mostly do, in the frames from the next one on. The path of
+    /// a boat that is known to go astern, or to drift, does not tell the bow.
+    fn set_bow_first(&mut self, _may_be: bool) {}
+
     /// Forgets the target: the tracker is as before its first selection.
     fn forget(&mut self);
 

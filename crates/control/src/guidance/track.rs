@@ -8,10 +8,10 @@
 //! a prediction to the present continues with the commands given since (`smith1957`). The current is part of
 //! the velocity. The heading is the integrated turn, corrected by the tracker's heading, or by the course
 //! while the boat moves. The tracker takes the end of the boat that goes first for the bow: of a boat that
-//! goes astern, or is set by waves and wind, it reports the stern. So the tracker's heading counts as an
-//! axis. Its end is the one near the course of a boat that goes ahead by the model, or else the one near the
-//! heading so far. A heading that the boat's answer to its thrust contradicts is corrected
-//! ([`AnsweredBow`]).
+//! went astern, or was set by waves and wind, while another hand steered it, it reports the stern. So the
+//! tracker's heading counts as an axis. Its end is the one near the course of a boat that goes ahead by the
+//! model, or else the one near the heading so far. A heading that the boat's answer to its thrust contradicts
+//! is corrected ([`AnsweredBow`]).
 //!
 //! Work: O(1) per step, with one search in the history of [`HISTORY_LEN`] entries; no allocation after
 //! construction.
@@ -296,6 +296,11 @@ impl BoatTrack {
             surge: motion.surge,
         };
         Some((arrived, state))
+    }
+
+    /// Whether a boat that is commanded went ahead through the water at a time of capture, by the model.
+    pub fn went_ahead_at(&self, captured: Timestamp) -> bool {
+        self.motion_at(captured.as_secs_f64()).surge > STILL_M_PER_S
     }
 
     /// The camera's apparent displacement at a time of capture: that of the newest fix that is not later, or

@@ -15,6 +15,9 @@ impl Pilot {
         self.history.add(frame);
         self.proposals.on_frame(frame);
         self.measure_growth(frame);
+        if let Some(vessel) = &self.vessel {
+            self.tracker.set_bow_first(vessel.may_be_bow_first(frame.capture.at));
+        }
         let size = frame.picture.size();
         let (track, notice) = match self.drawn_selection.take() {
             Some(pending) => self.advance_selection(pending, frame),

@@ -160,6 +160,11 @@ impl Guide {
         self.line_of_sight.track().displacement_at(captured)
     }
 
+    /// Whether a boat that is commanded went ahead at a time of capture.
+    pub fn went_ahead_at(&self, captured: Timestamp) -> bool {
+        self.line_of_sight.track().went_ahead_at(captured)
+    }
+
     /// The command for a fresh localisation of the boat.
     pub fn step(
         &mut self,

@@ -123,6 +123,8 @@ pub(crate) struct Scripted {
     pub(crate) selections: VecDeque<Option<ImagePoint>>,
     /// The motion priors that the tracker received, one per frame.
     pub(crate) priors: Arc<Mutex<Vec<Option<MotionPrior>>>>,
+    /// Whether the boat may go bow first, as the tracker was told last.
+    pub(crate) is_bow_first: Arc<Mutex<Option<bool>>>,
 }
 
 /// The answer of a scripted tracker to a frame.
@@ -174,6 +176,10 @@ impl Tracker for Scripted {
     fn track(&mut self, frame: &VideoFrame, prior: Option<&MotionPrior>) -> Track {
         self.priors.lock().unwrap().push(prior.copied());
         self.tracks.pop_front().map_or(Track::Unseeded, |answer| answer.track(frame.capture.at))
+    }
+
+    fn set_bow_first(&mut self, may_be: bool) {
+        *self.is_bow_first.lock().unwrap() = Some(may_be);
     }
 
     fn forget(&mut self) {

@@ -1,6 +1,7 @@
 //! The boat as the second actuator: marks that stay on the water, guidance, and what stops the boat.
 
 use core::time::Duration;
+use std::sync::Arc;
 
 use barrelman_pilot::on_earth::NotOnEarth;
 use barrelman_pilot::vessel::guiding::NoWater;
@@ -15,7 +16,9 @@ use barrelman_vocab::{
 };
 use proptest::prelude::*;
 
-use crate::scenes::{INSIDE, LATENCY_MS, PICTURE, SceneInput, at, localisation_pilot, seen};
+use crate::scenes::{
+    self, INSIDE, LATENCY_MS, PICTURE, SceneInput, Scripted, at, frame, localisation_pilot, seen,
+};
 
 /// A point of the water below the horizon, right of the boat.
 pub(crate) const TARGET: PixelPoint = PixelPoint { u: 480.0, v: 330.0 };
@@ -613,6 +616,27 @@ fn a_boat_that_is_lost_is_neutral_within_a_quarter_of_a_second() {
         assert!(bench.ms - last_seen < 250);
     }
     assert!(bench.ms - last_seen <= 283);
+}
+
+#[test]
+fn the_tracker_takes_the_path_for_the_bows_while_the_boat_goes_ahead_or_another_hand_steers() {
+    let tracker = Scripted::default();
+    let told = Arc::clone(&tracker.is_bow_first);
+    let pilot = Pilot::new(scenes::settings(), Box::new(tracker));
+    let mut bench = Bench { pilot: pilot.with_vessel(settings(GuidanceLaw::LineOfSight)), ms: 1_000 };
+    let mut told_after = |throttle: Option<f64>| {
+        for _ in 0..60 {
+            if let Some(throttle) = throttle {
+                let helm = VesselCommand { throttle, rudder: 0.0 };
+                bench.ask(OperatorRequest::Vessel(VesselRequest::Steer(helm)));
+            }
+            bench.ms += 33;
+            bench.step(Input::Frame(&frame(bench.ms, at(bench.ms - LATENCY_MS))));
+        }
+        told.lock().unwrap().unwrap()
+    };
+    let told = [None, Some(-0.5), Some(0.0), Some(0.5)].map(&mut told_after);
+    assert_eq!(told, [true, false, false, true]);
 }
 
 #[test]

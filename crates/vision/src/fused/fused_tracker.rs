@@ -170,6 +170,10 @@ impl Tracker for FusedTracker {
         self.follower.advance(frame, prior)
     }
 
+    fn set_bow_first(&mut self, may_be: bool) {
+        self.follower.heading.set_bow_first(may_be);
+    }
+
     fn forget(&mut self) {
         self.selected = None;
         self.distractors.clear();

@@ -30,6 +30,9 @@ pub(super) struct Figures {
     followed: u64,
     axis_seen: u64,
     axis_off: u64,
+    /// Of the pictures in which the boat is followed: that with a heading; of those, that with the stern's.
+    headed: u64,
+    stern_first: u64,
 }
 
 impl Figures {
@@ -43,6 +46,8 @@ impl Figures {
             followed: self.followed + other.followed,
             axis_seen: self.axis_seen + other.axis_seen,
             axis_off: self.axis_off + other.axis_off,
+            headed: self.headed + other.headed,
+            stern_first: self.stern_first + other.stern_first,
         }
     }
 
@@ -79,6 +84,16 @@ impl Figures {
     /// Of the pictures with an axis: that in which the axis is off by more than 0.35 rad.
     pub(super) fn axis_off_share(&self) -> f64 {
         share(self.axis_off, self.axis_seen)
+    }
+
+    /// Of the pictures in which the boat is followed: that with a heading.
+    pub(super) fn headed_share(&self) -> f64 {
+        share(self.headed, self.followed)
+    }
+
+    /// Of the pictures with a heading: that in which it is the stern's.
+    pub(super) fn stern_share(&self) -> f64 {
+        share(self.stern_first, self.headed)
     }
 }
 
@@ -146,7 +161,7 @@ impl Judge {
         Some(((a, b), (c, d)))
     }
 
-    /// Compares the boat's axis that the tracker sees with the true one, both on the water.
+    /// Compares the boat's axis and heading that the tracker sees with the true ones, both on the water.
     fn judge_axis(&mut self, truth: &Truth, track: &Track) {
         let Track::Tracking(seen) = track else { return };
         self.figures.followed += 1;
@@ -156,6 +171,12 @@ impl Judge {
         // Either end may be the bow.
         let error = libm::asin(libm::sin(axis - truth.target.heading.radians()).abs());
         self.figures.axis_off += u64::from(error > AXIS_ERROR_RAD);
+        let heading = seen.heading.and_then(|heading| self.direction_on_water(truth, heading));
+        if let Some(heading) = heading {
+            self.figures.headed += 1;
+            let is_stern = libm::cos(heading - truth.target.heading.radians()) < 0.0;
+            self.figures.stern_first += u64::from(is_stern);
+        }
     }
 
     /// A direction in the picture at the boat, as one on the water, radians.

@@ -54,7 +54,7 @@ pub(crate) fn run(options: &Options) -> Result<bool> {
     let seeds: Vec<u64> = (options.first_seed..options.first_seed + options.seeds).collect();
     print_line(&format!("{} trials a scenario, seeds from {}", options.seeds, options.first_seed));
     print_line(
-        "scenario        marks    arrived  least m  < 2 m   held    at the person  honest   lost   other person   axis seen   off",
+        "scenario        marks    arrived  least m  < 2 m   held    at the person  honest   lost   other person   axis seen   off      heading  stern",
     );
     let mut is_met = true;
     for scenario in SCENARIOS {
@@ -72,7 +72,7 @@ fn run_scenario(scenario: &str, sea_state: Option<u8>, seeds: &[u64]) -> Result<
     let figures = held.iter().fold(Figures::default(), |sum, (_, figures)| sum.plus(*figures));
     print_line(&format!("{scenario:15} by hand  {}", guidance_cells(&by_hand)));
     print_line(&format!(
-        "{scenario:15} held     {}  {:>5.1} %  {:>9.1} %  {:>6.2} %  {:>5.1} %  {:>6.2} %        {:>5.1} %  {:>5.1} %",
+        "{scenario:15} held     {}  {:>5.1} %  {:>9.1} %  {:>6.2} %  {:>5.1} %  {:>6.2} %        {:>5.1} %  {:>5.1} %  {:>5.1} %  {:>5.1} %",
         guidance_cells(&held),
         100.0 * figures.held_share(),
         100.0 * figures.at_person_share(),
@@ -81,6 +81,8 @@ fn run_scenario(scenario: &str, sea_state: Option<u8>, seeds: &[u64]) -> Result<
         100.0 * figures.wrong_share(),
         100.0 * figures.axis_share(),
         100.0 * figures.axis_off_share(),
+        100.0 * figures.headed_share(),
+        100.0 * figures.stern_share(),
     ));
     Ok(figures.honest_share() >= HONEST_SHARE && figures.wrong_share() <= WRONG_SHARE)
 }
