@@ -36,7 +36,8 @@ accept() {
     --durations=15 -m "$marks and $chosen" "$@" | tee -a "$folder/printed"
 }
 
-# Most tests mostly wait; the others need both cores.
-accept "not alone" -n 2 --dist loadgroup
+# Most tests mostly wait. Those that drive a vehicle leave no time for a film beside them.
+accept "not realtime and not alone" -n 3 --dist loadgroup
+accept "realtime and not alone" -n 2 --dist loadgroup
 accept "alone"
 echo "not judged, as the machine stood still: $(grep -c ': not judged: ' "$folder/printed" || true)"

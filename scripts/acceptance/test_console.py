@@ -25,7 +25,7 @@ from page import Page, started
 from process import Lines, end, spawn
 from slow_line import SlowLine
 
-pytestmark = pytest.mark.alone
+pytestmark = pytest.mark.realtime
 
 SIZE = "960x540"
 # The world of a demo may run slower than the clock.
@@ -288,6 +288,7 @@ def test_program_that_hangs_is_not_shown_as_one_that_decides(
 SLOW_BYTES_PER_SECOND, SLOW_FOR_S, MOST_LATE_S = 60_000.0, 15.0, 6.0
 
 
+@pytest.mark.alone
 @pytest.mark.parametrize("path", ["stream", "jpeg"])
 def test_page_behind_a_slow_line_is_late_by_seconds_at_most_and_says_so(
     barrelman: pathlib.Path, tmp_path: pathlib.Path, check: Check, path: str

@@ -22,7 +22,7 @@ from machine import Delay, poll, wait_until
 from page import Page, started
 from process import run
 
-pytestmark = pytest.mark.alone
+pytestmark = pytest.mark.realtime
 
 SIZE = "960x540"
 # Processes and threads from a press to the rates in force: driver, browser, console, pilot, link, guard,

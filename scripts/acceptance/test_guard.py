@@ -25,7 +25,7 @@ from emulator import Emulator, Row
 from machine import Delay, lost, wait_until
 from process import Lines, Terminal, end, guards_of, is_alive, run, spawn
 
-pytestmark = [pytest.mark.alone, pytest.mark.clocked]
+pytestmark = [pytest.mark.realtime, pytest.mark.clocked]
 
 REST_LIMIT = 0.35
 UP_AGAIN_LIMIT = 4.0

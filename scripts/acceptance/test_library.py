@@ -19,7 +19,7 @@ from page import Page, axe_finds, scroll_bars, started
 from process import ROOT, end, memory_mb, run
 from recording import Recording, prolonged
 
-pytestmark = pytest.mark.alone
+pytestmark = pytest.mark.realtime
 
 EXPORTED = ["annotated.mp4", "report.html", "video.mp4", "trial.csv"]
 WORLD = "sim:arena1?seed=3&size=640x360"

@@ -197,7 +197,7 @@ def ended(program: Program, page: Page, boat: Boat, check: Check) -> None:
     check("every message was as it has to be", not boat.faults, boat.faults[:3])
 
 
-pytestmark = [pytest.mark.alone, pytest.mark.clocked]
+pytestmark = [pytest.mark.realtime, pytest.mark.clocked]
 
 
 def test_boat_is_asked_for_its_mode_left_to_its_sticks_and_missed_when_silent(

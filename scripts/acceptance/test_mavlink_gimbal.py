@@ -24,7 +24,7 @@ from machine import NEVER, Delay, lost, wait_until
 from process import Lines, end, free_port, guards_of, secret, spawn
 from worlds import first_box, follow_boat
 
-pytestmark = [pytest.mark.alone, pytest.mark.clocked]
+pytestmark = [pytest.mark.realtime, pytest.mark.clocked]
 
 REST_LIMIT = 0.35
 # The laboratory's camera turns on for half a second; half a second of reports shows that it does not get

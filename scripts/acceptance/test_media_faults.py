@@ -21,7 +21,7 @@ from machine import Delay, poll, wait_until
 from process import Lines, end, spawn
 from recording import Recording
 
-pytestmark = [pytest.mark.alone, pytest.mark.clocked]
+pytestmark = [pytest.mark.realtime, pytest.mark.clocked]
 
 REST_LIMIT, RETURN_LIMIT = 0.35, 3.0
 # Threads and processes from a signal to the rates in force: the source or decoder, the video's thread, the

@@ -244,7 +244,7 @@ def test_emulated_camera_understands_a_client_of_anothers_making(
     emulated.end()
 
 
-@pytest.mark.alone
+@pytest.mark.realtime
 def test_emulated_camera_keeps_the_boat_in_the_region(
     barrelman: pathlib.Path, tmp_path: pathlib.Path, check: Check
 ) -> None:

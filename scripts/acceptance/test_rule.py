@@ -21,7 +21,7 @@ from machine import Delay, lost, took
 from process import ENDS_WITHIN, Lines, run, spawn
 from recording import Recording
 
-pytestmark = [pytest.mark.alone, pytest.mark.clocked("module")]
+pytestmark = [pytest.mark.realtime, pytest.mark.clocked("module")]
 
 # The paper's rule, written down here once more on purpose.
 HALF_WIDTH, HALF_HEIGHT = 0.6 * WIDTH / 2, 0.5 * HEIGHT / 2

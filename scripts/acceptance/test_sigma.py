@@ -268,7 +268,7 @@ def test_check_says(
     assert all(method == "GET" for _, method, _, _ in sigma.requests)
 
 
-@pytest.mark.alone
+@pytest.mark.realtime
 def test_emulated_sigma_keeps_the_boat_in_the_region(
     barrelman: pathlib.Path, tmp_path: pathlib.Path, check: Check
 ) -> None:

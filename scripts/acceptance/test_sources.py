@@ -76,7 +76,7 @@ def watch(barrelman: pathlib.Path, url: str, folder: pathlib.Path, *options: obj
     return Run(recording, path, tracked, delays[FPS:], errors.text())
 
 
-@pytest.mark.alone
+@pytest.mark.realtime
 @pytest.mark.parametrize("codec", ["h264", "h265"])
 @pytest.mark.parametrize("way", ["tcp", "udp", "rtp", "ts"])
 def test_live_stream_is_tracked(
@@ -94,7 +94,7 @@ def test_live_stream_is_tracked(
     check("a replay decodes the same pictures", replayed.returncode == 0, replayed.stdout[-300:])
 
 
-@pytest.mark.alone
+@pytest.mark.realtime
 @pytest.mark.parametrize("codec", ["h264", "h265"])
 def test_stream_that_is_announced_as_another_is_tracked(
     barrelman: pathlib.Path, tmp_path: pathlib.Path, codec: str

@@ -25,7 +25,7 @@ from machine import NEVER, Delay, lost, poll, wait_until
 from process import Lines, Terminal, environment, spawn
 from recording import Recording
 
-pytestmark = [pytest.mark.alone, pytest.mark.clocked]
+pytestmark = [pytest.mark.realtime, pytest.mark.clocked]
 
 # The boat is in the right-hand sector from 3.2 s to 5.7 s of the clip; the link is up after 2.4 s.
 FAULT_AT = 3.7

@@ -33,7 +33,7 @@ from page import Page, started
 from process import ENDS_WITHIN, Lines, spawn
 from recording import Recording
 
-pytestmark = [pytest.mark.alone, pytest.mark.clocked]
+pytestmark = [pytest.mark.realtime, pytest.mark.clocked]
 
 SIZE = "960x540"
 #: Distance that the boat keeps from its person, metres.
