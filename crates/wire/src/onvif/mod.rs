@@ -14,6 +14,7 @@ pub mod velocity;
 pub mod answers;
 pub mod camera_time;
 pub mod discovery;
+mod duration;
 pub mod joining;
 mod joining_error;
 mod move_limits;

@@ -4,6 +4,7 @@ use core::time::Duration;
 
 use super::answers::{MoveOptions, MoveOptionsBody, Timeouts};
 use super::ask::MOVE_TIMEOUT;
+use super::duration::duration_of;
 use super::joining_error::{JoiningError, LATEST_TIMEOUT, answer};
 use super::refusal::Refusal;
 use super::velocity::FullSpeeds;
@@ -25,15 +26,6 @@ pub(super) fn limits_of(
 /// Of several spaces the generic one, which a camera uses where none is named; otherwise the first.
 fn usual<T>(spaces: &[T], uri: fn(&T) -> &String) -> Option<&T> {
     spaces.iter().find(|space| uri(space).ends_with("/VelocityGenericSpace")).or(spaces.first())
-}
-
-/// A duration in ISO 8601, also one that states years or months of zero. An empty text is no time.
-fn duration_of(text: &str) -> Option<Duration> {
-    if text.trim().is_empty() {
-        return Some(Duration::ZERO);
-    }
-    let span: jiff::Span = text.trim().parse().ok()?;
-    span.to_duration(jiff::SpanRelativeTo::days_are_24_hours()).ok()?.try_into().ok()
 }
 
 /// The ends of the ranges, and the time-out nearest to [`MOVE_TIMEOUT`] that the camera takes.

@@ -6,6 +6,7 @@ use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use serde::Deserialize;
 
+use crate::onvif::duration::duration_of;
 use crate::onvif::login::PASSWORD_DIGEST;
 use crate::onvif::velocity::SpeedShares;
 
@@ -66,11 +67,8 @@ fn asked(request: Request) -> Option<Asked> {
             let turn = velocity.pan_tilt.map_or((0.0, 0.0), |vector| (vector.x, vector.y));
             let velocity =
                 SpeedShares { pan: turn.0, tilt: turn.1, zoom: velocity.zoom.map_or(0.0, |scalar| scalar.x) };
-            let duration = |text: String| -> Option<Duration> {
-                text.trim().parse::<jiff::SignedDuration>().ok()?.try_into().ok()
-            };
             let timeout = match timeout {
-                Some(text) => Some(duration(text)?),
+                Some(text) => Some(duration_of(&text)?),
                 None => None,
             };
             Asked::Move { profile, velocity, timeout }
