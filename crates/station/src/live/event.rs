@@ -103,16 +103,16 @@ pub trait EventSource {
 
 /// The queue into which the threads of a live run put their events.
 #[derive(Debug)]
-pub struct EventQueue<'a> {
-    /// The queue.
-    pub queue: &'a Receiver<Event>,
+pub struct EventQueue {
+    /// The queue. Without it, whoever waits to add an event goes on.
+    pub queue: Receiver<Event>,
     /// The program's clock.
     pub clock: Clock,
     /// Detects that the loop was away.
     pub absence: AbsenceWatch,
 }
 
-impl EventSource for EventQueue<'_> {
+impl EventSource for EventQueue {
     fn now(&self) -> Timestamp {
         self.clock.now()
     }

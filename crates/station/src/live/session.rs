@@ -126,7 +126,7 @@ impl Session<'_> {
         }
         let _awake = link.as_ref().filter(|link| link.reaches_vehicle()).and_then(|_| SleepInhibitor::hold());
         self.warn_without_selection();
-        let end = self.run_with((link, boat), gateway, events, &queue, terminal.watches_keys())?;
+        let end = self.run_with((link, boat), gateway, events, queue, terminal.watches_keys())?;
         drop(terminal);
         drop((lock, vessel_lock));
         Ok(end)
@@ -164,7 +164,7 @@ impl Session<'_> {
         links: (Option<Link>, Option<Boat>),
         gateway: Arc<Gateway>,
         events: SyncSender<Event>,
-        queue: &Receiver<Event>,
+        queue: Receiver<Event>,
         watches_keys: bool,
     ) -> Result<RunEnd> {
         let (configuration, clock, fault_injector) = (self.configuration, self.clock, &self.fault_injector);
@@ -212,6 +212,8 @@ impl Session<'_> {
             observers,
         };
         let end = run_to_end(run_loop, &first_requests(self.selection, self.engage));
+        // Nobody takes events from here on: a thread that waits for room must not be waited for.
+        drop(queue);
         if let Some(manager) = &manager {
             manager.say_ending();
         }
