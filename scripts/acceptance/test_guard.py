@@ -11,6 +11,7 @@ import itertools
 import os
 import pathlib
 import resource
+import shutil
 import signal
 import time
 from collections.abc import Callable
@@ -67,12 +68,13 @@ class Run:
         grows: bool = False,
         faults: str = "",
         number: int = 0,
+        guard: pathlib.Path | None = None,
     ) -> None:
         folder.mkdir(exist_ok=True)
-        more: list[Any] = []
+        more: list[Any] = ["--guard", guard] if guard else []
         if faults:
             (folder / "faults").write_text(faults + "\n")
-            more = ["--faults", folder / "faults"]
+            more += ["--faults", folder / "faults"]
         # Another moment in each try: at one of them the camera may rest.
         first = GROWS_AT_FRAME + 11 * number
         video = growing_pictures(clip, folder / "pictures", first) if grows else clip.video
@@ -301,6 +303,38 @@ def judge(check: Check, run: Run, at: float, case: Case) -> None:
             lambda row: row.is_heard and row.raw == "RemoteControl start", "another guard", at
         )
         check.in_time("another guard is up in time", Delay.between(at, again.at, HOPS), UP_AGAIN_LIMIT)
+
+
+def test_guards_that_come_to_nothing_leave_the_zeros_to_the_program(
+    barrelman: pathlib.Path, clip: Clip, tmp_path: pathlib.Path, check: Check
+) -> None:
+    """As during an upgrade: the file of the guard is another one when a guard is lost."""
+    guard = tmp_path / "barrelman-guard"
+    shutil.copy(barrelman.with_name("barrelman-guard"), guard)
+    with Run(barrelman, clip, tmp_path / "run", "tcp", guard=guard) as run:
+        pid = run.wait_until_it_moves()
+        guard.unlink()
+        guard.write_text("#!/bin/sh\nexit 2\n")
+        guard.chmod(0o755)
+        at = time.monotonic()
+        os.kill(pid, signal.SIGKILL)
+        time.sleep(3.0)
+        rest = Delay.between(at, run.emulator.rest_at(at), HOPS)
+        check.in_time("the camera rests in time", rest, REST_LIMIT)
+        check(
+            "it does not move before there is a guard",
+            not any(row.moves for row in run.emulator.since(at + 1)),
+        )
+        # The guard that was killed, and the first of those that came to nothing.
+        check("guards without end are told once", run.errors.count("the guard is gone") == 2)
+        shutil.copy(barrelman.with_name("barrelman-guard"), tmp_path / "whole")
+        (tmp_path / "whole").rename(guard)
+        restored_at = time.monotonic()
+        again = run.emulator.wait_for(
+            lambda row: row.is_heard and row.raw.startswith("Get_Gimbal"), "a link by a guard", restored_at
+        )
+        check.in_time("the link is up again", Delay.between(restored_at, again.at, HOPS), UP_AGAIN_LIMIT + 1)
+        run.guard()
 
 
 @pytest.mark.parametrize("port", PORTS)

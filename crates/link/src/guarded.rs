@@ -17,6 +17,8 @@ use crate::report::LinkReport;
 mod client;
 mod process;
 mod supervisor;
+#[cfg(test)]
+mod tests;
 
 pub use client::Commands;
 pub use process::GuardedLinkSettings;

@@ -14,7 +14,8 @@ pub const BEAT: Duration = Duration::from_millis(50);
 /// and the next guard has the rest of the 300 ms for its start and its first zeros.
 pub const HUNG_AFTER: Duration = Duration::from_millis(180);
 /// The same while the guard opens its port: a connection, or a name that is looked up.
-pub const HUNG_WHILE_REOPENING: Duration = Duration::from_secs(5);
+/// A name server that does not answer costs five seconds before the next one is asked.
+pub const HUNG_WHILE_REOPENING: Duration = Duration::from_secs(7);
 /// The same for the first guard of a run: no rate is in force yet, and names and several addresses take their
 /// time.
 pub const HUNG_WHILE_OPENING: Duration = Duration::from_secs(15);
@@ -49,6 +50,11 @@ impl GuardWatch {
     /// The watch over a guard that is started now.
     pub const fn start(patience_while_opening: Duration, now: Timestamp) -> Self {
         Self { phase: Phase::Starting, looked_at: now, silent_for: Duration::ZERO, patience_while_opening }
+    }
+
+    /// How long the guard may be busy with its port from now on.
+    pub const fn set_patience_while_opening(&mut self, patience: Duration) {
+        self.patience_while_opening = patience;
     }
 
     /// The guard said something, and serves its port.
@@ -97,7 +103,9 @@ mod tests {
         let mut watch = GuardWatch::start(HUNG_WHILE_REOPENING, at(0));
         assert_eq!(hung_after(watch, 0, 20), 3_020);
         watch.heard_opening();
-        assert_eq!(hung_after(watch, 0, 20), 5_020);
+        assert_eq!(hung_after(watch, 0, 20), 7_020);
+        watch.set_patience_while_opening(Duration::from_secs(1));
+        assert_eq!(hung_after(watch, 0, 20), 1_020);
         watch.heard();
         assert_eq!(hung_after(watch, 0, 20), 200);
     }

@@ -1,5 +1,6 @@
 //! The thread `link` of a guarded link: it serves one guard after the other until the link is closed.
 
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 use std::sync::mpsc::SyncSender;
 use std::time::{Duration, Instant};
@@ -20,7 +21,6 @@ use crate::guard::watch::{
 use crate::handle::LinkHandle;
 use crate::port_io::poll_for;
 use crate::report::LinkReport;
-use crate::url::LinkUrl;
 
 /// Pause before a guard that could not be started is started again.
 const RESTART_PAUSE: Duration = Duration::from_millis(500);
@@ -46,8 +46,8 @@ enum GuardEnd {
     Ended { is_stop_sent: bool },
     /// The first guard could not open the port: nothing was sent, and there is nothing to stop.
     NeverOpened,
-    /// It is gone, or hung.
-    Gone(String),
+    /// It is gone, or hung. `was_useful`: it had come as far as its port.
+    Gone { reason: String, was_useful: bool },
     /// The link is closing, and the guard takes too long. It goes on by itself.
     TooLong,
 }
@@ -70,21 +70,32 @@ impl<P: OpenSession, R: Fn(LinkReport) -> bool> Supervisor<P, R>
 where
     P::Command: Commands,
 {
-    /// Serves one guard after the other until the link is closed. Returns whether zeros and stop were sent.
+    /// Serves one guard after the other until the link is closed. Returns whether zeros and stop were sent. A
+    /// panic closes the pipe, so that the guard sends them, and is reported.
     pub(super) fn run(mut self, first: Guard) -> bool {
+        catch_unwind(AssertUnwindSafe(|| self.serve_guards(first))).unwrap_or_else(|_| {
+            self.client.state().pipe = None;
+            self.report_until_taken(|| LinkReport::Panicked);
+            false
+        })
+    }
+
+    fn serve_guards(&mut self, first: Guard) -> bool {
         let mut guard = Some(first);
         let mut attempts_to_close = 0;
+        let (mut is_loss_told, mut is_useless_told) = (true, false);
         loop {
             let Some(served) = guard.take().or_else(|| Guard::start(&self.settings, self.history).ok())
             else {
-                self.stop_without_guard();
-                if self.client.state().is_closing {
-                    return false;
+                match self.rest_without_guard() {
+                    Some(is_stop_sent) => return is_stop_sent,
+                    None => continue,
                 }
-                std::thread::sleep(RESTART_PAUSE);
-                continue;
             };
             self.client.state().pipe = Some(Arc::clone(&served.pipe));
+            if !std::mem::replace(&mut is_loss_told, true) {
+                self.report_state(LinkState::Opening, self.settings.clock.now());
+            }
             if self.client.state().is_closing {
                 attempts_to_close += 1;
                 served.pipe.send(&ToGuard::<P::Command>::Close.encode());
@@ -97,10 +108,10 @@ where
             }
             self.client.state().pipe = None;
             let is_closing = self.client.state().is_closing;
-            let reason = match end {
+            let (reason, was_useful) = match end {
                 // A first guard that fails before it has opened the port ends the start of the run with its
                 // reason.
-                GuardEnd::Gone(reason) if self.opened.is_some() => {
+                GuardEnd::Gone { reason, .. } if self.opened.is_some() => {
                     self.answer_opening(FirstOpening::GuardFailed(reason));
                     served.reap();
                     return false;
@@ -114,22 +125,40 @@ where
                     served.reap();
                     return is_stop_sent;
                 }
-                GuardEnd::Ended { .. } => "it has ended".to_owned(),
-                GuardEnd::Gone(reason) => reason,
+                GuardEnd::Ended { .. } => ("it has ended".to_owned(), true),
+                GuardEnd::Gone { reason, was_useful } => (reason, was_useful),
             };
             served.reap();
-            if attempts_to_close > 1 {
+            if was_useful && attempts_to_close > 1 {
                 return false;
             }
-            (self.report)(LinkReport::GuardLost(reason));
-            self.report_state(LinkState::Opening, self.settings.clock.now());
+            // Of guards that come to nothing, the first is told.
+            if was_useful || !std::mem::replace(&mut is_useless_told, true) {
+                (self.report)(LinkReport::GuardLost(reason));
+            }
+            is_useless_told &= !was_useful;
+            // The next guard does not wait until the loop takes it.
+            is_loss_told = self.offer_state(LinkState::Opening, self.settings.clock.now());
+            if !was_useful && let Some(is_stop_sent) = self.rest_without_guard() {
+                return is_stop_sent;
+            }
         }
+    }
+
+    /// Does what a guard would have done that cannot be started, or ends before it comes to its port. Returns
+    /// whether zeros and stop were sent, if the link is closing.
+    fn rest_without_guard(&self) -> Option<bool> {
+        let is_stop_sent = self.stop_without_guard();
+        if self.client.state().is_closing {
+            return Some(is_stop_sent);
+        }
+        std::thread::sleep(RESTART_PAUSE);
+        None
     }
 
     /// Serves a guard until its end.
     fn serve(&mut self, guard: &Guard) -> GuardEnd {
-        let patience = if self.opened.is_some() { HUNG_WHILE_OPENING } else { HUNG_WHILE_REOPENING };
-        let mut watch = GuardWatch::start(patience, self.settings.clock.now());
+        let mut watch = GuardWatch::start(HUNG_WHILE_OPENING, self.settings.clock.now());
         let mut last_sent = Instant::now();
         let mut closing_since = None;
         loop {
@@ -137,7 +166,7 @@ where
             loop {
                 match guard.pipe.read() {
                     PipeRead::Nothing => break,
-                    PipeRead::End => return GuardEnd::Gone("it is gone".to_owned()),
+                    PipeRead::End => return gone("it is gone", &watch),
                     PipeRead::Message(packet) => {
                         watch.heard();
                         match FromGuard::decode(&packet) {
@@ -148,7 +177,7 @@ where
                                 return GuardEnd::NeverOpened;
                             }
                             Ok(message) => self.on_message(message),
-                            Err(_) => return GuardEnd::Gone("it says what cannot be read".to_owned()),
+                            Err(_) => return gone("it says what cannot be read", &watch),
                         }
                     }
                 }
@@ -170,12 +199,12 @@ where
                     return GuardEnd::TooLong;
                 }
             }
+            if self.opened.is_none() {
+                watch.set_patience_while_opening(HUNG_WHILE_REOPENING);
+            }
             if watch.hangs(self.settings.clock.now()) {
-                return GuardEnd::Gone(if watch.is_starting() {
-                    format!("it has said nothing for {} s", HUNG_AT_START.as_secs())
-                } else {
-                    "it hangs".to_owned()
-                });
+                let silence = format!("it has said nothing for {} s", HUNG_AT_START.as_secs());
+                return gone(if watch.is_starting() { &silence } else { "it hangs" }, &watch);
             }
         }
     }
@@ -224,6 +253,15 @@ where
     }
 
     fn report_state(&mut self, state: LinkState, at: Timestamp) {
+        // The pilot goes by the state.
+        if !self.offer_state(state, at) {
+            let telemetry = Telemetry { at, report: Report::Link(state) };
+            self.report_until_taken(|| LinkReport::Telemetry(telemetry));
+        }
+    }
+
+    /// Reports a state, if there is room for the report, and returns whether there was.
+    fn offer_state(&mut self, state: LinkState, at: Timestamp) -> bool {
         if state == LinkState::Opening {
             // The pilot forgets what a vehicle said on a port before. A reader reports changes only, and has
             // to report it again.
@@ -233,9 +271,7 @@ where
             }
             self.reader = reader;
         }
-        let telemetry = Telemetry { at, report: Report::Link(state) };
-        // The pilot goes by the state.
-        self.report_until_taken(|| LinkReport::Telemetry(telemetry));
+        (self.report)(LinkReport::Telemetry(Telemetry { at, report: Report::Link(state) }))
     }
 
     /// Makes a report that must not be lost, unless the link is closing.
@@ -245,11 +281,16 @@ where
         }
     }
 
-    /// No guard can be started: zeros and stop come from this process, once.
-    fn stop_without_guard(&self) {
-        let url = LinkUrl { faults: self.settings.url.faults.clone(), ..self.settings.url.clone() };
-        // Without a port there is nothing to do but to try again.
-        let history = LinkHistory::after(false, self.history.is_anothers, self.history.vehicle);
-        let _ = LinkHandle::stop(&url, self.settings.protocol, self.settings.clock, history);
+    /// Zeros and stop from this process, once. Returns whether they were sent: without a port there is nothing
+    /// to do but to try again.
+    fn stop_without_guard(&self) -> bool {
+        let LinkHistory { is_anothers, vehicle, .. } = self.history;
+        let history = LinkHistory::after(false, is_anothers, vehicle);
+        LinkHandle::stop(&self.settings.url, self.settings.protocol, self.settings.clock, history)
+            .unwrap_or(false)
     }
+}
+
+fn gone(reason: &str, watch: &GuardWatch) -> GuardEnd {
+    GuardEnd::Gone { reason: reason.to_owned(), was_useful: !watch.is_starting() }
 }
