@@ -107,4 +107,8 @@ impl<I: PortIo> PortIo for FaultyIo<I> {
     fn sleep(&self, pause: Duration) {
         self.io.sleep(pause);
     }
+
+    fn end_sending(&self, port: &mut I::Port) -> bool {
+        self.io.end_sending(port)
+    }
 }

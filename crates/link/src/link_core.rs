@@ -17,7 +17,7 @@ use std::time::Duration;
 
 use barrelman_vocab::telemetry::{LinkState, Report};
 use barrelman_vocab::{LinkCommand, Telemetry, Timestamp};
-use barrelman_wire::{LinkHistory, NextAction, Session, WillStep};
+use barrelman_wire::{LinkHistory, NextAction, RestEvidence, Session, WillStep};
 
 use crate::dead_mans_switch::{DeadMansSwitch, RequestedCommand};
 use crate::report::LinkReport;
@@ -38,7 +38,7 @@ pub type SessionOpener<S> = Box<dyn Fn(Timestamp) -> Box<S> + Send>;
 pub type ReportSink<'a> = &'a mut dyn FnMut(LinkReport) -> bool;
 
 /// What the worker does after it has sent the packets of [`LinkCore::poll`].
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub enum LinkAction {
     /// Poll again at this time, or earlier after received packets or another request.
     Wait {
@@ -53,6 +53,9 @@ pub enum LinkAction {
     Ended {
         /// Whether zeros and stop were sent, or nothing ever was that they would end.
         is_stop_sent: bool,
+        /// What telemetry shows of the vehicle, to be reported once the last packets were sent; `None`: nothing
+        /// was sent.
+        evidence: Option<RestEvidence>,
     },
 }
 
@@ -222,10 +225,7 @@ impl<S: Session + ?Sized> LinkCore<S> {
         self.report_state(state, now, report);
         self.report_control(is_anothers, report);
         match next {
-            NextAction::Closed => {
-                report(LinkReport::Stopped(evidence));
-                LinkAction::Ended { is_stop_sent: true }
-            }
+            NextAction::Closed => LinkAction::Ended { is_stop_sent: true, evidence: Some(evidence) },
             NextAction::Reopen { reason } => {
                 let failure = self.session.as_ref().and_then(|open| open.session.failure());
                 self.session_failed(failure.unwrap_or_else(|| reason.to_owned()), now, report);
@@ -241,13 +241,13 @@ impl<S: Session + ?Sized> LinkCore<S> {
     fn poll_without_port(&mut self, now: Timestamp, report: ReportSink<'_>) -> LinkAction {
         self.report_state(LinkState::Opening, now, report);
         if self.closing.is_some() && !self.was_opened && !self.history.may_be_turning {
-            return LinkAction::Ended { is_stop_sent: true };
+            return LinkAction::Ended { is_stop_sent: true, evidence: None };
         }
         if let Some(closing) = self.closing
             && closing.has_tried
             && now.since(closing.since) >= self.persistence
         {
-            return LinkAction::Ended { is_stop_sent: false };
+            return LinkAction::Ended { is_stop_sent: false, evidence: None };
         }
         if now < self.reopen_at {
             return LinkAction::Wait { until: self.reopen_at.min(now.plus(MAX_WAIT)) };
@@ -411,7 +411,7 @@ mod tests {
         assert_eq!(poll(&mut core), LinkAction::Open);
         core.open_failed(now);
         core.close(now);
-        assert_eq!(poll(&mut core), LinkAction::Ended { is_stop_sent: true });
+        assert_eq!(poll(&mut core), LinkAction::Ended { is_stop_sent: true, evidence: None });
     }
 
     #[test]
@@ -433,7 +433,7 @@ mod tests {
                     assert!(until > now);
                     now = until;
                 }
-                LinkAction::Ended { is_stop_sent } => {
+                LinkAction::Ended { is_stop_sent, .. } => {
                     assert!(!is_stop_sent);
                     break;
                 }

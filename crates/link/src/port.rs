@@ -5,7 +5,7 @@
 //! used: they outlive the programs that made them.
 
 use std::io::{self, Read as _, Write as _};
-use std::net::{Ipv4Addr, Ipv6Addr, SocketAddr, TcpStream, ToSocketAddrs as _, UdpSocket};
+use std::net::{Ipv4Addr, Ipv6Addr, Shutdown, SocketAddr, TcpStream, ToSocketAddrs as _, UdpSocket};
 use std::os::fd::{AsFd, BorrowedFd};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -173,6 +173,14 @@ impl Port {
                 Ok(0)
             }
             other => other,
+        }
+    }
+
+    /// Tells the other end of a connection that nothing more is sent. Returns whether that was done.
+    pub fn end_sending(&mut self) -> bool {
+        match self {
+            Self::Tcp(stream) => stream.shutdown(Shutdown::Write).is_ok(),
+            Self::Serial(_) | Self::Udp(_) => false,
         }
     }
 }

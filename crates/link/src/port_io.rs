@@ -49,6 +49,12 @@ pub trait PortIo {
 
     /// Waits for the whole of `pause`.
     fn sleep(&self, pause: Duration);
+
+    /// Tells the other end that nothing more is sent. Returns whether the port is a connection, which has the
+    /// packets that were sent in its keeping until the other end has taken them.
+    fn end_sending(&self, _port: &mut Self::Port) -> bool {
+        false
+    }
 }
 
 /// Largest part of a stream that is read at once, and largest datagram, bytes.
@@ -92,6 +98,10 @@ impl<C: LinkCommand> PortIo for MachineIo<C> {
 
     fn sleep(&self, pause: Duration) {
         std::thread::sleep(pause);
+    }
+
+    fn end_sending(&self, port: &mut Port) -> bool {
+        port.end_sending()
     }
 }
 

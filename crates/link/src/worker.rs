@@ -15,6 +15,8 @@ use crate::port_io::PortIo;
 use crate::report::LinkReport;
 
 #[cfg(test)]
+mod arrival_tests;
+#[cfg(test)]
 mod request_tests;
 #[cfg(test)]
 mod tests;
@@ -23,6 +25,9 @@ mod tests;
 const REPORT_PAUSE: Duration = Duration::from_millis(20);
 /// How often it is offered, at most: for ten seconds. The program may be gone.
 const REPORT_ATTEMPTS: u32 = 500;
+
+/// Longest wait for the other end to take what was sent last.
+const ARRIVAL_TIME: Duration = Duration::from_millis(500);
 
 /// The work of a link's thread, or of the guard.
 pub struct Worker<S: Session + ?Sized, I, R> {
@@ -113,7 +118,13 @@ where
                 continue;
             }
             match action {
-                LinkAction::Ended { is_stop_sent } => return is_stop_sent,
+                LinkAction::Ended { is_stop_sent, evidence } => {
+                    if let (Some(port), Some(evidence)) = (port, evidence) {
+                        report(LinkReport::Stopped(evidence));
+                        self.let_arrive(port);
+                    }
+                    return is_stop_sent;
+                }
                 LinkAction::ClosePort => *port = None,
                 LinkAction::Open => match self.io.open() {
                     Ok(opened) => {
@@ -145,7 +156,25 @@ where
         let own = catch_unwind(AssertUnwindSafe(|| (core.last_will(now), core.may_be_turning())));
         let (will, may_be_turning) = own.unwrap_or_else(|_| ((self.open_session)(now).last_will(now), true));
         let is_stopped = !will.is_empty() || !may_be_turning;
-        self.send_all(port, will).is_ok() && is_stopped
+        let is_sent = self.send_all(port, will).is_ok();
+        self.let_arrive(port);
+        is_sent && is_stopped
+    }
+
+    /// Lets what was sent arrive before the port is closed: a connection that is closed with packets unread
+    /// discards what is still on its way.
+    fn let_arrive(&self, port: &mut I::Port) {
+        if !self.io.end_sending(port) {
+            return;
+        }
+        let until = self.io.now().plus(ARRIVAL_TIME);
+        loop {
+            let left = until.since(self.io.now());
+            if left.is_zero() || self.io.wait(Some(port), left) && self.io.receive(port, &mut |_| {}).is_err()
+            {
+                return;
+            }
+        }
     }
 
     fn send_all(&self, port: &mut I::Port, will: Vec<WillStep<S::Sent>>) -> io::Result<()> {

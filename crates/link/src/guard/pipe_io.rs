@@ -138,6 +138,10 @@ impl<C: GuardedCommand + MessageCommand> PortIo for PipeIo<C> {
         is_readable
     }
 
+    fn end_sending(&self, port: &mut Port) -> bool {
+        self.machine.end_sending(port)
+    }
+
     fn sleep(&self, pause: Duration) {
         let mut left = pause;
         while !left.is_zero() {

@@ -36,6 +36,8 @@ enum Action {
     Close,
     /// The port fails, and cannot be opened.
     Unplug,
+    /// The port fails when `stop` is sent; from the beginning on.
+    UnplugAtStop,
     /// The port can be opened again.
     Plug,
     /// The ground station no longer answers.
@@ -44,7 +46,7 @@ enum Action {
     Answers,
 }
 
-use Action::{Answers, Close, Plug, Request, Silence, Unplug};
+use Action::{Answers, Close, Plug, Request, Silence, Unplug, UnplugAtStop};
 
 /// A ground station behind a port, with the clock and the script of the test.
 struct Bench {
@@ -54,6 +56,8 @@ struct Bench {
     station: RefCell<GroundStation>,
     is_silent: Cell<bool>,
     is_plugged: Cell<bool>,
+    /// Whether the port fails when `stop` is sent, once.
+    fails_at_stop: Cell<bool>,
     /// Bytes on the way to the link thread.
     incoming: RefCell<Vec<u8>>,
     /// The lines that the ground station received, with their times.
@@ -82,6 +86,7 @@ impl Bench {
                     is_woken = true;
                 }
                 Unplug => self.is_plugged.set(false),
+                UnplugAtStop => {}
                 Plug => self.is_plugged.set(true),
                 Silence => self.is_silent.set(true),
                 Answers => self.is_silent.set(false),
@@ -115,6 +120,9 @@ impl PortIo for &Bench {
     }
 
     fn send(&self, _: &mut BenchPort, bytes: &Vec<u8>) -> io::Result<()> {
+        if bytes.starts_with(b"stop") && self.fails_at_stop.take() {
+            return Err(Bench::gone());
+        }
         if !self.is_plugged.get() {
             return Err(Bench::gone());
         }
@@ -168,6 +176,8 @@ struct Served {
     rates: Vec<(Timestamp, VehicleRates)>,
     /// The reports, without the vehicle's telemetry.
     reports: Vec<String>,
+    /// The last line before each report of a stop.
+    stops: Vec<Option<String>>,
 }
 
 impl Served {
@@ -203,11 +213,13 @@ fn serve_with_room(faults: &str, script: &[(u64, Action)], room_from_ms: Option<
         station: RefCell::new(GroundStation::boot(GroundStationSettings::default(), at(0))),
         is_silent: Cell::new(false),
         is_plugged: Cell::new(true),
+        fails_at_stop: Cell::new(script.iter().any(|(_, action)| matches!(action, UnplugAtStop))),
         incoming: RefCell::default(),
         lines: RefCell::default(),
         rates: RefCell::default(),
     };
     let (bench, reports) = (&bench, RefCell::new(Vec::new()));
+    let stops = &RefCell::new(Vec::new());
     let reported = &reports;
     let protocol = ByteProtocol {
         protocol: ByteProtocolName::of(VehicleProfile::fotokite_pro().protocol).unwrap(),
@@ -225,7 +237,11 @@ fn serve_with_room(faults: &str, script: &[(u64, Action)], room_from_ms: Option<
                 LinkReport::Telemetry(Telemetry { report: Report::Link(state), .. }) => format!("{state:?}"),
                 LinkReport::Telemetry(_) => return true,
                 LinkReport::Lost { reason, .. } => format!("lost: {reason}"),
-                LinkReport::Control { .. } | LinkReport::HeldUp | LinkReport::Stopped(_) => return true,
+                LinkReport::Stopped(_) => {
+                    stops.borrow_mut().push(bench.lines.borrow().last().map(|(_, line)| line.clone()));
+                    return true;
+                }
+                LinkReport::Control { .. } | LinkReport::HeldUp => return true,
                 LinkReport::Suspended(_) | LinkReport::GuardLost(_) | LinkReport::NotReached(_) => {
                     panic!("not here")
                 }
@@ -245,6 +261,7 @@ fn serve_with_room(faults: &str, script: &[(u64, Action)], room_from_ms: Option<
         lines: bench.lines.take(),
         rates: bench.rates.take(),
         reports: reports.take(),
+        stops: stops.take(),
     }
 }
 
@@ -319,6 +336,14 @@ fn closing_a_lost_link_tries_the_port_once_more() {
     let script = [(UP_MS, Request(MOVING, 60_000)), (5_000, Unplug), (5_600, Plug), (5_600, Close)];
     let served = serve("", &script);
     served.check_ends_with_zeros_and_stop();
+}
+
+#[test]
+fn a_stop_is_told_once_it_was_sent() {
+    let served = serve("", &[(0, UnplugAtStop), (UP_MS, Request(MOVING, 9_000)), (5_000, Close)]);
+    served.check_ends_with_zeros_and_stop();
+    assert!(served.reports.iter().any(|report| report.starts_with("lost")), "{:?}", served.reports);
+    assert_eq!(served.stops, [Some("stop".to_owned())]);
 }
 
 #[test]

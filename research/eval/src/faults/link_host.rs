@@ -179,7 +179,10 @@ impl<C: GuardedCommand> LinkHost<C> {
                 self.core.opened(now);
             }
             LinkAction::ClosePort => self.is_port_open = false,
-            LinkAction::Ended { is_stop_sent } => self.ended = Some(is_stop_sent),
+            LinkAction::Ended { is_stop_sent, evidence } => {
+                self.reports.extend(evidence.map(LinkReport::Stopped));
+                self.ended = Some(is_stop_sent);
+            }
         }
     }
 }
