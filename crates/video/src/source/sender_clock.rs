@@ -18,13 +18,14 @@
 //! - A sender whose clock goes on across connections is recognised, and keeps its baseline.
 //! - A clock that no quartz explains is recognised ([`clock_check`]): times of arrival are used instead.
 //!
-//! RTP time that steps backwards, or forwards faster than a queue drains, has jumped: the delay is then taken
+//! RTP time that steps backwards, also by a little and for good ([`set_back`]), or forwards faster than a queue drains, has jumped: the delay is then taken
 //! to be what it was directly before, and longer by what this picture came later than the sender's interval.
 
 mod arrived;
 mod baseline;
 mod clock_check;
 mod picture_rate;
+mod set_back;
 mod wall_clock;
 
 use std::time::Duration;
@@ -38,6 +39,7 @@ pub use clock_check::ClockFault;
 use baseline::{Baseline, nanos};
 use clock_check::ClockCheck;
 use picture_rate::Step;
+use set_back::SetBack;
 use wall_clock::WallClock;
 
 /// Which clock gives the times of capture.
@@ -119,6 +121,7 @@ pub struct SenderClock {
     /// Whether no picture of this connection has arrived yet.
     is_new_connection: bool,
     baseline: Option<Baseline>,
+    set_back: SetBack,
     wall: WallClock,
     check: ClockCheck,
     /// Arrival of the first of the late pictures in turn.
@@ -149,6 +152,7 @@ impl SenderClock {
             last: None,
             is_new_connection: true,
             baseline: None,
+            set_back: SetBack::default(),
             wall: WallClock::default(),
             check: ClockCheck::default(),
             late_since: None,
@@ -180,13 +184,20 @@ impl SenderClock {
             sent_ns: self.nanos(ticks) - self.nanos(last.ticks),
             arrived_ns: i128::from(arrived.as_nanos()) - i128::from(last.arrived.as_nanos()),
         });
+        let delay_before_ns =
+            self.set_back.observe(self.nanos(ticks), offset_ns).filter(|_| !is_new_connection);
         let has_jumped = match (step, self.last) {
             (Some(step), Some(last)) => {
-                step.sent_ns < -MAX_STEP_NS || step.gained_ns() > last.delay_ns + MAX_STEP_NS
+                delay_before_ns.is_some()
+                    || step.sent_ns < -MAX_STEP_NS
+                    || step.gained_ns() > last.delay_ns + MAX_STEP_NS
             }
             _ => false,
         };
-        if has_jumped && let (Some(step), Some(last)) = (step, self.last) {
+        if let Some(delay_ns) = delay_before_ns {
+            self.baseline = Some(Baseline::new(offset_ns - delay_ns, arrived));
+            self.wall.forget();
+        } else if has_jumped && let (Some(step), Some(last)) = (step, self.last) {
             let grown_ns = (step.arrived_ns - last.interval_ns).max(0);
             self.baseline = Some(Baseline::new(offset_ns - last.delay_ns - grown_ns, arrived));
             self.wall.forget();
@@ -210,6 +221,8 @@ impl SenderClock {
             Some(step) if !has_jumped => step.sent_ns,
             _ => self.last.map_or(0, |last| last.interval_ns),
         };
+        let begins_anew = has_jumped || is_new_connection;
+        self.set_back.note(self.nanos(ticks), offset_ns, delay_ns, begins_anew);
         self.last = Some(LastPicture { ticks, arrived, interval_ns, delay_ns, capture });
         capture
     }
