@@ -177,7 +177,7 @@ mod tests {
             ("rtsp://192.0.2.7@other.example/x", "login"),
             ("rtsp://192.0.2.7/x?fault=stall@1", "login"),
             ("rtsp://192.0.2.7/x?fault=stall%401", "fault="),
-            ("rtsp://192.0.2.7/x?a=1&fps=9", "fps="),
+            ("rtsp://192.0.2.7/x?a=1&transport=udp", "transport="),
         ] {
             check(text, "192.0.2.7", None, Err(part));
         }

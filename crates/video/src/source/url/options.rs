@@ -22,7 +22,7 @@ pub(super) struct Options {
 /// Which options a kind of address has. A camera's address has options of its own, which are left to the
 /// camera.
 pub(super) const FILE: &[&str] = &["fps", "fault"];
-pub(super) const RTSP: &[&str] = &["fps", "fault", "transport"];
+pub(super) const RTSP: &[&str] = &["fault", "transport"];
 pub(super) const UDP: &[&str] = &["fault", "codec"];
 pub(super) const DEVICE: &[&str] = &["fault", "size", "fps", "format"];
 pub(super) const NETWORK: &[&str] = &["fault"];

@@ -44,8 +44,9 @@ fn a_file_of_exactly_that_name_wins() {
 fn an_rtsp_address_keeps_its_own_options_and_loses_ours() {
     let url = parsed("rtsp://cam.example:8554/live?profile=2&fault=stall@3&fps=9");
     assert_eq!(url.to_string(), "rtsp://cam.example:8554/live?profile=2&fps=9&fault=stall@3");
+    // The frame rate is the camera's affair.
     let VideoSource::Rtsp { address, login: None, .. } = url.source else { panic!("it is RTSP") };
-    assert_eq!(address.as_str(), "rtsp://cam.example:8554/live?profile=2");
+    assert_eq!(address.as_str(), "rtsp://cam.example:8554/live?profile=2&fps=9");
 }
 
 #[test]
