@@ -362,7 +362,8 @@ fn zeros_are_repeated_until_telemetry_shows_no_motion() {
         "{zeros} zeros, stop after {stop_at} ms"
     );
     let (zeros, stop_at) = shut_down_with_yaw(0.1, 60_000);
-    assert!(zeros == 22 && (2_400..=2_700).contains(&stop_at), "{zeros} zeros, stop after {stop_at} ms");
+    // One of them in the half second before `stop`.
+    assert!(zeros == 23 && (2_400..=2_700).contains(&stop_at), "{zeros} zeros, stop after {stop_at} ms");
     // Faster than any sway: the zeros do not arrive.
     let (zeros, stop_at) = shut_down_with_yaw(0.3, 3_500);
     assert!((32..=40).contains(&zeros) && stop_at > 3_500, "{zeros} zeros, stop after {stop_at} ms");

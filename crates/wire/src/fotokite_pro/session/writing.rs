@@ -14,7 +14,7 @@ use crate::fotokite_pro::session_times::{
 };
 use crate::fotokite_pro::start_up::start_up;
 use crate::framing::Framing;
-use crate::session::NextAction;
+use crate::session::{NextAction, RestEvidence};
 
 const UNANSWERED: NextAction = NextAction::Reopen { reason: "the ground station does not answer" };
 
@@ -49,7 +49,9 @@ impl FotokiteProSession {
             State::Closing { since, zeros_sent, .. } if self.needs_zeros(since, zeros_sent, now) => {
                 self.write_closing_zeros(since, zeros_sent, now, out)
             }
-            State::Closing { stop_at, .. } if now < stop_at => NextAction::WaitUntil(stop_at),
+            State::Closing { since, zeros_sent, stop_at, .. } if now < stop_at => {
+                self.wait_for_stop(since, zeros_sent, stop_at, now, out)
+            }
             State::Closing { .. } => {
                 self.send(Command::Stop, out);
                 self.state = State::Closed;
@@ -131,6 +133,28 @@ impl FotokiteProSession {
         let stop_at = now.plus(STOP_DELAY);
         self.state = State::Closing { since, zeros_sent, next_at, stop_at };
         NextAction::WaitUntil(next_at)
+    }
+
+    /// The wait from the last zeros that count to `stop`. A camera that may only sway may also turn after all,
+    /// and is sent zeros meanwhile as often as one under way.
+    fn wait_for_stop(
+        &mut self,
+        since: Timestamp,
+        zeros_sent: u32,
+        stop_at: Timestamp,
+        now: Timestamp,
+        out: &mut Vec<u8>,
+    ) -> NextAction {
+        let RestEvidence::Moving { .. } = self.motion.since(since, now) else {
+            return NextAction::WaitUntil(stop_at);
+        };
+        let zeros_at = stop_at.minus(STOP_DELAY).plus(ZERO_REFRESH);
+        if now < zeros_at {
+            return NextAction::WaitUntil(zeros_at);
+        }
+        self.send_zeros(out);
+        self.state = State::Closing { since, zeros_sent, next_at: stop_at, stop_at };
+        NextAction::WaitUntil(stop_at)
     }
 
     fn poll_up(&mut self, since: Timestamp, now: Timestamp, out: &mut Vec<u8>) -> NextAction {
