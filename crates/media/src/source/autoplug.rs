@@ -37,6 +37,9 @@ fn decodebin(play: &Arc<Play>, way: &Way) -> Result<gst::Element, SourceFailure>
         let is_other = ["audio/", "text/", "subpicture/", "closedcaption/"];
         Some((!is_other.iter().any(|prefix| name.starts_with(prefix))).to_value())
     });
+    if let Some(bin) = decode.downcast_ref::<gst::Bin>() {
+        bin.connect_element_added(|_, element| set_up(element));
+    }
     let (weak, way) = (Arc::downgrade(play), way.clone());
     decode.connect_pad_added(move |_, pad| {
         if let Some(play) = weak.upgrade() {
@@ -52,6 +55,20 @@ fn decodebin(play: &Arc<Play>, way: &Way) -> Result<gst::Element, SourceFailure>
         }
     });
     Ok(decode)
+}
+
+/// Sets the properties of an element that `decodebin` has found.
+fn set_up(element: &gst::Element) {
+    // Otherwise the demultiplexer expects further streams, and `decodebin` shows none of them until its queue
+    // is full.
+    if is_multipart(element) {
+        element.set_property("single-stream", true);
+    }
+}
+
+/// Whether an element takes parts from a multipart stream (HTTP: `multipart/x-mixed-replace`).
+fn is_multipart(element: &gst::Element) -> bool {
+    element.factory().is_some_and(|factory| factory.name() == "multipartdemux")
 }
 
 /// Takes the stream of a pad, if it is the first video.

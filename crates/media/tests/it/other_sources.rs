@@ -2,6 +2,7 @@
 
 use std::net::UdpSocket;
 use std::path::PathBuf;
+use std::time::Duration;
 
 use barrelman_media_protocol::failure::SourceFailure;
 use barrelman_media_protocol::role::Role;
@@ -160,6 +161,7 @@ fn network_addresses_that_cannot_be_played_are_told() {
 #[test]
 fn jpeg_pictures_come_by_http() {
     use std::io::{Read as _, Write as _};
+    const PAUSE: Duration = Duration::from_millis(100);
     if !clip::has_ffmpeg() {
         return;
     }
@@ -178,10 +180,15 @@ fn jpeg_pictures_come_by_http() {
             let part =
                 format!("--next\r\nContent-Type: image/jpeg\r\nContent-Length: {}\r\n\r\n", picture.len());
             stream.write_all(&[part.as_bytes(), &picture, b"\r\n"].concat()).unwrap();
+            std::thread::sleep(PAUSE);
         }
     });
     let played = play(SourceAddress::Network { url, login: None }, true);
     assert!(played.units.len() >= 9, "{} {:?}", played.units.len(), played.end);
     assert!(played.units.iter().all(|(unit, _)| unit.codec == UnitCodec::Jpeg));
     assert_eq!(played.opened.as_deref(), Some("JPEG by HTTP"));
+    // The pictures come one after the other, not all of them with the last one.
+    let arrival_ns = |index: usize| played.units[index].0.arrival_ns;
+    let took = Duration::from_nanos(arrival_ns(played.units.len() - 1) - arrival_ns(0));
+    assert!(took >= 5 * PAUSE, "{took:?}");
 }
