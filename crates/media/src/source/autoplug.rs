@@ -67,7 +67,7 @@ fn set_up(element: &gst::Element) {
 }
 
 /// Whether an element takes parts from a multipart stream (HTTP: `multipart/x-mixed-replace`).
-fn is_multipart(element: &gst::Element) -> bool {
+pub(super) fn is_multipart(element: &gst::Element) -> bool {
     element.factory().is_some_and(|factory| factory.name() == "multipartdemux")
 }
 

@@ -77,7 +77,17 @@ fn rtmp(play: &Play, mut url: Url, login: Option<SourceLogin>) -> Result<gst::El
     Ok(source)
 }
 
-fn http(play: &Play, url: &Url, login: Option<SourceLogin>) -> Result<gst::Element, SourceFailure> {
+fn http(play: &Arc<Play>, url: &Url, login: Option<SourceLogin>) -> Result<gst::Element, SourceFailure> {
+    // A camera sends pictures in parts until somebody closes the connection. What else comes by HTTP may be a
+    // file.
+    let weak = Arc::downgrade(play);
+    play.pipeline.connect_deep_element_added(move |_, _, element| {
+        if let Some(play) = weak.upgrade()
+            && autoplug::is_multipart(element)
+        {
+            play.set_is_endless();
+        }
+    });
     let source = play.add("souphttpsrc")?;
     source.set_property("location", url.as_str());
     source.set_property("user-agent", "barrelman");

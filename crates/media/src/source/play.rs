@@ -44,6 +44,7 @@ pub(super) struct Play {
     pub is_live: bool,
     has_video: AtomicBool,
     is_file: AtomicBool,
+    is_endless: AtomicBool,
     /// What the failure of the pipeline really is, where an observer of the connection knows it better.
     reason: Mutex<Option<SourceFailure>>,
     /// What to do instead of failing, once.
@@ -62,6 +63,7 @@ impl Play {
             is_live,
             has_video: AtomicBool::new(false),
             is_file: AtomicBool::new(false),
+            is_endless: AtomicBool::new(false),
             reason,
             second_attempt,
         })
@@ -120,6 +122,11 @@ impl Play {
         self.is_file.store(true, Ordering::Relaxed);
     }
 
+    /// The stream has no end of its own: where a live stream ends, the connection is lost.
+    pub(super) fn set_is_endless(&self) {
+        self.is_endless.store(true, Ordering::Relaxed);
+    }
+
     /// Handles the messages of the bus until the end.
     pub(super) fn follow_bus(self: &Arc<Self>) {
         let Some(bus) = self.pipeline.bus() else { return };
@@ -150,6 +157,9 @@ impl Play {
     /// Returns whether the source has ended.
     fn on_message(self: &Arc<Self>, message: &gst::Message) -> bool {
         match message.view() {
+            gst::MessageView::Eos(_) if self.is_live && self.is_endless.load(Ordering::Relaxed) => {
+                self.outbox.fail(failure::temporary("ended its stream", ""));
+            }
             gst::MessageView::Eos(_) => self.outbox.end(FromSource::Ended),
             gst::MessageView::Error(error) => {
                 let failure = self.failure(error);

@@ -191,4 +191,7 @@ fn jpeg_pictures_come_by_http() {
     let arrival_ns = |index: usize| played.units[index].0.arrival_ns;
     let took = Duration::from_nanos(arrival_ns(played.units.len() - 1) - arrival_ns(0));
     assert!(took >= 5 * PAUSE, "{took:?}");
+    // A camera that closes its connection is lost: such a stream has no end of its own.
+    let FromSource::Failed(failure) = played.end else { panic!("{:?}", played.end) };
+    assert_eq!((failure.what.as_str(), failure.is_final), ("ended its stream", false));
 }

@@ -19,7 +19,7 @@ use barrelman_vocab::video::{CaptureQuality, VideoFrame};
 use crate::clips;
 
 /// The output of a source in its order; frames with their time of delivery.
-enum Delivered {
+pub(crate) enum Delivered {
     Unit(EncodedUnit),
     Frame(VideoFrame, Timestamp),
     State(VideoState),
@@ -44,7 +44,7 @@ impl VideoSink for Sink {
     }
 }
 
-fn start(url: &str) -> (VideoHandle, Receiver<Delivered>, Clock) {
+pub(crate) fn start(url: &str) -> (VideoHandle, Receiver<Delivered>, Clock) {
     let clock = Clock::start();
     let (to, from) = mpsc::channel();
     let handle = spawn(VideoUrl::parse(url).unwrap(), clock, Sink { clock, to }).unwrap();
@@ -56,7 +56,7 @@ fn fixture(name: &str) -> String {
 }
 
 /// Waits for an output for which `wanted` returns a value, and skips all others.
-fn wait_for<T>(
+pub(crate) fn wait_for<T>(
     from: &Receiver<Delivered>,
     within: Duration,
     mut wanted: impl FnMut(Delivered) -> Option<T>,
@@ -70,7 +70,7 @@ fn wait_for<T>(
     }
 }
 
-const SOON: Duration = Duration::from_secs(10);
+pub(crate) const SOON: Duration = Duration::from_secs(10);
 
 #[test]
 fn a_file_is_played_in_its_own_time_and_ends() {

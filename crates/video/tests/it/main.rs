@@ -11,6 +11,7 @@ mod damage;
 mod decoding;
 mod files;
 mod live;
+mod second_engine;
 mod writing;
 
 mod clips;
