@@ -44,7 +44,8 @@ pub enum SourceAddress {
         /// The login.
         login: Option<SourceLogin>,
     },
-    /// A UDP port that packets are sent to: RTP or MPEG-TS, found by their content.
+    /// A UDP port that packets are sent to: RTP, MPEG-TS, or H.264 and H.265 without either, found by their
+    /// content.
     Udp {
         /// The port, and the local address or the multicast group.
         bind: SocketAddr,

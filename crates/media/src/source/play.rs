@@ -27,6 +27,8 @@ pub(super) enum Times {
     Captured,
     /// Time in a file.
     SinceStart,
+    /// Arrival, as running time of the pipeline. The source has no times.
+    Arrival,
 }
 
 /// The way of the packets, for people, and what their times mean.

@@ -17,6 +17,9 @@ use super::play::{Play, Times, Way};
 use super::rtp_times::{Arrived, to_extended};
 use crate::{monotonic, picture};
 
+/// Longest time for which a parser holds a picture back, nanoseconds: that of two or three pictures.
+const MAX_HELD_NS: u64 = 500_000_000;
+
 /// The elements behind a pad with these caps, each with its properties, and the caps of the units.
 fn line(name: &str, is_live: bool) -> (&'static [&'static str], &'static str) {
     const RAW: &[&str] = &["deinterlace", "videoconvert", "videoscale", "capsfilter"];
@@ -187,6 +190,12 @@ impl Units {
             }
             (Times::Captured, Some(pts_ns)) => UnitTime::Captured(self.captured(sample, pts_ns)),
             (Times::SinceStart, Some(pts_ns)) => UnitTime::SinceStart(since_start(sample, pts_ns)),
+            (Times::Arrival, Some(pts_ns)) => {
+                // The parser passes a picture on when a later one begins, and may have guessed its time.
+                let earliest_ns = now_ns.saturating_sub(MAX_HELD_NS);
+                arrival_ns = self.captured(sample, pts_ns).clamp(earliest_ns, now_ns);
+                UnitTime::Unknown
+            }
             (_, None) => UnitTime::Unknown,
         };
         if !std::mem::replace(&mut state.is_open, true) {

@@ -278,6 +278,83 @@ fn a_transport_stream_keeps_the_distances_of_its_times() {
 }
 
 #[test]
+fn a_transport_stream_may_be_cut_into_datagrams_anywhere() {
+    let line =
+        "x264enc tune=zerolatency key-int-max=10 ! video/x-h264,profile=baseline ! mpegtsmux alignment=7";
+    let stream = buffers(line).concat();
+    let mut listening = Listening::new(None);
+    // What FFmpeg sends.
+    listening.send(stream.chunks(1472));
+    listening.await_units(PICTURES - 2);
+    assert_eq!(listening.opened.as_deref(), Some("H.264 by MPEG-TS over UDP"));
+    assert!(listening.units.iter().all(|(unit, _)| !unit.follows_loss));
+    let pictures = Media::decoder(CodedFormat::H264, true).decode_all(&listening.decodable());
+    assert!(pictures.len() >= PICTURES - 2, "{}", pictures.len());
+    assert_eq!(listening.notes, [""; 0]);
+}
+
+/// Annex B without RTP, one picture after the other in datagrams of 1400 bytes.
+fn check_elementary(format: CodedFormat, encoder: &str) {
+    const PAUSE: Duration = Duration::from_millis(20);
+    let pictures = buffers(encoder);
+    let mut listening = Listening::new(None);
+    let mut sent_ns = Vec::new();
+    // The first pictures have no parameter sets: their key was sent before somebody listened.
+    for picture in &pictures[1..] {
+        sent_ns.push(monotonic_ns());
+        listening.send(picture.chunks(1400));
+        std::thread::sleep(PAUSE);
+    }
+    sent_ns.push(monotonic_ns());
+    // The end of a picture is known from the next one, in H.265 from the one after it.
+    let (skipped, count) = (9, PICTURES - 1 - 9 - 2);
+    listening.await_units(count);
+    assert_eq!(listening.opened, Some(format!("{} without RTP over UDP", format.name())));
+    assert!(listening.units[0].0.key);
+    let mut late = 0;
+    for (index, (unit, _)) in listening.units.iter().take(count).enumerate() {
+        assert_eq!(unit.time, UnitTime::Unknown);
+        assert!(unit.arrival_ns >= sent_ns[skipped + index], "{index}");
+        late += usize::from(unit.arrival_ns >= sent_ns[skipped + index + 1]);
+    }
+    // A picture arrives when it is sent, not with the next one, except where the machine is busy.
+    assert!(late < count / 2, "{late} of {count}");
+    let decoded = Media::decoder(format, true).decode_all(&listening.decodable());
+    assert!(decoded.len() >= count, "{}", decoded.len());
+}
+
+#[test]
+fn h264_comes_without_rtp() {
+    let line =
+        "x264enc tune=zerolatency key-int-max=10 ! video/x-h264,stream-format=byte-stream,alignment=au";
+    check_elementary(CodedFormat::H264, line);
+}
+
+#[test]
+fn h265_comes_without_rtp() {
+    let line = "x265enc tune=zerolatency speed-preset=ultrafast key-int-max=10 ! \
+                h265parse config-interval=-1 ! video/x-h265,stream-format=byte-stream,alignment=au";
+    check_elementary(CodedFormat::H265, line);
+}
+
+#[test]
+fn packets_of_no_kind_are_told_once() {
+    let mut listening = Listening::new(None);
+    for _ in 0..2 {
+        listening.send(std::iter::repeat_n(&b"telemetry"[..], 300));
+    }
+    while listening.notes.is_empty() {
+        listening.take();
+    }
+    // What is sent afterwards is found nevertheless.
+    let packets = packets(line(CodedFormat::H264));
+    listening.send(packets.iter().map(|(_, packet)| &packet[..]));
+    listening.await_units(PICTURES);
+    assert_eq!(listening.notes.len(), 1, "{:?}", listening.notes);
+    assert!(listening.notes[0].starts_with("sends packets that are neither RTP nor MPEG-TS"));
+}
+
+#[test]
 fn what_is_no_video_is_told() {
     let mut listening = Listening::new(None);
     listening.send([&[0x80, 8, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1, 0x55][..]]);

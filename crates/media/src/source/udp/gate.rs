@@ -17,8 +17,8 @@ pub(super) enum Verdict {
     Replaced,
 }
 
-/// Remembers the sender that was heard first. A sender is an address and, for RTP, a synchronisation source
-/// (RFC 3550, 3).
+/// Remembers the sender that was heard first. A sender is an address and, where that is known, a
+/// synchronisation source (SSRC; RFC 3550, 3). The source is known of RTP only, whose content is known.
 #[derive(Debug, Default)]
 pub(super) struct Gate {
     heard: Option<Heard>,
@@ -35,8 +35,10 @@ struct Heard {
 impl Gate {
     pub(super) fn judge(&mut self, from: SocketAddr, ssrc: Option<u32>, now: Instant) -> Verdict {
         let heard = self.heard.get_or_insert(Heard { from, ssrc, at: now });
-        if (heard.from, heard.ssrc) == (from, ssrc) {
+        let has_same_source = heard.ssrc.zip(ssrc).is_none_or(|(heard, ssrc)| heard == ssrc);
+        if heard.from == from && has_same_source {
             heard.at = now;
+            heard.ssrc = heard.ssrc.or(ssrc);
             return Verdict::Accepted;
         }
         if now.saturating_duration_since(heard.at) >= SILENCE {
@@ -61,5 +63,21 @@ mod tests {
         assert_eq!(gate.judge(first, Some(7), start + SILENCE), Verdict::Accepted);
         assert_eq!(gate.judge(second, None, start + SILENCE), Verdict::Ignored { is_first: false });
         assert_eq!(gate.judge(second, None, start + 2 * SILENCE), Verdict::Replaced);
+    }
+
+    #[test]
+    fn a_source_counts_from_when_it_is_known() {
+        let mut gate = Gate::default();
+        let from = SocketAddr::from(([127, 0, 0, 1], 1));
+        let start = Instant::now();
+        for (ssrc, verdict) in [
+            (None, Verdict::Accepted),
+            (Some(7), Verdict::Accepted),
+            (None, Verdict::Accepted),
+            (Some(8), Verdict::Ignored { is_first: true }),
+            (Some(7), Verdict::Accepted),
+        ] {
+            assert_eq!(gate.judge(from, ssrc, start), verdict, "{ssrc:?}");
+        }
     }
 }

@@ -1,4 +1,5 @@
-//! Packets that are sent to a UDP port: RTP, or an MPEG transport stream, found by their content.
+//! Packets that are sent to a UDP port: RTP, an MPEG transport stream, or H.264 and H.265 without either, found
+//! by their content.
 //!
 //! Not handled: RTCP, which has a port of its own; forward error correction.
 
@@ -23,6 +24,7 @@ use super::failure::{permanent, temporary, unlinked};
 use super::play::{Play, Times, Way};
 use super::rtp::{self, Stream};
 use super::rtp_times::RtpHead;
+use super::units;
 use crate::monotonic;
 use content::{Content, Detector};
 use gate::{Gate, Verdict};
@@ -95,10 +97,14 @@ fn not_bound(bind: SocketAddr, error: &std::io::Error) -> SourceFailure {
 
 /// Receives until the process ends.
 fn receive(play: &Arc<Play>, socket: &UdpSocket, format: Option<CodedFormat>) -> Result<(), SourceFailure> {
-    let mut gate = Gate::default();
-    let mut detector = Detector::new(format);
-    let mut first = Vec::new();
-    let mut input = None;
+    let mut reception = Reception {
+        play,
+        gate: Gate::default(),
+        detector: Detector::new(format),
+        first: Vec::new(),
+        has_told_doubt: false,
+        line: None,
+    };
     let mut buffer = vec![0; MAX_PACKET];
     loop {
         let (length, from) = match socket.recv_from(&mut buffer) {
@@ -107,33 +113,88 @@ fn receive(play: &Arc<Play>, socket: &UdpSocket, format: Option<CodedFormat>) ->
             Err(error) => return Err(temporary(format!("cannot be received: {error}"), "")),
         };
         let packet = Packet { bytes: buffer[..length].to_vec(), arrival_ns: monotonic::now_ns() };
-        let ssrc = RtpHead::parse(&packet.bytes).map(|head| head.ssrc);
-        match gate.judge(from, ssrc, Instant::now()) {
+        reception.on_packet(packet, from)?;
+    }
+}
+
+/// The packets of a port.
+struct Reception<'a> {
+    play: &'a Arc<Play>,
+    gate: Gate,
+    detector: Detector,
+    /// Packets whose content is not known yet.
+    first: Vec<Packet>,
+    has_told_doubt: bool,
+    line: Option<Line>,
+}
+
+/// Where packets of known content go.
+struct Line {
+    input: AppSrc,
+    is_rtp: bool,
+}
+
+impl Reception<'_> {
+    fn on_packet(&mut self, packet: Packet, from: SocketAddr) -> Result<(), SourceFailure> {
+        // The bytes of other content may look like a head of RTP.
+        let ssrc = self.line.as_ref().filter(|line| line.is_rtp).and_then(|_| packet.ssrc());
+        match self.gate.judge(from, ssrc, Instant::now()) {
             Verdict::Accepted => {}
-            Verdict::Ignored { is_first: false } => continue,
+            Verdict::Ignored { is_first: false } => return Ok(()),
             Verdict::Ignored { is_first: true } => {
-                let note = format!("packets of a second sender ({from}) are left out");
-                play.outbox.message(FromSource::Note(note));
-                continue;
+                self.note(format!("packets of a second sender ({from}) are left out"));
+                return Ok(());
             }
             Verdict::Replaced => return Err(temporary("has another sender now", "")),
         }
-        match &input {
-            Some(input) => push(input, packet),
-            None => {
-                let content = detector.judge(&packet.bytes);
-                first.push(packet);
-                match content {
-                    Content::Unknown if first.len() < content::MAX_PACKETS => {}
-                    Content::Unknown => first.clear(),
-                    content => {
-                        let started = start(play, content)?;
-                        first.drain(..).for_each(|packet| push(&started, packet));
-                        input = Some(started);
+        match &self.line {
+            Some(line) => push(&line.input, packet),
+            None => self.on_first_packet(packet, from)?,
+        }
+        Ok(())
+    }
+
+    /// Judges a packet, and begins with the stream as soon as its content is known.
+    fn on_first_packet(&mut self, packet: Packet, from: SocketAddr) -> Result<(), SourceFailure> {
+        let content = self.detector.judge(&packet.bytes);
+        let ssrc = packet.ssrc();
+        let is_rtp = matches!(content, Content::Rtp { .. });
+        match content {
+            Content::Unknown => {
+                self.first.push(packet);
+                if self.first.len() >= content::MAX_PACKETS {
+                    self.first.clear();
+                    if !std::mem::replace(&mut self.has_told_doubt, true) {
+                        self.note(self.detector.doubt().to_owned());
                     }
                 }
+                return Ok(());
             }
+            Content::Rtp { .. } => {
+                // Another stream of the same sender, such as sound, would tear the pictures.
+                self.gate.judge(from, ssrc, Instant::now());
+                self.first.retain(|packet| packet.ssrc() == ssrc);
+            }
+            // It begins with its first parameter set.
+            Content::Elementary(_) => self.first.clear(),
+            Content::TransportStream | Content::Other(_) => {}
         }
+        let input = start(self.play, content)?;
+        self.first.drain(..).for_each(|packet| push(&input, packet));
+        push(&input, packet);
+        self.line = Some(Line { input, is_rtp });
+        Ok(())
+    }
+
+    fn note(&self, text: String) {
+        self.play.outbox.message(FromSource::Note(text));
+    }
+}
+
+impl Packet {
+    /// The synchronisation source, if this is RTP.
+    fn ssrc(&self) -> Option<u32> {
+        RtpHead::parse(&self.bytes).map(|head| head.ssrc)
     }
 }
 
@@ -170,6 +231,7 @@ fn start(play: &Arc<Play>, content: Content) -> Result<AppSrc, SourceFailure> {
             let out = jitter.static_pad("src").ok_or_else(|| unlinked("a jitter buffer has no source"))?;
             rtp::take_encoding(play, &out, encoding, "RTP over UDP", &Stream::default())?;
         }
+        Content::Elementary(format) => start_elementary(play, &input, &pad, format)?,
         Content::Unknown => {}
         Content::Other(what) => {
             return Err(permanent(what, "Send H.264, H.265, JPEG or MPEG-TS to this port"));
@@ -177,6 +239,22 @@ fn start(play: &Arc<Play>, content: Content) -> Result<AppSrc, SourceFailure> {
     }
     play.start();
     Ok(input)
+}
+
+/// The line for Annex B without RTP. Its pictures have no times: their arrival counts.
+fn start_elementary(
+    play: &Arc<Play>,
+    input: &AppSrc,
+    pad: &gst::Pad,
+    format: CodedFormat,
+) -> Result<(), SourceFailure> {
+    let name = if format == CodedFormat::H265 { "video/x-h265" } else { "video/x-h264" };
+    input.set_format(gst::Format::Time);
+    input.set_do_timestamp(true);
+    input.set_caps(Some(&gst::Caps::builder(name).field("stream-format", "byte-stream").build()));
+    let way = Way { name: "without RTP over UDP".to_owned(), times: Times::Arrival };
+    play.takes_video();
+    units::attach(play, pad, name, &way)
 }
 
 fn push(input: &AppSrc, packet: Packet) {
