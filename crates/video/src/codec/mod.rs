@@ -3,6 +3,7 @@
 
 pub mod decoder;
 mod h264;
+mod huffman;
 pub mod mode;
 pub(crate) mod pending;
 

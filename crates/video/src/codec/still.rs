@@ -15,15 +15,18 @@ use zune_core::colorspace::ColorSpace;
 use zune_core::options::DecoderOptions;
 use zune_jpeg::JpegDecoder;
 
+use super::huffman;
 use super::pool::PicturePool;
 
 /// Maximum width and height of a picture, pixels: bounds the memory that a damaged header can request.
 const MAX_SIDE: usize = 8192;
 
-/// Decodes JPEG and PNG files, and reuses its buffer.
+/// Decodes JPEG and PNG files, and reuses its buffers.
 #[derive(Debug, Default)]
 pub(super) struct StillDecoder {
     pixels: Vec<u8>,
+    /// A JPEG file that came without Huffman tables, with them.
+    completed: Vec<u8>,
 }
 
 impl StillDecoder {
@@ -32,6 +35,7 @@ impl StillDecoder {
         // Strict: a truncated picture is an error, instead of a partly grey picture.
         let options =
             DecoderOptions::default().set_strict_mode(true).set_max_width(MAX_SIDE).set_max_height(MAX_SIDE);
+        let file = huffman::with_tables(file, &mut self.completed);
         let mut decoder = JpegDecoder::new_with_options(ZCursor::new(file), options);
         decoder.decode_headers().map_err(|error| error.to_string())?;
         let (stored, samples) = match decoder.input_colorspace() {
