@@ -43,6 +43,9 @@ pub enum VideoError {
         /// What it is, with its article.
         what: &'static str,
     },
+    /// What another program should write to is no pipe.
+    #[error("`{}` is no pipe: give the path of the file", .0.display())]
+    NoPipe(PathBuf),
     /// The file is damaged.
     #[error("`{}` is damaged after {units} pictures: {what}", .path.display())]
     Damaged {

@@ -3,6 +3,7 @@
 use std::fs::File;
 use std::io::Read as _;
 use std::os::fd::AsRawFd as _;
+use std::os::unix::fs::FileTypeExt as _;
 use std::path::{Path, PathBuf};
 
 use rustix::pipe::{SpliceFlags, pipe, tee};
@@ -35,9 +36,12 @@ impl Pipe {
     /// Opens a pipe and waits for its first bytes.
     ///
     /// # Errors
-    /// A pipe that cannot be read, or a Y4M header that is not supported.
+    /// A pipe that cannot be read, what is no pipe, or a Y4M header that is not supported.
     pub(super) fn open(path: &Path) -> Result<Self, VideoError> {
         let file = File::open(path).map_err(|error| cannot_read(path, error))?;
+        if !file.metadata().is_ok_and(|metadata| metadata.file_type().is_fifo()) {
+            return Err(VideoError::NoPipe(path.to_owned()));
+        }
         let head = peek(&file).map_err(|error| cannot_read(path, error.into()))?;
         Ok(match FileKind::detect(&head) {
             FileKind::Y4m => Self::Y4m(Y4mReader::open(path, file)?),
@@ -71,4 +75,16 @@ fn peek(file: &File) -> Result<Vec<u8>, rustix::io::Errno> {
     // A pipe of this process, which is closed at its end.
     let _ = File::from(copy).read_to_end(&mut head);
     Ok(head)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_file_that_is_given_as_a_pipe_is_told() {
+        let path = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/Cargo.toml"));
+        let Err(error) = Pipe::open(path) else { panic!("it is a file") };
+        assert!(error.to_string().contains("is no pipe: give the path of the file"), "{error}");
+    }
 }

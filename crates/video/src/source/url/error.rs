@@ -70,6 +70,14 @@ pub enum VideoUrlError {
         /// The address as written.
         url: String,
     },
+    /// A device that is neither a camera nor a pipe.
+    #[error(
+        "`{path}` is a device and neither a camera nor a pipe: write v4l2:{path} for a camera, - for standard input"
+    )]
+    OtherDevice {
+        /// The path.
+        path: String,
+    },
     /// The plan of faults cannot be parsed.
     #[error(transparent)]
     Fault(#[from] FaultPlanError),

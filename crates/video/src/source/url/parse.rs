@@ -1,7 +1,7 @@
 //! Reads addresses of video sources.
 
 use std::net::{IpAddr, Ipv4Addr, SocketAddr};
-use std::os::unix::fs::FileTypeExt as _;
+use std::os::unix::fs::{FileTypeExt as _, MetadataExt as _};
 use std::path::{Path, PathBuf};
 
 use barrelman_host::redaction::{has_stray_at, without_logins};
@@ -42,11 +42,10 @@ impl VideoUrl {
             }
             _ => {}
         }
-        if Path::new(text).exists() && !text.starts_with("/dev/video") {
+        if Path::new(text).exists() {
             return Self::parse_path(text);
         }
         match scheme.as_deref() {
-            None if text.starts_with("/dev/video") => Self::parse_device(text),
             None => Self::parse_path(text),
             Some(_) if has_stray_at(text) => Err(VideoUrlError::StrayAt),
             Some("rtsp" | ENCRYPTED) => Self::parse_stream(text),
@@ -72,6 +71,9 @@ impl VideoUrl {
         if path.is_empty() {
             return Err(VideoUrlError::Empty);
         }
+        if is_capture_device(path.split_once('?').map_or(path, |(before, _)| before)) {
+            return Self::parse_device(path);
+        }
         let mut options = Options::default();
         let mut file = path;
         if let Some((before, query)) = path.rsplit_once('?')
@@ -84,8 +86,10 @@ impl VideoUrl {
         }
         let path = PathBuf::from(file);
         let kind = std::fs::metadata(&path).ok().map(|metadata| metadata.file_type());
-        let source = if kind.is_some_and(|kind| kind.is_fifo() || kind.is_char_device()) {
+        let source = if kind.is_some_and(|kind| kind.is_fifo()) {
             VideoSource::Pipe(path)
+        } else if kind.is_some_and(|kind| kind.is_char_device()) {
+            return Err(VideoUrlError::OtherDevice { path: path.display().to_string() });
         } else if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("sdp")) {
             let text = path.display().to_string();
             VideoSource::Media(MediaSource { text, address: SourceAddress::Sdp(path) })
@@ -172,6 +176,22 @@ impl VideoUrl {
     fn of(source: VideoSource, options: Options) -> Self {
         Self { fps: options.fps, faults: options.faults, ..Self::from_source(source) }
     }
+}
+
+/// Whether a path names a capture device: `/dev/video0`, or a link to it. udev makes links with stable names in
+/// `/dev/v4l/by-id`, as long as the device is connected.
+fn is_capture_device(path: &str) -> bool {
+    /// The major number of capture devices (Linux, `Documentation/admin-guide/devices.txt`).
+    const VIDEO4LINUX: u32 = 81;
+    let is_named_so = |path: &Path| {
+        let name = path.to_string_lossy();
+        name.starts_with("/dev/video") || name.starts_with("/dev/v4l/")
+    };
+    let path = Path::new(path);
+    let has_number = std::fs::metadata(path).is_ok_and(|metadata| {
+        metadata.file_type().is_char_device() && rustix::fs::major(metadata.rdev()) == VIDEO4LINUX
+    });
+    has_number || is_named_so(path) || std::fs::read_link(path).is_ok_and(|target| is_named_so(&target))
 }
 
 /// Reads an address with a host: the address without login and without this program's options, the login, the

@@ -166,6 +166,47 @@ fn addresses_of_gstreamer_are_told_apart() {
     check_media("http://u:p@cam.example/video?x=1", "http://***@cam.example/video?x=1", &network);
 }
 
+/// A link in the folder of temporary files, as long as the value lives.
+struct Link(std::path::PathBuf);
+
+impl Link {
+    fn to(target: &str) -> Self {
+        let name = format!("barrelman-{}-{}", std::process::id(), target.replace('/', "-"));
+        let link = std::env::temp_dir().join(name);
+        std::os::unix::fs::symlink(target, &link).unwrap();
+        Self(link)
+    }
+}
+
+impl Drop for Link {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_file(&self.0);
+    }
+}
+
+#[test]
+fn a_link_to_a_capture_device_is_one() {
+    let link = Link::to("/dev/video61");
+    let by_id = "/dev/v4l/by-id/usb-Camera_0001-video-index0";
+    for path in [link.0.to_str().unwrap(), by_id] {
+        let settings = DeviceSettings { path: path.into(), size: None, fps: None, format: None };
+        check_media(path, path, &SourceAddress::Device(settings.clone()));
+        let (size, fps) = (Some(PictureSize::new(1280, 720)), Some(30.0));
+        let address = SourceAddress::Device(DeviceSettings { size, fps, ..settings });
+        check_media(&format!("{path}?size=1280x720&fps=30"), path, &address);
+    }
+}
+
+#[test]
+fn a_device_that_is_no_camera_is_told() {
+    let link = Link::to("/dev/null");
+    for path in ["/dev/null", link.0.to_str().unwrap()] {
+        let error = VideoUrl::parse(path).unwrap_err().to_string();
+        assert!(error.contains("neither a camera nor a pipe"), "{error}");
+        assert!(error.contains(&format!("v4l2:{path}")), "{error}");
+    }
+}
+
 #[test]
 fn what_is_printed_reads_as_the_same() {
     for text in ["clip.mp4", "frames?fps=12.5&fault=stall@1+2", "rtsp://cam.example/live?profile=2"] {
