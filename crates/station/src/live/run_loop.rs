@@ -25,6 +25,7 @@ use barrelman_vocab::{
 use super::event::{Event, EventSource};
 use super::status_line::{StatusLine, StatusOutput};
 use super::tracked_video::{LatestFrame, TrackedVideo};
+use super::video_states::Connections;
 use crate::config::lens::misfit;
 use crate::link::VehicleLink;
 use crate::link::vessel_link::VesselLink;
@@ -116,14 +117,6 @@ pub struct RunLoop<'a> {
     pub ends_on_refused_selection: bool,
     /// Further observers: the annotated video, the pictures of the console.
     pub observers: Vec<Box<dyn LiveStepObserver + 'a>>,
-}
-
-/// The connections to a video so far.
-#[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Connections {
-    pub(super) has_been_up: bool,
-    /// Failed attempts to connect since the video was last up.
-    pub(super) failed: u64,
 }
 
 /// The state of the loop between events.

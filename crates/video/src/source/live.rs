@@ -21,7 +21,7 @@ use super::demux::FileReader;
 use super::feed::{Feed, StopSignal};
 use super::media_engine::MediaEngine;
 use super::pipe::Pipe;
-use super::receiver::{Receiver, ReceiverEnd};
+use super::receiver::{Progress, Receiver, ReceiverEnd};
 use super::rtsp::RtspEngine;
 use super::sink::{VideoSink, VideoState};
 use super::url::{VideoSource, VideoUrl};
@@ -81,12 +81,17 @@ const PATIENCE: Duration = Duration::from_secs(5);
 
 /// Receives a stream by the built-in engine where that reads it. Where it does not, by GStreamer.
 fn run_stream<S: VideoSink>(url: &VideoUrl, mut feed: Feed<S>, stop: &StopSignal) {
-    let program = url.engine.media_program();
-    if let Some(mut engine) = built_in_engine(url, feed.clock) {
+    let (program, clock) = (url.engine.media_program(), feed.clock);
+    let mut received = Progress::default();
+    if let Some(mut engine) = built_in_engine(url, clock) {
         let patience = program.is_some().then_some(PATIENCE);
         match Receiver::new(&mut feed, patience, stop).run(&mut engine) {
-            ReceiverEnd::GivenUp(reason) => {
+            ReceiverEnd::GivenUp { reason, progress } => {
                 tracing::warn!("{url}: {reason}: GStreamer reads the stream from now on");
+                if progress.was_up {
+                    feed.sink.on_state(VideoState::Lost { reason });
+                }
+                received = progress;
             }
             end => return finish(end, &mut feed),
         }
@@ -99,21 +104,23 @@ fn run_stream<S: VideoSink>(url: &VideoUrl, mut feed: Feed<S>, stop: &StopSignal
         });
     };
     match program {
-        Some(program) => run_media(url, program, settings, &mut feed, stop),
+        Some(program) => {
+            let end = Receiver::new(&mut feed, None, stop)
+                .resuming(received)
+                .run(&mut media_engine(url, program, settings, clock));
+            finish(end, &mut feed);
+        }
         None => feed.fail(VideoError::NoMedia { address: url.to_string() }),
     }
 }
 
-fn run_media<S: VideoSink>(
+fn media_engine(
     url: &VideoUrl,
     program: MediaProgram,
     settings: SourceSettings,
-    feed: &mut Feed<S>,
-    stop: &StopSignal,
-) {
-    let mut engine = MediaEngine { program, settings, shown_address: url.to_string(), clock: feed.clock };
-    let end = Receiver::new(feed, None, stop).run(&mut engine);
-    finish(end, feed);
+    clock: Clock,
+) -> MediaEngine {
+    MediaEngine { program, settings, shown_address: url.to_string(), clock }
 }
 
 /// The built-in engine for a stream; `None`: it does not read such a stream, or must not.
@@ -133,7 +140,7 @@ fn finish<S: VideoSink>(end: ReceiverEnd, feed: &mut Feed<S>) {
         ReceiverEnd::Stopped => {}
         ReceiverEnd::Ended => feed.sink.on_state(VideoState::Ended),
         ReceiverEnd::Failed(error) => feed.fail(error),
-        ReceiverEnd::GivenUp(reason) => feed.sink.on_state(VideoState::Lost { reason }),
+        ReceiverEnd::GivenUp { reason, .. } => feed.sink.on_state(VideoState::Lost { reason }),
     }
 }
 
@@ -147,7 +154,9 @@ fn run_pipe<S: VideoSink>(url: &VideoUrl, path: &Path, mut feed: Feed<S>, stop: 
             return match pipe.reading_program(url, path) {
                 Ok(program) => {
                     let settings = SourceSettings::file(pipe.path.clone(), true);
-                    run_media(url, program, settings, &mut feed, stop);
+                    let mut engine = media_engine(url, program, settings, feed.clock);
+                    let end = Receiver::new(&mut feed, None, stop).run(&mut engine);
+                    finish(end, &mut feed);
                 }
                 Err(error) => feed.fail(error),
             };

@@ -110,8 +110,18 @@ pub(super) enum ReceiverEnd {
     Ended,
     /// The stream cannot be used.
     Failed(VideoError),
-    /// Another engine may do better, for this reason.
-    GivenUp(String),
+    /// Another engine may do better, for this reason. It goes on where this one has ended.
+    GivenUp { reason: String, progress: Progress },
+}
+
+/// What was received of a source, by any engine.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub(super) struct Progress {
+    /// The number of ended connections and of losses.
+    pub(super) epoch: u32,
+    pub(super) units: u64,
+    /// Whether there was a picture.
+    pub(super) was_up: bool,
 }
 
 /// Receives one source by one engine.
@@ -130,9 +140,7 @@ pub(super) struct Receiver<'a, S> {
     reached_at: Option<Timestamp>,
     /// When a connection ended last because of what the server sent.
     misread_at: Option<Timestamp>,
-    epoch: u32,
-    units: u64,
-    was_up: bool,
+    progress: Progress,
 }
 
 impl<'a, S: VideoSink> Receiver<'a, S> {
@@ -146,11 +154,14 @@ impl<'a, S: VideoSink> Receiver<'a, S> {
             patience,
             reached_at: None,
             misread_at: None,
-            epoch: 0,
-            units: 0,
-            was_up: false,
+            progress: Progress::default(),
             feed,
         }
+    }
+
+    /// The same, which goes on where another engine has ended.
+    pub(super) fn resuming(self, progress: Progress) -> Self {
+        Self { progress, ..self }
     }
 
     /// Receives until the stop signal, or until the stream turns out to be unusable.
@@ -168,22 +179,27 @@ impl<'a, S: VideoSink> Receiver<'a, S> {
                 Ok(mut connection) => self.serve(&mut connection),
                 Err(error) => return ReceiverEnd::Failed(error),
             };
-            self.epoch += 1;
+            self.progress.epoch += 1;
             let reason = match end {
                 ConnectionEnd::Over(end) => return end,
+                ConnectionEnd::GivenUp(reason) => return self.given_up(reason),
                 ConnectionEnd::Lost(reason) => reason,
                 // The stream was usable before: its settings were changed and may be changed back.
-                ConnectionEnd::Unusable(error) if self.was_up => {
+                ConnectionEnd::Unusable(error) if self.progress.was_up => {
                     self.notify(Event::Broken);
                     error.to_string()
                 }
                 ConnectionEnd::Unusable(error) => return ReceiverEnd::Failed(error),
             };
             if self.is_out_of_patience() {
-                return ReceiverEnd::GivenUp(reason);
+                return self.given_up(reason);
             }
             self.feed.sink.on_state(VideoState::Lost { reason });
         }
+    }
+
+    const fn given_up(&self, reason: String) -> ReceiverEnd {
+        ReceiverEnd::GivenUp { reason, progress: self.progress }
     }
 
     fn notify(&mut self, event: Event) -> Option<Action> {
@@ -193,7 +209,7 @@ impl<'a, S: VideoSink> Receiver<'a, S> {
     /// Whether the server was reached long ago, and no picture has come.
     fn is_out_of_patience(&self) -> bool {
         let (Some(patience), Some(reached_at)) = (self.patience, self.reached_at) else { return false };
-        !self.was_up && self.feed.clock.now().since(reached_at) >= patience
+        !self.progress.was_up && self.feed.clock.now().since(reached_at) >= patience
     }
 
     /// Serves one connection, from the attempt to the end.
@@ -218,7 +234,7 @@ impl<'a, S: VideoSink> Receiver<'a, S> {
             }
             if self.is_out_of_patience() {
                 let reason = format!("no picture in {:.0?}", self.patience.unwrap_or_default());
-                return ConnectionEnd::Over(ReceiverEnd::GivenUp(reason));
+                return ConnectionEnd::GivenUp(reason);
             }
         }
     }
@@ -263,17 +279,17 @@ impl<'a, S: VideoSink> Receiver<'a, S> {
                 let is_repeated =
                     self.misread_at.replace(now).is_some_and(|at| now.since(at) < MISREAD_PERIOD);
                 match self.patience {
-                    Some(_) if is_repeated => ConnectionEnd::Over(ReceiverEnd::GivenUp(reason)),
+                    Some(_) if is_repeated => ConnectionEnd::GivenUp(reason),
                     _ => ConnectionEnd::Lost(reason),
                 }
             }
             Broken::Ended => ConnectionEnd::Over(ReceiverEnd::Ended),
-            Broken::Unsupported(error) if self.patience.is_some() && !self.was_up => {
+            Broken::Unsupported(error) if self.patience.is_some() => {
                 let reason = match error {
                     VideoError::Stream { what, .. } => format!("the stream {what}"),
                     other => other.to_string(),
                 };
-                ConnectionEnd::Over(ReceiverEnd::GivenUp(reason))
+                ConnectionEnd::GivenUp(reason)
             }
             Broken::Unsupported(error) | Broken::Refused(error) => ConnectionEnd::Unusable(error),
         }
@@ -285,13 +301,13 @@ impl<'a, S: VideoSink> Receiver<'a, S> {
         }
         // A unit never refers to a picture of another epoch: behind a loss, a new one begins.
         if unit.follows_loss && !unit.key {
-            self.epoch += 1;
+            self.progress.epoch += 1;
             self.notify(Event::KeyNeeded);
         }
         let capture = self.capture(&unit);
         let unit = EncodedUnit {
-            epoch: self.epoch,
-            index: self.units,
+            epoch: self.progress.epoch,
+            index: self.progress.units,
             capture,
             key: unit.key,
             shown: true,
@@ -299,7 +315,7 @@ impl<'a, S: VideoSink> Receiver<'a, S> {
             codec: unit.codec,
             payload: unit.payload,
         };
-        self.units += 1;
+        self.progress.units += 1;
         self.deliver(Some(unit))
     }
 
@@ -339,7 +355,7 @@ impl<'a, S: VideoSink> Receiver<'a, S> {
             if !matches!(self.supervision.state(), State::Up { .. }) {
                 self.feed.sink.on_state(VideoState::Up);
             }
-            self.was_up = true;
+            self.progress.was_up = true;
             self.notify(Event::Picture);
             self.feed.sink.on_frame(frame);
         }
@@ -362,8 +378,13 @@ impl<'a, S: VideoSink> Receiver<'a, S> {
 enum ConnectionEnd {
     /// No other connection is made.
     Over(ReceiverEnd),
+    /// No other connection is made by this engine, for this reason.
+    GivenUp(String),
     /// Lost, for this reason.
     Lost(String),
     /// The stream cannot be used as it is.
     Unusable(VideoError),
 }
+
+#[cfg(test)]
+mod tests;
