@@ -17,6 +17,11 @@ use super::output::Output;
 /// may change the time stamp of a buffer where times go backwards; they pass metadata on as it is.
 const UNIT_TIME: &str = "timestamp/x-barrelman-unit";
 
+/// Attempts to begin with a unit. Where H.264 begins at a picture that is no IDR picture, libav fills the gap in
+/// the frame numbers in front of it, at most 16 frames, and GStreamer's element lets it have three of them a
+/// call.
+const START_ATTEMPTS: usize = 7;
+
 /// The elements from the parser to the output.
 pub(super) struct Line {
     pipeline: gst::Pipeline,
@@ -104,7 +109,7 @@ impl Line {
         if self.is_awaiting_key && !key {
             return None;
         }
-        self.is_awaiting_key = false;
+        let is_start = std::mem::replace(&mut self.is_awaiting_key, false);
         if !self.has_stream {
             self.begin_stream();
         }
@@ -117,16 +122,28 @@ impl Line {
                 buffer.set_flags(gst::BufferFlags::DELTA_UNIT);
             }
         }
-        self.errors.forget();
-        self.parsed.store(false, Ordering::Relaxed);
         self.output().begin(pts_ns);
-        let pushed = self.input.push(buffer);
-        let damage = self.damage(pushed);
+        let mut damage = self.push(buffer.clone());
+        for _ in 1..if is_start { START_ATTEMPTS } else { 1 } {
+            // Damage that libav tells stays.
+            if damage.is_none() || self.errors.first().is_some() {
+                break;
+            }
+            damage = self.push(buffer.clone());
+        }
         if damage.is_some() {
             // The intact pictures that the decoder holds back come out here; that of this unit is withheld.
             self.drain();
         }
         damage
+    }
+
+    /// Pushes a unit through the line. Returns why it gives no intact picture.
+    fn push(&self, unit: gst::Buffer) -> Option<String> {
+        self.errors.forget();
+        self.parsed.store(false, Ordering::Relaxed);
+        let pushed = self.input.push(unit);
+        self.damage(pushed)
     }
 
     /// Delivers all pictures that the elements hold back, and waits for a key frame.

@@ -97,6 +97,19 @@ pub fn is_bidirectional(slice: &[u8]) -> bool {
     matches!(slice_type, Ok(1 | 6))
 }
 
+/// Whether an access unit has slices, and none of a key picture (IDR).
+pub fn lacks_key_slice(unit: &[u8]) -> bool {
+    let mut has_slice = false;
+    for nal in nals(unit) {
+        match kind(nal) {
+            NalKind::KeySlice => return false,
+            NalKind::Slice => has_slice = true,
+            NalKind::Sps | NalKind::Pps | NalKind::Other => {}
+        }
+    }
+    has_slice
+}
+
 /// Whether an access unit has a recovery point (SEI message 6, D.2.8): decoding can begin here, and the
 /// pictures are intact some units later. Streams with periodic intra refresh have no key picture but these.
 pub fn has_recovery_point(unit: &[u8]) -> bool {
@@ -252,6 +265,13 @@ mod tests {
         {
             assert!(!is_bidirectional(slice), "{slice:?}");
         }
+    }
+
+    #[test]
+    fn a_key_slice_is_told_from_others() {
+        assert!(lacks_key_slice(&[0, 0, 1, 0x67, 5, 0, 0, 1, 0x41, 6]));
+        assert!(!lacks_key_slice(&[0, 0, 1, 0x41, 6, 0, 0, 1, 0x65, 6]));
+        assert!(!lacks_key_slice(&[0, 0, 1, 0x67, 5, 0, 0, 1, 0x68, 6]));
     }
 
     #[test]

@@ -3,7 +3,7 @@
 //! A [`UnitDecoder`] has no clock: the same units give the same frames with the same sequence numbers, live
 //! and in a replay. H.264, JPEG, PNG and uncompressed pictures are decoded in this process. Other formats,
 //! and H.264 that the built-in decoder does not read (interlaced, more than 8 bits, other chroma than 4:2:0,
-//! no key frames), are decoded by GStreamer in another process ([`crate::media`]). The content of the units
+//! no IDR pictures), are decoded by GStreamer in another process ([`crate::media`]). The content of the units
 //! decides which, so that a replay decides the same.
 //!
 //! Only intact pictures are delivered: after damage, or at the start of an epoch, all units up to the next
@@ -138,7 +138,7 @@ impl UnitDecoder {
         unit: &EncodedUnit,
         out: &mut impl FnMut(VideoFrame),
     ) -> Result<(), DecodeError> {
-        if !self.h264_by_media && self.waits_in_vain(unit) {
+        if !self.h264_by_media && (self.begins_without_idr(unit) || self.waits_in_vain(unit)) {
             self.h264_by_media = self.can_change_over();
         }
         if self.h264_by_media {
@@ -159,10 +159,16 @@ impl UnitDecoder {
         }
     }
 
+    /// Whether decoding begins at a unit of H.264 that is no IDR picture: at a recovery point, or at an intra
+    /// picture of an open group of pictures. The built-in decoder begins at IDR pictures only.
+    fn begins_without_idr(&self, unit: &EncodedUnit) -> bool {
+        self.is_awaiting_key && unit.key && annexb::lacks_key_slice(&unit.payload)
+    }
+
     /// Whether a unit of H.264 has a recovery point, and units have been skipped for longer than cameras send
     /// no key frame.
     fn waits_in_vain(&mut self, unit: &EncodedUnit) -> bool {
-        if !self.is_awaiting_key || unit.key {
+        if !self.is_awaiting_key || (unit.key && !annexb::lacks_key_slice(&unit.payload)) {
             self.skipped_since = None;
             return false;
         }

@@ -7,7 +7,10 @@ use std::process::Command;
 use std::time::Duration;
 
 use barrelman_video::VideoState;
+use barrelman_video::annexb;
 use barrelman_video::media::MediaProgram;
+use barrelman_video::mode::DecodeMode;
+use barrelman_vocab::unit::EncodedUnit;
 
 use crate::clips;
 use crate::live::{Delivered, SOON, start, wait_for};
@@ -35,6 +38,51 @@ fn has_media(test: &str) -> bool {
     let output = [run.stdout, run.stderr].map(|bytes| String::from_utf8_lossy(&bytes).into_owned()).concat();
     assert!(run.status.success() && output.contains("1 passed"), "{output}");
     false
+}
+
+/// The units of a clip whose head is cut off: up to its second half, it had the only IDR picture.
+fn headless_units(name: &str, x264: &str) -> Option<Vec<EncodedUnit>> {
+    let file = clips::output(&format!("{name}-{}.ts", std::process::id()));
+    let options =
+        format!("-f lavfi -i testsrc2=s=320x240:r=25:d=4 -pix_fmt yuv420p -c:v libx264 -x264-params {x264}");
+    let mut ffmpeg = Command::new("ffmpeg");
+    ffmpeg.args(["-v", "error", "-nostdin", "-y"]).args(options.split(' ')).arg(&file);
+    let Ok(run) = ffmpeg.output() else {
+        clips::skip("ffmpeg is not installed");
+        return None;
+    };
+    assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
+    let clip = fs::read(&file).unwrap();
+    let half = clip.len() / 2 / 188 * 188;
+    fs::write(&file, &clip[half..]).unwrap();
+    let units = clips::units_of(&file);
+    fs::remove_file(file).unwrap();
+    Some(units)
+}
+
+fn check_without_idr(name: &str, x264: &str) {
+    let Some(units) = headless_units(name, x264) else { return };
+    assert!(units.iter().all(|unit| annexb::lacks_key_slice(&unit.payload)), "there is an IDR picture");
+    let first_key = units.iter().position(|unit| unit.key).unwrap();
+    let (frames, errors) = clips::decode(&units, DecodeMode::Live);
+    assert_eq!(errors, []);
+    // A refresh takes as long as ten pictures.
+    let expected = units.len() - first_key - 12;
+    assert!(frames.len() >= expected, "{} of {} units, {expected} expected", frames.len(), units.len());
+}
+
+#[test]
+fn h264_with_periodic_intra_refresh_is_decoded_from_its_middle() {
+    if has_media("second_engine::h264_with_periodic_intra_refresh_is_decoded_from_its_middle") {
+        check_without_idr("refresh", "intra-refresh=1:keyint=10:bframes=0");
+    }
+}
+
+#[test]
+fn h264_with_open_groups_of_pictures_is_decoded_from_its_middle() {
+    if has_media("second_engine::h264_with_open_groups_of_pictures_is_decoded_from_its_middle") {
+        check_without_idr("open", "open-gop=1:keyint=10:min-keyint=10:scenecut=0:bframes=2:b-adapt=0");
+    }
 }
 
 /// Sends a few pictures of a multipart stream, and closes the connection.
