@@ -22,6 +22,14 @@ pub(crate) fn delivered_caps(decoded: Option<&gst::CapsRef>) -> gst::Caps {
     delivered.field("width", fitting.width as i32).field("height", fitting.height as i32).build()
 }
 
+/// The same for a picture that becomes a JPEG file, whose samples are BT.601 in the full range (JFIF).
+pub(crate) fn jpeg_caps(decoded: Option<&gst::CapsRef>) -> gst::Caps {
+    // Range 0 to 255, matrix of BT.601; transfer and primaries stay open.
+    let mut caps = delivered_caps(decoded);
+    caps.make_mut().set("colorimetry", "1:4:0:0");
+    caps
+}
+
 /// The size that caps declare.
 pub(crate) fn size_of(caps: &gst::CapsRef) -> Option<PictureSize> {
     let info = VideoInfo::from_caps(caps).ok()?;

@@ -58,8 +58,9 @@ pub(super) fn attach(play: &Arc<Play>, pad: &gst::Pad, name: &str, way: &Way) ->
     }
     all.push(sink.clone().upcast());
     play.pipeline.add(&sink).map_err(unlinked)?;
+    let raw_caps = if caps == "image/jpeg" { picture::jpeg_caps } else { picture::delivered_caps };
     for element in &all {
-        set_up(element, pad);
+        set_up(element, pad, raw_caps);
     }
     gst::Element::link_many(&all).map_err(unlinked)?;
     if play.is_live && name.starts_with("video/x-raw") {
@@ -87,8 +88,9 @@ pub(super) fn attach(play: &Arc<Play>, pad: &gst::Pad, name: &str, way: &Way) ->
     Ok(())
 }
 
-/// Sets the properties of an element of the line behind `pad`.
-fn set_up(element: &gst::Element, pad: &gst::Pad) {
+/// Sets the properties of an element of the line behind `pad`. `raw_caps`: those of an uncompressed picture in
+/// the line, for the caps of the pad.
+fn set_up(element: &gst::Element, pad: &gst::Pad, raw_caps: fn(Option<&gst::CapsRef>) -> gst::Caps) {
     let factory = element.factory().map(|factory| factory.name().to_string()).unwrap_or_default();
     match factory.as_str() {
         // The parameter sets stand before each key.
@@ -101,13 +103,13 @@ fn set_up(element: &gst::Element, pad: &gst::Pad) {
         "videoconvert" => element.set_property_from_str("dither", "none"),
         "jpegenc" => element.set_property("quality", 90),
         "capsfilter" => {
-            element.set_property("caps", picture::delivered_caps(None));
+            element.set_property("caps", raw_caps(None));
             let filter = element.clone();
             pad.add_probe(gst::PadProbeType::EVENT_DOWNSTREAM, move |_, info| {
                 if let Some(gst::PadProbeData::Event(event)) = &info.data
                     && let gst::EventView::Caps(caps) = event.view()
                 {
-                    filter.set_property("caps", picture::delivered_caps(Some(caps.caps())));
+                    filter.set_property("caps", raw_caps(Some(caps.caps())));
                 }
                 gst::PadProbeReturn::Ok
             });

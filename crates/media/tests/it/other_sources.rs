@@ -12,6 +12,10 @@ use barrelman_media_protocol::source::{
 use barrelman_vocab::image::PictureSize;
 use barrelman_vocab::unit::UnitCodec;
 
+use gst::prelude::*;
+use gstreamer as gst;
+use gstreamer_app::AppSink;
+
 use crate::clip::{self, Folder};
 use crate::files::play;
 use crate::media::Media;
@@ -57,6 +61,47 @@ fn uncompressed_pictures_of_a_live_pipeline_become_jpeg_with_their_time_of_captu
         assert!(payload.starts_with(&[0xff, 0xd8]));
         let UnitTime::Captured(at_ns) = unit.time else { panic!("{unit:?}") };
         assert!((began_ns..=ended_ns).contains(&at_ns), "{began_ns} {at_ns} {ended_ns}");
+    }
+}
+
+/// The means of the luma and of the two chroma planes in a JPEG file.
+fn means_of_jpeg(picture: &[u8], chroma_samples: usize) -> [u8; 3] {
+    gst::init().unwrap();
+    let folder = Folder::new();
+    let file = folder.file("picture.jpg");
+    std::fs::write(&file, picture).unwrap();
+    let text = format!(
+        "filesrc location={} ! jpegdec ! video/x-raw,format=I420 ! appsink name=end sync=false",
+        file.display()
+    );
+    let pipeline = gst::parse::launch(&text).unwrap().downcast::<gst::Pipeline>().unwrap();
+    let sink = pipeline.by_name("end").unwrap().downcast::<AppSink>().unwrap();
+    pipeline.set_state(gst::State::Playing).unwrap();
+    let samples = sink.pull_sample().unwrap().buffer().unwrap().map_readable().unwrap().to_vec();
+    pipeline.set_state(gst::State::Null).unwrap();
+    let (luma, chroma) = samples.split_at(samples.len() - 2 * chroma_samples);
+    let (u, v) = chroma.split_at(chroma_samples);
+    [luma, u, v].map(|plane| {
+        let sum: usize = plane.iter().map(|sample| usize::from(*sample)).sum();
+        (sum / plane.len()) as u8
+    })
+}
+
+#[test]
+fn uncompressed_pictures_become_jpeg_in_its_range_and_matrix() {
+    // Of the size of HD video, whose matrix is BT.709. JFIF 1.02: Y, Cb and Cr of full-range BT.601.
+    for (pattern, expected) in [("white", [255, 128, 128]), ("red", [76, 85, 255]), ("black", [0, 128, 128])]
+    {
+        let text = format!(
+            "videotestsrc is-live=true num-buffers=1 pattern={pattern} ! \
+             video/x-raw,format=YUY2,width=1280,height=720,framerate=25/1"
+        );
+        let played = play(pipeline(&text), true);
+        let means = means_of_jpeg(&played.units[0].1, 640 * 360);
+        for (mean, expected) in means.into_iter().zip(expected) {
+            // Two conversions round.
+            assert!(mean.abs_diff(expected) <= 3, "{pattern}: {means:?}");
+        }
     }
 }
 
@@ -127,9 +172,9 @@ fn an_sdp_file_opens_the_port_that_it_names() {
     let line = "x264enc tune=zerolatency key-int-max=5 ! rtph264pay config-interval=-1 pt=96";
     let sender =
         format!("videotestsrc is-live=true ! {PICTURE} ! {line} ! udpsink host=127.0.0.1 port={port}");
-    gstreamer::init().unwrap();
-    let sender = gstreamer::parse::launch(&sender).unwrap();
-    gstreamer::prelude::ElementExt::set_state(&sender, gstreamer::State::Playing).unwrap();
+    gst::init().unwrap();
+    let sender = gst::parse::launch(&sender).unwrap();
+    sender.set_state(gst::State::Playing).unwrap();
     let (mut opened, mut units) = (None, 0);
     while units < 10 {
         match media.receive::<FromSource>().unwrap().expect("the source is silent").0 {
@@ -143,7 +188,7 @@ fn an_sdp_file_opens_the_port_that_it_names() {
         }
     }
     assert_eq!(opened.as_deref(), Some("H.264 by RTP over UDP"));
-    gstreamer::prelude::ElementExt::set_state(&sender, gstreamer::State::Null).unwrap();
+    sender.set_state(gst::State::Null).unwrap();
 }
 
 #[test]
