@@ -154,7 +154,12 @@ struct State {
 impl Units {
     fn new(play: &Play, way: &Way, name: &str) -> Self {
         let (outbox, pipeline) = (play.outbox.clone(), play.pipeline.clone());
-        Self { outbox, pipeline, way: way.clone(), title: title(name), state: Mutex::default() }
+        let mut way = way.clone();
+        if name == "image/jpeg" && matches!(way.times, Times::Sender) {
+            // In a multipart stream, the first picture alone has a time: that of the connection.
+            way.times = Times::Arrival;
+        }
+        Self { outbox, pipeline, way, title: title(name), state: Mutex::default() }
     }
 
     fn on_tags(&self, tags: &gst::TagListRef) {
