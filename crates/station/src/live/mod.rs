@@ -11,6 +11,7 @@
 
 pub mod session;
 
+mod connections;
 pub mod event;
 pub mod run_loop;
 

@@ -22,10 +22,10 @@ use barrelman_vocab::{
     VehicleRates, VesselOrder, VideoNumber, Videos,
 };
 
+use super::connections::Connections;
 use super::event::{Event, EventSource};
 use super::status_line::{StatusLine, StatusOutput};
 use super::tracked_video::{LatestFrame, TrackedVideo};
-use super::video_states::Connections;
 use crate::config::lens::misfit;
 use crate::link::VehicleLink;
 use crate::link::vessel_link::VesselLink;
