@@ -70,8 +70,8 @@ pub enum SourceAddress {
 }
 
 impl SourceAddress {
-    /// Whether [`FromSource::Ended`] is the end of the video: of a file, an address that may be one (HTTP), or
-    /// a pipeline of the operator. A camera's stream that ends is lost.
+    /// Whether [`FromSource::Ended`] is the end of the video: of a file, an address that may be one (HTTP),
+    /// or a pipeline of the operator. A camera's stream that ends is lost.
     pub fn may_end(&self) -> bool {
         match self {
             Self::Rtsp { .. } | Self::Udp { .. } | Self::Sdp(_) | Self::Device(_) => false,

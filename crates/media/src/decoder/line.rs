@@ -17,9 +17,9 @@ use super::output::Output;
 /// may change the time stamp of a buffer where times go backwards; they pass metadata on as it is.
 const UNIT_TIME: &str = "timestamp/x-barrelman-unit";
 
-/// Attempts to begin with a unit. Where H.264 begins at a picture that is no IDR picture, libav fills the gap in
-/// the frame numbers in front of it, at most 16 frames, and GStreamer's element lets it have three of them a
-/// call.
+/// Attempts to begin with a unit. Where H.264 begins at a picture that is no IDR picture, libav fills the gap
+/// in the frame numbers in front of it, at most 16 frames, and GStreamer's element lets it have three of them
+/// a call.
 const START_ATTEMPTS: usize = 7;
 
 /// The elements from the parser to the output.

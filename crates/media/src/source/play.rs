@@ -29,6 +29,8 @@ pub(super) enum Times {
     SinceStart,
     /// Arrival, as running time of the pipeline. The source has no times.
     Arrival,
+    /// Nothing: a picture arrives when it is complete.
+    Absent,
 }
 
 /// The way of the packets, for people, and what their times mean.
@@ -129,6 +131,11 @@ impl Play {
         self.is_endless.store(true, Ordering::Relaxed);
     }
 
+    /// Whether the stream has no end of its own.
+    pub(super) fn is_endless(&self) -> bool {
+        self.is_endless.load(Ordering::Relaxed)
+    }
+
     /// Handles the messages of the bus until the end.
     pub(super) fn follow_bus(self: &Arc<Self>) {
         let Some(bus) = self.pipeline.bus() else { return };
@@ -159,7 +166,7 @@ impl Play {
     /// Returns whether the source has ended.
     fn on_message(self: &Arc<Self>, message: &gst::Message) -> bool {
         match message.view() {
-            gst::MessageView::Eos(_) if self.is_live && self.is_endless.load(Ordering::Relaxed) => {
+            gst::MessageView::Eos(_) if self.is_live && self.is_endless() => {
                 self.outbox.fail(failure::temporary("ended its stream", ""));
             }
             gst::MessageView::Eos(_) => self.outbox.end(FromSource::Ended),

@@ -88,8 +88,8 @@ pub(super) fn attach(play: &Arc<Play>, pad: &gst::Pad, name: &str, way: &Way) ->
     Ok(())
 }
 
-/// Sets the properties of an element of the line behind `pad`. `raw_caps`: those of an uncompressed picture in
-/// the line, for the caps of the pad.
+/// Sets the properties of an element of the line behind `pad`. `raw_caps`: those of an uncompressed picture
+/// in the line, for the caps of the pad.
 fn set_up(element: &gst::Element, pad: &gst::Pad, raw_caps: fn(Option<&gst::CapsRef>) -> gst::Caps) {
     let factory = element.factory().map(|factory| factory.name().to_string()).unwrap_or_default();
     match factory.as_str() {
@@ -155,9 +155,9 @@ impl Units {
     fn new(play: &Play, way: &Way, name: &str) -> Self {
         let (outbox, pipeline) = (play.outbox.clone(), play.pipeline.clone());
         let mut way = way.clone();
-        if name == "image/jpeg" && matches!(way.times, Times::Sender) {
-            // In a multipart stream, the first picture alone has a time: that of the connection.
-            way.times = Times::Arrival;
+        // The parts of a multipart stream have no times, but that the first of each connection is at 0.
+        if play.is_live && play.is_endless() {
+            way.times = Times::Absent;
         }
         Self { outbox, pipeline, way, title: title(name), state: Mutex::default() }
     }
@@ -203,7 +203,7 @@ impl Units {
                 arrival_ns = self.captured(sample, pts_ns).clamp(earliest_ns, now_ns);
                 UnitTime::Unknown
             }
-            (_, None) => UnitTime::Unknown,
+            (Times::Absent, _) | (_, None) => UnitTime::Unknown,
         };
         if !std::mem::replace(&mut state.is_open, true) {
             let opened = format!("{} {}", self.title, self.way.name);

@@ -230,9 +230,9 @@ fn jpeg_pictures_come_by_http() {
     });
     let played = play(SourceAddress::Network { url, login: None }, true);
     assert!(played.units.len() >= 9, "{} {:?}", played.units.len(), played.end);
-    assert!(
-        played.units.iter().all(|(unit, _)| unit.codec == UnitCodec::Jpeg && unit.time == UnitTime::Unknown)
-    );
+    for (unit, _) in &played.units {
+        assert_eq!((unit.codec, unit.time), (UnitCodec::Jpeg, UnitTime::Unknown));
+    }
     assert_eq!(played.opened.as_deref(), Some("JPEG by HTTP"));
     // The pictures come one after the other, not all of them with the last one.
     let arrival_ns = |index: usize| played.units[index].0.arrival_ns;

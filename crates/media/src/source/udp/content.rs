@@ -1,9 +1,9 @@
 //! What the first packets contain.
 //!
-//! A transport stream has packets of 188 bytes that begin with 0x47 (ITU-T H.222.0, 2.4.3.2). A sender may cut
-//! the stream into datagrams anywhere. RTP names fixed payload types only (RFC 3551, table 5); the others are
-//! told apart by the heads of their NAL units. H.264 and H.265 without any container begin with a start code
-//! (Annex B of both) and a parameter set.
+//! A transport stream has packets of 188 bytes that begin with 0x47 (ITU-T H.222.0, 2.4.3.2). A sender may
+//! cut the stream into datagrams anywhere. RTP names fixed payload types only (RFC 3551, table 5); the others
+//! are told apart by the heads of their NAL units. H.264 and H.265 without any container begin with a start
+//! code (Annex B of both) and a parameter set.
 
 use barrelman_media_protocol::format::CodedFormat;
 

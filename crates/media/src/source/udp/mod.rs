@@ -1,5 +1,5 @@
-//! Packets that are sent to a UDP port: RTP, an MPEG transport stream, or H.264 and H.265 without either, found
-//! by their content.
+//! Packets that are sent to a UDP port: RTP, an MPEG transport stream, or H.264 and H.265 without either,
+//! found by their content.
 //!
 //! Not handled: RTCP, which has a port of its own; forward error correction.
 

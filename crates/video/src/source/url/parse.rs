@@ -178,8 +178,8 @@ impl VideoUrl {
     }
 }
 
-/// Whether a path names a capture device: `/dev/video0`, or a link to it. udev makes links with stable names in
-/// `/dev/v4l/by-id`, as long as the device is connected.
+/// Whether a path names a capture device: `/dev/video0`, or a link to it. udev makes links with stable names
+/// in `/dev/v4l/by-id`, as long as the device is connected.
 fn is_capture_device(path: &str) -> bool {
     /// The major number of capture devices (Linux, `Documentation/admin-guide/devices.txt`).
     const VIDEO4LINUX: u32 = 81;
