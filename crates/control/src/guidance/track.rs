@@ -43,6 +43,8 @@ const KNOWN_HEADING_VARIANCE: f64 = 0.125;
 /// Below this modelled speed, m/s, and thrust the boat is at rest in the water.
 const STILL_M_PER_S: f64 = 0.3;
 const STILL_THRUST: f64 = 0.1;
+/// From this modelled speed, m/s, on a boat goes ahead: slower ones have a path that tells nothing.
+const AHEAD_M_PER_S: f64 = 0.1;
 /// From this modelled speed, m/s, or thrust on the boat is under way.
 const UNDER_WAY_M_PER_S: f64 = 1.0;
 const UNDER_WAY_THRUST: f64 = 0.3;
@@ -300,7 +302,7 @@ impl BoatTrack {
 
     /// Whether a boat that is commanded went ahead through the water at a time of capture, by the model.
     pub fn went_ahead_at(&self, captured: Timestamp) -> bool {
-        self.motion_at(captured.as_secs_f64()).surge > STILL_M_PER_S
+        self.motion_at(captured.as_secs_f64()).surge > AHEAD_M_PER_S
     }
 
     /// The camera's apparent displacement at a time of capture: that of the newest fix that is not later, or
