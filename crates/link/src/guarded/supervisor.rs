@@ -46,7 +46,7 @@ enum GuardEnd {
     Ended { is_stop_sent: bool },
     /// The first guard could not open the port: nothing was sent, and there is nothing to stop.
     NeverOpened,
-    /// It is gone, or hung. `was_useful`: it had come as far as its port.
+    /// It is gone, or hung. `was_useful`: it had tried to open its port.
     Gone { reason: String, was_useful: bool },
     /// The link is closing, and the guard takes too long. It goes on by itself.
     TooLong,
@@ -87,6 +87,8 @@ where
         loop {
             let Some(served) = guard.take().or_else(|| Guard::start(&self.settings, self.history).ok())
             else {
+                is_loss_told =
+                    is_loss_told || self.offer_state(LinkState::Opening, self.settings.clock.now());
                 match self.rest_without_guard() {
                     Some(is_stop_sent) => return is_stop_sent,
                     None => continue,
@@ -161,15 +163,18 @@ where
         let mut watch = GuardWatch::start(HUNG_WHILE_OPENING, self.settings.clock.now());
         let mut last_sent = Instant::now();
         let mut closing_since = None;
+        let mut was_useful = false;
         loop {
             poll_for(&mut [PollFd::new(&*guard.pipe, PollFlags::IN)], LOOK_INTERVAL);
             loop {
                 match guard.pipe.read() {
                     PipeRead::Nothing => break,
-                    PipeRead::End => return gone("it is gone", &watch),
+                    PipeRead::End => return gone("it is gone", was_useful),
                     PipeRead::Message(packet) => {
                         watch.heard();
-                        match FromGuard::decode(&packet) {
+                        let message = FromGuard::decode(&packet);
+                        was_useful |= !matches!(message, Ok(FromGuard::OpensPort) | Err(_));
+                        match message {
                             Ok(FromGuard::OpensPort) => watch.heard_opening(),
                             Ok(FromGuard::Ended { is_stop_sent }) => return GuardEnd::Ended { is_stop_sent },
                             Ok(FromGuard::NotOpened { may_pass: false, reason }) if self.opened.is_some() => {
@@ -177,7 +182,7 @@ where
                                 return GuardEnd::NeverOpened;
                             }
                             Ok(message) => self.on_message(message),
-                            Err(_) => return gone("it says what cannot be read", &watch),
+                            Err(_) => return gone("it says what cannot be read", was_useful),
                         }
                     }
                 }
@@ -204,7 +209,7 @@ where
             }
             if watch.hangs(self.settings.clock.now()) {
                 let silence = format!("it has said nothing for {} s", HUNG_AT_START.as_secs());
-                return gone(if watch.is_starting() { &silence } else { "it hangs" }, &watch);
+                return gone(if watch.is_starting() { &silence } else { "it hangs" }, was_useful);
             }
         }
     }
@@ -291,6 +296,6 @@ where
     }
 }
 
-fn gone(reason: &str, watch: &GuardWatch) -> GuardEnd {
-    GuardEnd::Gone { reason: reason.to_owned(), was_useful: !watch.is_starting() }
+fn gone(reason: &str, was_useful: bool) -> GuardEnd {
+    GuardEnd::Gone { reason: reason.to_owned(), was_useful }
 }

@@ -111,8 +111,9 @@ fn guards_that_come_to_nothing_are_started_twice_a_second_and_told_once() {
     let guard = folder.join("guard");
     let lost = Arc::new(Mutex::new(0));
     let count = Arc::clone(&lost);
-    // The first guard has served for a while. Those after it end at once, and count themselves.
-    let first = "if [ -e \"$0.first\" ]; then echo >> \"$0.starts\"; exit 2; fi; touch \"$0.first\"";
+    // The first guard has served for a while. Those after it say what cannot be read, end at once, and count
+    // themselves.
+    let first = "if [ -e \"$0.first\" ]; then echo >> \"$0.starts\"; printf '\\377' >&0; exit 2; fi; touch \"$0.first\"";
     let link = open(&guard, &[first, OPENS_PORT, OPENED, "sleep 0.1"], move |report| {
         *count.lock().unwrap() += usize::from(report == "guard lost");
     });
