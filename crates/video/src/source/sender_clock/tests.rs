@@ -223,6 +223,28 @@ fn a_clock_that_is_set_back_by_less_than_a_second_keeps_the_delay() {
 }
 
 #[test]
+fn a_queue_that_grows_between_reordered_pictures_is_no_clock_that_is_set_back() {
+    // Ten pictures a second, in the order of decoding: an anchor, and three before it in a pyramid.
+    let mut clock = Sender::new().clock;
+    let (mut worst_s, mut was_late) = (f64::INFINITY, false);
+    for picture in 0..600_u32 {
+        let (group, place) = (picture / 4, picture % 4);
+        let taken_s = 0.1 * f64::from(4 * group + [4, 2, 1, 3][place as usize]);
+        // Sent when the anchor is there, and then late by a queue that grows between two of them.
+        let queue_s = if picture >= 302 { 1.5 } else { 0.05 };
+        let sent_s = 0.1 * f64::from(picture + 4);
+        let rtp = (taken_s * f64::from(RATE)).round() as u32;
+        let arrival = ms((10.0 + sent_s + queue_s) * 1e3);
+        let capture = clock.capture(ArrivedPicture { rtp, bytes: 4_000, arrival });
+        if picture > 340 {
+            worst_s = worst_s.min(arrival.since(capture.at).as_secs_f64());
+            was_late |= matches!(clock.timing(), VideoTiming::Late { .. });
+        }
+    }
+    assert!(worst_s > 1.3 && was_late, "{worst_s}");
+}
+
+#[test]
 fn a_suspension_of_the_machine_keeps_the_delay() {
     for gap_s in [0.5, 3.0, 60.0] {
         let mut sender = Sender::new();
