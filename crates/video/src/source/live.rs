@@ -23,6 +23,7 @@ use super::media_engine::MediaEngine;
 use super::pipe::Pipe;
 use super::receiver::{Progress, Receiver, ReceiverEnd};
 use super::rtsp::RtspEngine;
+use super::sender_clock::VideoTiming;
 use super::sink::{VideoSink, VideoState};
 use super::url::{VideoSource, VideoUrl};
 use crate::engine::VideoEngine;
@@ -90,6 +91,8 @@ fn run_stream<S: VideoSink>(url: &VideoUrl, mut feed: Feed<S>, stop: &StopSignal
                 tracing::warn!("{url}: {reason}: GStreamer reads the stream from now on");
                 if progress.was_up {
                     feed.sink.on_state(VideoState::Lost { reason });
+                    // The times of the other engine's pictures are judged anew.
+                    feed.sink.on_timing(VideoTiming::default());
                 }
                 received = progress;
             }
