@@ -241,10 +241,11 @@ class Page:
         """Drags a box around the boat until the track is confirmed.
 
         A boat near the border leaves before a busy machine answers, and the boat of `arena1` leaves a camera
-        at rest after 5 s, to the left. A camera that is not engaged is turned by hand, as an operator does,
-        to where the boat was seen.
+        at rest after 5 s, to the left. The camera is then turned by hand, as an operator does, to where the
+        boat was seen; one that was engaged is engaged again afterwards.
         """
         across, said = 0.0, ["no red boat well inside the picture"]
+        was_engaged = self.data["mode"] != "idle"
 
         def is_followed() -> bool:
             nonlocal across
@@ -258,14 +259,16 @@ class Page:
                     f"{self.text('toast') or 'no answer'} (box {[round(side) for side in box]} of {size})"
                 )
                 return bool(poll(lambda: self.data["track"] == "tracking", 5, 0.03))
-            if self.data["mode"] == "idle":
-                key = "a" if across < 0.5 else "d"
-                self.press(key)
-                time.sleep(0.5)
-                self.release(key)
+            self.disengage()
+            key = "a" if across < 0.5 else "d"
+            self.press(key)
+            time.sleep(0.5)
+            self.release(key)
             return False
 
         wait_until(is_followed, lambda: f"the track after {len(said) - 1} boxes: {said[-1]}", 90, 0.4)
+        if was_engaged and self.data["mode"] == "idle":
+            self.click("engage")
 
 
 def started(program: Program, folder: pathlib.Path, name: str = "chromium", query: str = "") -> Page:
