@@ -6,11 +6,9 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use barrelman_host::clock::Clock;
-use barrelman_vocab::VehicleProfile;
-use barrelman_wire::{ByteProtocol, ByteProtocolName, ByteSession, Framing, LinkHistory, OpenSession as _};
 use rustix::net::sockopt;
 
-use super::Worker;
+use super::tests::fotokite_worker;
 use crate::mailbox::Mailbox;
 use crate::port_io::{MachineIo, PortIo as _};
 use crate::url::Endpoint;
@@ -39,19 +37,7 @@ fn what_was_sent_last_arrives_although_telemetry_is_not_read() {
         clock: Clock::start(),
         mailbox: Arc::clone(&mailbox),
     };
-    let protocol = ByteProtocol {
-        protocol: ByteProtocolName::of(VehicleProfile::fotokite_pro().protocol).unwrap(),
-        framing: Framing::LineFeed,
-        baud: 115_200,
-    };
-    let worker: Worker<ByteSession, _, _> = Worker {
-        persistence: Duration::ZERO,
-        history: LinkHistory::default(),
-        open_session: Arc::new(move |now| protocol.open(now)),
-        mailbox,
-        io,
-        report: |_| true,
-    };
+    let worker = fotokite_worker(mailbox, io, |_| true);
     let mut port = worker.io.open().unwrap();
     worker.io.send(&mut port, &[&vec![b'x'; SENT][..], b"stop"].concat()).unwrap();
     worker.let_arrive(&mut port);

@@ -198,6 +198,27 @@ impl Served {
     }
 }
 
+/// The worker of a link to a Fotokite Pro.
+pub(super) fn fotokite_worker<I, R>(
+    mailbox: Arc<Mailbox<VehicleRates>>,
+    io: I,
+    report: R,
+) -> Worker<ByteSession<VehicleRates>, I, R> {
+    let protocol = ByteProtocol {
+        protocol: ByteProtocolName::of(VehicleProfile::fotokite_pro().protocol).unwrap(),
+        framing: Framing::LineFeed,
+        baud: 115_200,
+    };
+    Worker {
+        persistence: Duration::ZERO,
+        history: LinkHistory::default(),
+        open_session: Arc::new(move |now| protocol.open(now)),
+        mailbox,
+        io,
+        report,
+    }
+}
+
 /// Runs the link thread through a script of times in milliseconds and actions.
 fn serve(faults: &str, script: &[(u64, Action)]) -> Served {
     serve_with_room(faults, script, None)
@@ -221,40 +242,29 @@ fn serve_with_room(faults: &str, script: &[(u64, Action)], room_from_ms: Option<
     let (bench, reports) = (&bench, RefCell::new(Vec::new()));
     let stops = &RefCell::new(Vec::new());
     let reported = &reports;
-    let protocol = ByteProtocol {
-        protocol: ByteProtocolName::of(VehicleProfile::fotokite_pro().protocol).unwrap(),
-        framing: Framing::LineFeed,
-        baud: 115_200,
-    };
-    let worker: Worker<ByteSession, _, _> = Worker {
-        persistence: Duration::ZERO,
-        history: LinkHistory::default(),
-        open_session: Arc::new(move |now| protocol.open(now)),
-        mailbox: Arc::clone(&mailbox),
-        io: bench,
-        report: move |report| {
-            let text = match report {
-                LinkReport::Telemetry(Telemetry { report: Report::Link(state), .. }) => format!("{state:?}"),
-                LinkReport::Telemetry(_) => return true,
-                LinkReport::Lost { reason, .. } => format!("lost: {reason}"),
-                LinkReport::Stopped(_) => {
-                    stops.borrow_mut().push(bench.lines.borrow().last().map(|(_, line)| line.clone()));
-                    return true;
-                }
-                LinkReport::Control { .. } | LinkReport::HeldUp => return true,
-                LinkReport::Suspended(_) | LinkReport::GuardLost(_) | LinkReport::NotReached(_) => {
-                    panic!("not here")
-                }
-                LinkReport::Panicked => "panicked".to_owned(),
-            };
-            let mut reported = reported.borrow_mut();
-            let is_taken = room_from_ms.is_none_or(|ms| bench.now.get() >= at(ms));
-            if is_taken {
-                reported.push(text);
+    let report = move |report| {
+        let text = match report {
+            LinkReport::Telemetry(Telemetry { report: Report::Link(state), .. }) => format!("{state:?}"),
+            LinkReport::Telemetry(_) => return true,
+            LinkReport::Lost { reason, .. } => format!("lost: {reason}"),
+            LinkReport::Stopped(_) => {
+                stops.borrow_mut().push(bench.lines.borrow().last().map(|(_, line)| line.clone()));
+                return true;
             }
-            is_taken
-        },
+            LinkReport::Control { .. } | LinkReport::HeldUp => return true,
+            LinkReport::Suspended(_) | LinkReport::GuardLost(_) | LinkReport::NotReached(_) => {
+                panic!("not here")
+            }
+            LinkReport::Panicked => "panicked".to_owned(),
+        };
+        let mut reported = reported.borrow_mut();
+        let is_taken = room_from_ms.is_none_or(|ms| bench.now.get() >= at(ms));
+        if is_taken {
+            reported.push(text);
+        }
+        is_taken
     };
+    let worker = fotokite_worker(Arc::clone(&mailbox), bench, report);
     worker.run(Some(BenchPort), FaultPlan::parse(faults).unwrap());
     Served {
         is_stop_sent: mailbox.is_stop_sent(),
