@@ -191,7 +191,8 @@ impl VesselPilot {
         }
     }
 
-    /// Whether the boat may have gone bow first at a time of capture, as one may that another hand steers.
+    /// Whether the boat may have gone bow first at a time of capture. A boat that this program does not
+    /// command may always have.
     pub(crate) fn may_be_bow_first(&self, captured: Timestamp) -> bool {
         !self.gate.is_commanding() || self.guide.went_ahead_at(captured)
     }

@@ -43,7 +43,7 @@ pub enum VideoError {
         /// What it is, with its article.
         what: &'static str,
     },
-    /// What another program should write to is no pipe.
+    /// The path, or the standard input, is not a pipe.
     #[error("`{}` is no pipe: give the path of the file", .0.display())]
     NoPipe(PathBuf),
     /// The file is damaged.

@@ -43,7 +43,7 @@ const KNOWN_HEADING_VARIANCE: f64 = 0.125;
 /// Below this modelled speed, m/s, and thrust the boat is at rest in the water.
 const STILL_M_PER_S: f64 = 0.3;
 const STILL_THRUST: f64 = 0.1;
-/// From this modelled speed, m/s, on a boat goes ahead: slower ones have a path that tells nothing.
+/// Above this modelled speed, m/s, a boat goes ahead. The path of a slower boat does not tell the bow.
 const AHEAD_M_PER_S: f64 = 0.1;
 /// From this modelled speed, m/s, or thrust on the boat is under way.
 const UNDER_WAY_M_PER_S: f64 = 1.0;

@@ -78,8 +78,7 @@ fn rtmp(play: &Play, mut url: Url, login: Option<SourceLogin>) -> Result<gst::El
 }
 
 fn http(play: &Arc<Play>, url: &Url, login: Option<SourceLogin>) -> Result<gst::Element, SourceFailure> {
-    // A camera sends pictures in parts until somebody closes the connection. What else comes by HTTP may be a
-    // file.
+    // A camera sends pictures in parts until the connection is closed. Other content of HTTP may be a file.
     let weak = Arc::downgrade(play);
     play.pipeline.connect_deep_element_added(move |_, _, element| {
         if let Some(play) = weak.upgrade()

@@ -104,7 +104,7 @@ pub trait EventSource {
 /// The queue into which the threads of a live run put their events.
 #[derive(Debug)]
 pub struct EventQueue {
-    /// The queue. Without it, whoever waits to add an event goes on.
+    /// The queue. Dropping it releases the threads that wait to add an event.
     pub queue: Receiver<Event>,
     /// The program's clock.
     pub clock: Clock,

@@ -212,7 +212,7 @@ impl Session<'_> {
             observers,
         };
         let end = run_to_end(run_loop, &first_requests(self.selection, self.engage));
-        // Nobody takes events from here on: a thread that waits for room must not be waited for.
+        // No event is processed from here on. A thread that waits for room in the queue would hold up the end.
         drop(queue);
         if let Some(manager) = &manager {
             manager.say_ending();

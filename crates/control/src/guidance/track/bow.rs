@@ -5,9 +5,9 @@ use super::{BoatTrack, Heading, MAX_HEADING_VARIANCE};
 use crate::guidance::input::BoatFix;
 use crate::wrapped::wrapped;
 
-/// Growth of the heading's variance, rad² per second: of a boat whose turns the model knows, and of one that
-/// another hand steers.
+/// Growth of the heading's variance, rad² per second, of a boat whose turns the model knows.
 const HEADING_NOISE: f64 = 0.01;
+/// The same of a boat that this program does not command: its turns are not known.
 const UNKNOWN_TURNS: f64 = 0.25;
 /// Standard deviation of the course as a heading, radians: the crab angle.
 const CRAB_RAD: f64 = 0.35;
