@@ -168,7 +168,7 @@ impl UnitDecoder {
     /// Whether a unit of H.264 has a recovery point, and units have been skipped for longer than cameras send
     /// no key frame.
     fn waits_in_vain(&mut self, unit: &EncodedUnit) -> bool {
-        if !self.is_awaiting_key || (unit.key && !annexb::lacks_key_slice(&unit.payload)) {
+        if !self.is_awaiting_key || unit.key {
             self.skipped_since = None;
             return false;
         }
