@@ -204,7 +204,7 @@ impl UnaskedMotion {
         match (telemetry.report, self.reports) {
             (Report::Link(LinkState::Opening), _) => self.forget(),
             (Report::Control { control, .. } | Report::Ground { control, .. }, _) => {
-                self.excuse(control == ControlState::NotOurs);
+                self.excuse(control == ControlState::Elsewhere);
             }
             (Report::Acceptance(said), _) => {
                 self.excuse(said.is_elsewhere() || said == Acceptance::FlightState);

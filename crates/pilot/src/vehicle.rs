@@ -101,7 +101,8 @@ impl VehicleState {
                 // The start-up sequence gives the control away and takes it.
                 let counted = (self.link == LinkState::Up).then_some(control);
                 let before = core::mem::replace(&mut self.control, counted);
-                let is_taken = before == Some(ControlState::Ours) && counted == Some(ControlState::NotOurs);
+                let is_taken = before == Some(ControlState::Ours)
+                    && matches!(counted, Some(ControlState::Unclaimed | ControlState::Elsewhere));
                 match (has_restarted, is_taken) {
                     (true, _) => Some(StopCause::VehicleRestarted),
                     (false, true) => Some(StopCause::ControlLost),
@@ -156,7 +157,7 @@ impl VehicleState {
             CommandPath::DryRun => Some(HoldCause::DryRun),
             CommandPath::Link if self.link != LinkState::Up => Some(HoldCause::LinkDown),
             CommandPath::Link => match (self.control, self.flight) {
-                (Some(ControlState::NotOurs), _) => Some(HoldCause::NoControl),
+                (Some(ControlState::Unclaimed | ControlState::Elsewhere), _) => Some(HoldCause::NoControl),
                 _ if self.acceptance.is_some_and(|said| said != Acceptance::Accepted) => {
                     Some(HoldCause::NoControl)
                 }

@@ -162,8 +162,10 @@ pub enum LinkState {
 pub enum ControlState {
     /// Commands are accepted.
     Ours,
+    /// Commands are not accepted, and nobody else may command either.
+    Unclaimed,
     /// Commands are not accepted: the vehicle is idle, in a menu, or under other control.
-    NotOurs,
+    Elsewhere,
 }
 
 /// Flight state of the flight unit.

@@ -292,7 +292,7 @@ impl Publisher {
                 Alarm::BoatMoves,
                 state.outcome.as_ref().is_some_and(|outcome| outcome.vessel.unasked_speed_m_per_s.is_some()),
             ),
-            (Alarm::ControlLost, vehicle.control == Some(ControlState::NotOurs)),
+            (Alarm::ControlLost, vehicle.control.is_some_and(|control| control != ControlState::Ours)),
             (Alarm::EndStop, is_at_stop),
             (Alarm::Emergency, vehicle.flight == Some(FlightState::Emergency)),
             (Alarm::BatteryLow, vehicle.is_battery_low),

@@ -105,7 +105,7 @@ impl VehicleSnapshot {
             }
             Report::Acceptance(said) => {
                 let is_ours = said == Acceptance::Accepted;
-                self.control = Some(if is_ours { ControlState::Ours } else { ControlState::NotOurs });
+                self.control = Some(if is_ours { ControlState::Ours } else { ControlState::Elsewhere });
                 self.acceptance = Some(said);
             }
             Report::DriveMode(mode) => self.drive_mode = Some(mode),
@@ -210,7 +210,7 @@ mod tests {
             (
                 &[UP, Report::Acceptance(Acceptance::Queued)],
                 VehicleSnapshot {
-                    control: Some(ControlState::NotOurs),
+                    control: Some(ControlState::Elsewhere),
                     acceptance: Some(Acceptance::Queued),
                     ..up
                 },

@@ -288,7 +288,7 @@ fn telemetry_is_given_in_volts_degrees_and_metres() {
         (FlightState::Other(9), "other"),
     ] {
         let vehicle = VehicleSnapshot {
-            control: Some(ControlState::NotOurs),
+            control: Some(ControlState::Elsewhere),
             battery_v: Some(15.5),
             tilt: Some(Angle::from_radians(-core::f64::consts::FRAC_PI_2)),
             altitude_m: Some(10.5),

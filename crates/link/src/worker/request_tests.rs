@@ -76,7 +76,7 @@ impl Session for RequestSession {
 
     fn received(&mut self, answer: &Answer, now: Timestamp, report: &mut dyn FnMut(Telemetry)) {
         (self.waits_since, self.has_answered) = (None, true);
-        let control = if answer.status == FORBIDDEN { ControlState::NotOurs } else { ControlState::Ours };
+        let control = if answer.status == FORBIDDEN { ControlState::Elsewhere } else { ControlState::Ours };
         let ground = Report::Ground { control, uptime_s: 0.0, battery_v: 0.0, tether_m: 0.0 };
         report(Telemetry { at: now, report: ground });
     }
@@ -206,7 +206,7 @@ fn a_refusal_is_reported_as_control_that_is_not_ours() {
     let (_, _, reports) = serve(FORBIDDEN, "");
     let is_refusal = |report: &LinkReport| {
         matches!(report, LinkReport::Telemetry(Telemetry { report: Report::Ground { control, .. }, .. })
-            if *control == ControlState::NotOurs)
+            if *control == ControlState::Elsewhere)
     };
     assert!(reports.iter().any(is_refusal));
 }

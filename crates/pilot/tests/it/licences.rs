@@ -223,7 +223,7 @@ fn step(safety: &mut Safety, event: Event, now: Timestamp) -> (bool, Decision) {
         Event::SearchEnds => accepted = safety.finish_search(now),
         Event::LinkUp => safety.on_report(&Report::Link(LinkState::Up)),
         Event::LinkDown => safety.on_report(&Report::Link(LinkState::Opening)),
-        Event::ControlTaken => safety.on_report(&ground(ControlState::NotOurs)),
+        Event::ControlTaken => safety.on_report(&ground(ControlState::Elsewhere)),
         Event::ControlGiven => safety.on_report(&ground(ControlState::Ours)),
         Event::Emergency => safety.on_report(&Report::Flight {
             state: FlightState::Emergency,

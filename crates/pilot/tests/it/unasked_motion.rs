@@ -152,7 +152,8 @@ fn what_another_client_or_a_carried_vehicle_does_is_no_fault() {
     for profile in all() {
         let is_held = profile.protocol.motion_reports() == MotionReports::Held;
         for (report, is_excused) in [
-            (Report::Control { control: ControlState::NotOurs, uptime_s: 9.0 }, true),
+            (Report::Control { control: ControlState::Elsewhere, uptime_s: 9.0 }, true),
+            (Report::Control { control: ControlState::Unclaimed, uptime_s: 9.0 }, false),
             (Report::Control { control: ControlState::Ours, uptime_s: 9.0 }, false),
             (Report::Acceptance(Acceptance::OtherClient), true),
             (Report::Acceptance(Acceptance::FlightState), true),

@@ -35,7 +35,7 @@ const UP: Do = Link(LinkState::Up);
 const SEEN: Do = Scene(Seen(RIGHT));
 const ENGAGE: Do = Scene(Engage);
 const OURS: Do = Control(ControlState::Ours, 100.0);
-const NOT_OURS: Do = Control(ControlState::NotOurs, 100.0);
+const NOT_OURS: Do = Control(ControlState::Elsewhere, 100.0);
 
 impl Do {
     fn step(self, pilot: &mut Pilot, ms: u64) -> Outcome {
@@ -227,7 +227,7 @@ fn control_that_is_taken_away_takes_a_new_engage() {
 fn a_vehicle_that_restarts_takes_a_new_engage() {
     let restarted = [UP, ENGAGE, OURS, SEEN, Control(ControlState::Ours, 98.9)];
     check(&restarted, Mode::Stopped(StopCause::VehicleRestarted), REST);
-    let not_ours = [UP, ENGAGE, OURS, SEEN, Control(ControlState::NotOurs, 2.0)];
+    let not_ours = [UP, ENGAGE, OURS, SEEN, Control(ControlState::Elsewhere, 2.0)];
     check(&not_ours, Mode::Stopped(StopCause::VehicleRestarted), REST);
     check(&[&restarted[..], &[ENGAGE, SEEN]].concat(), Mode::Servoing, PAN_RIGHT);
     check(&[UP, ENGAGE, OURS, Control(ControlState::Ours, 99.1), SEEN], Mode::Servoing, PAN_RIGHT);

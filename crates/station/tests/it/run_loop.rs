@@ -460,7 +460,7 @@ fn rates_are_sent_while_the_vehicle_takes_commands_only() {
         report(1_350, Report::Link(LinkState::Up)),
         ground(1_360, ControlState::Ours),
         (1_400, Frame),
-        ground(1_450, ControlState::NotOurs),
+        ground(1_450, ControlState::Elsewhere),
         ground(1_460, ControlState::Ours),
         (1_500, Frame),
         (1_550, Arrival::Request(ENGAGE)),

@@ -213,7 +213,8 @@ pub(crate) fn entries_with(value: f64) -> Vec<Entry> {
             battery_v: value,
             tether_m: value,
         }),
-        telemetry(Report::Control { control: ControlState::NotOurs, uptime_s: value }),
+        telemetry(Report::Control { control: ControlState::Elsewhere, uptime_s: value }),
+        telemetry(Report::Control { control: ControlState::Unclaimed, uptime_s: value }),
         telemetry(Report::Position {
             latitude: Angle::from_radians(value),
             longitude: Angle::from_radians(value),
@@ -355,7 +356,7 @@ pub(crate) fn every_kind() -> Vec<Entry> {
         })
     }));
     let (uptime_s, battery_v, tether_m) = (1.0, 2.0, 3.0);
-    let control = ControlState::NotOurs;
+    let control = ControlState::Elsewhere;
     entries.push(telemetry(Report::Ground { control, uptime_s, battery_v, tether_m }));
     let holds = [
         HoldCause::NoSelection,

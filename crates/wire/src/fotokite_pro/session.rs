@@ -176,7 +176,7 @@ impl FotokiteProSession {
         let Report::Ground { control, .. } = report else { return };
         self.has_reported = true;
         match (self.state, control) {
-            (State::Up { since }, ControlState::NotOurs) if now.since(since) >= CONTROL_GRACE => {
+            (State::Up { since }, ControlState::Elsewhere) if now.since(since) >= CONTROL_GRACE => {
                 self.is_anothers = true;
                 self.state = State::Yielded { since };
             }

@@ -19,7 +19,7 @@ pub fn parse(line: &str) -> Option<Report> {
             let [mode, uptime_s, battery_v, counts] = numbers(fields)?;
             let control = match whole(mode)? {
                 MODE_REMOTE_CONTROLLED => ControlState::Ours,
-                _ => ControlState::NotOurs,
+                _ => ControlState::Elsewhere,
             };
             Some(Report::Ground { control, uptime_s, battery_v, tether_m: counts * TETHER_METRES_PER_COUNT })
         }

@@ -297,7 +297,7 @@ impl Facts {
         self.uptimes[kind as usize] = Some(uptime_s);
         if behind_s > UPTIME_TOLERANCE_S {
             // No commander has the control of a vehicle that has just started.
-            self.lose_control();
+            self.lose_control(ControlState::Unclaimed);
             (self.uptimes, self.uptime_s, self.gimbal) = ([None; 4], Some(uptime_s), None);
             self.device_heard_s = uptime_s;
             self.autopilot = AutopilotReports::default();

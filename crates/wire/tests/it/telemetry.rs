@@ -41,7 +41,7 @@ fn meaning(text: &str) -> Option<Report> {
         "ground-status" => Report::Ground {
             control: match field("mode") {
                 "REMOTE_CONTROLLED" => ControlState::Ours,
-                _ => ControlState::NotOurs,
+                _ => ControlState::Elsewhere,
             },
             uptime_s: number("run_time_s"),
             battery_v: number("battery_v"),

@@ -97,18 +97,18 @@ impl Program {
                     &mut self.control,
                     Some(control).filter(|_| self.link == LinkState::Up),
                 );
-                let is_taken =
-                    before == Some(ControlState::Ours) && self.control == Some(ControlState::NotOurs);
+                let is_taken = before == Some(ControlState::Ours)
+                    && self.control.is_some_and(|now| now != ControlState::Ours);
                 if has_restarted || is_taken {
                     oracle.withdraw();
                 }
             }
             Report::Acceptance(said) => {
                 let is_taken = said == Acceptance::OtherClient;
-                if is_taken && self.control != Some(ControlState::NotOurs) {
+                if is_taken && self.control != Some(ControlState::Elsewhere) {
                     oracle.withdraw();
                 }
-                self.control = Some(if is_taken { ControlState::NotOurs } else { ControlState::Ours });
+                self.control = Some(if is_taken { ControlState::Elsewhere } else { ControlState::Ours });
             }
             Report::Flight { state, .. } | Report::FlightState { state, .. } => {
                 let begins = self.flight.replace(state) != Some(state);
@@ -122,9 +122,9 @@ impl Program {
         self.step(Input::Telemetry(telemetry), now);
     }
 
-    /// Whether the vehicle flies, obeys this program, and has reported its attitude just now.
+    /// Whether the vehicle flies, obeys nobody else, and has reported its attitude just now.
     pub(super) fn sees_camera(&self, now: Timestamp) -> bool {
-        self.control != Some(ControlState::NotOurs)
+        self.control != Some(ControlState::Elsewhere)
             && self.flight.is_none_or(|state| state == FlightState::Flying)
             && self.attitude_at.is_some_and(|at| now.since(at) <= ATTITUDE_LASTS)
     }

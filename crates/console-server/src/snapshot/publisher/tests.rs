@@ -245,7 +245,7 @@ fn alarms_of_the_vehicle_and_its_link() {
     ] {
         check_alarms(LinkStatus::Link(LinkState::Opening), &[&with_report(Report::Link(state))], expected);
     }
-    let not_ours = with_report(ground(ControlState::NotOurs));
+    let not_ours = with_report(ground(ControlState::Elsewhere));
     check_alarms(DRY, &[&not_ours], &[Alarm::ControlLost]);
     check_alarms(DRY, &[&not_ours, &with_report(ground(ControlState::Ours))], &[]);
     check_alarms(DRY, &[&not_ours, &with_report(Report::Link(LinkState::Opening))], &[Alarm::LinkDown]);

@@ -3,7 +3,7 @@
 use barrelman_control::Sector;
 use barrelman_pilot::CommandPath;
 use barrelman_vocab::acceptance::Acceptance;
-use barrelman_vocab::telemetry::LinkState;
+use barrelman_vocab::telemetry::{ControlState, LinkState};
 use barrelman_vocab::video::{CaptureQuality, ColourMatrix, SampleRange};
 use barrelman_vocab::{EquipmentKind, HoldCause, MarkKind, StopCause, ZoomAbility};
 
@@ -69,6 +69,11 @@ variants!(ZoomAbility, ZoomAbility, "zoom", [
     ZoomAbility::NotKnown => NotKnown,
     ZoomAbility::Absent => Absent,
     ZoomAbility::Present => Present,
+]);
+variants!(ControlState, ControlState, "control", [
+    ControlState::Elsewhere => Elsewhere,
+    ControlState::Ours => Ours,
+    ControlState::Unclaimed => Unclaimed,
 ]);
 variants!(LinkState, LinkState, "link", [
     LinkState::Opening => Opening,

@@ -38,8 +38,8 @@ fn flight_state(state: i32, mode: u32) -> Result<FlightState, Malformed> {
     })
 }
 
-fn control(is_ours: bool) -> ControlState {
-    if is_ours { ControlState::Ours } else { ControlState::NotOurs }
+fn control(state: i32) -> Result<ControlState, Malformed> {
+    stored::ControlState::try_from(state).map_err(|_| missing("control"))?.try_into()
 }
 
 impl From<&Telemetry> for stored::TelemetryInput {
@@ -48,12 +48,12 @@ impl From<&Telemetry> for stored::TelemetryInput {
         let report = match telemetry.report {
             Report::Link(state) => Stored::Link(stored::LinkState::from(state) as i32),
             Report::Ground { control, uptime_s, battery_v, tether_m } => {
-                let in_control = control == ControlState::Ours;
-                Stored::Ground(stored::GroundReport { in_control, uptime_s, battery_v, tether_m })
+                let control = stored::ControlState::from(control) as i32;
+                Stored::Ground(stored::GroundReport { control, uptime_s, battery_v, tether_m })
             }
             Report::Control { control, uptime_s } => {
-                let in_control = control == ControlState::Ours;
-                Stored::Control(stored::ControlReport { in_control, uptime_s })
+                let control = stored::ControlState::from(control) as i32;
+                Stored::Control(stored::ControlReport { control, uptime_s })
             }
             Report::VehicleAttitude(q) => Stored::VehicleAttitude(stored_quaternion(q)),
             Report::GimbalAttitude(q) => Stored::GimbalAttitude(stored_quaternion(q)),
@@ -118,10 +118,10 @@ impl TryFrom<stored::TelemetryInput> for Telemetry {
                 Report::Link(stored::LinkState::try_from(state).map_err(|_| missing("link"))?.try_into()?)
             }
             Stored::Control(report) => {
-                Report::Control { control: control(report.in_control), uptime_s: report.uptime_s }
+                Report::Control { control: control(report.control)?, uptime_s: report.uptime_s }
             }
             Stored::Ground(ground) => Report::Ground {
-                control: control(ground.in_control),
+                control: control(ground.control)?,
                 uptime_s: ground.uptime_s,
                 battery_v: ground.battery_v,
                 tether_m: ground.tether_m,

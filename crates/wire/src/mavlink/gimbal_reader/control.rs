@@ -43,18 +43,18 @@ impl Facts {
             Address { system: SystemId(0), .. } => Holder::Nobody,
             primary => Holder::Other(primary),
         };
-        if holder == Holder::Us {
-            self.control = Some(ControlState::Ours);
-        } else {
-            self.lose_control();
+        match holder {
+            Holder::Us => self.control = Some(ControlState::Ours),
+            Holder::Nobody => self.lose_control(ControlState::Unclaimed),
+            Holder::Other(_) => self.lose_control(ControlState::Elsewhere),
         }
         each(Received::Holder(holder));
         self.report_control(each);
     }
 
-    pub(super) fn lose_control(&mut self) {
+    pub(super) fn lose_control(&mut self, control: ControlState) {
         (self.is_claimed, self.is_named) = (false, false);
-        self.control = Some(ControlState::NotOurs);
+        self.control = Some(control);
     }
 
     pub(super) fn on_claim_answered(&mut self, result: MavResult, each: &mut impl FnMut(Received)) {
@@ -66,7 +66,7 @@ impl Facts {
                 each(Received::ClaimAnswered(Claim::Accepted));
             }
             _ => {
-                self.lose_control();
+                self.lose_control(ControlState::Elsewhere);
                 each(Received::ClaimAnswered(Claim::Refused));
             }
         }

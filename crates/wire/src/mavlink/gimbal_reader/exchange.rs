@@ -4,6 +4,8 @@
 //! counts as exchanged where its manager has spoken of others alone for [`EXCHANGED_AFTER_S`], by the
 //! vehicle's clock.
 
+use barrelman_vocab::telemetry::ControlState;
+
 use super::{Facts, Received};
 use crate::mavlink::command::Gimbal;
 
@@ -33,7 +35,7 @@ impl Facts {
                 self.gimbal = None;
                 self.choice.begin_anew(self.peers.device);
                 // Told with the next status: it was not another commander.
-                self.lose_control();
+                self.lose_control(ControlState::Unclaimed);
                 each(Received::Restarted);
             }
             Some(_) => {}

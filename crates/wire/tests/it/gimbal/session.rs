@@ -121,7 +121,7 @@ fn another_commander_is_yielded_to_at_once_and_the_control_comes_back_by_request
         assert_eq!(bench.manager.primary(), Some(OTHER_COMMANDER));
         assert!(bench.session.last_will(at(bench.now_ms)).is_empty());
         assert_eq!(bench.session.link_state(), LinkState::Up);
-        assert_eq!(bench.control(), Some(ControlState::NotOurs));
+        assert_eq!(bench.control(), Some(ControlState::Elsewhere));
         let asked_at = bench.now_ms;
         bench.session.request(VehicleRates::REST, None);
         bench.session.take_control(at(bench.now_ms));
@@ -173,7 +173,7 @@ fn another_commander_keeps_the_control_where_the_word_of_it_gets_lost_for_two_se
     bench.passes.1 = true;
     bench.run(seconds(3.0));
     assert!(!bench.sent.iter().any(|(_, sent)| sent.is_motion() || sent.is_command(1001)));
-    assert_eq!(bench.control(), Some(ControlState::NotOurs));
+    assert_eq!(bench.control(), Some(ControlState::Elsewhere));
 }
 
 #[test]
