@@ -17,7 +17,7 @@ from machine import Delay, wait_until
 from page import started
 from process import ENDS_WITHIN, Lines, end, free_port, secret, spawn
 
-pytestmark = pytest.mark.apart
+pytestmark = [pytest.mark.apart, pytest.mark.realtime, pytest.mark.clocked]
 
 # Its camera zooms, and nothing moves it but what is measured.
 WORLD = "sim:open?seed=3&size=640x360"
@@ -110,8 +110,8 @@ def test_zoom_by_hand_reaches_the_camera_and_ends(
             ),
             "link, video and zoom",
         )
-        answer = hold(program, 1.0, 2.0)
-        check("the zoom is accepted", answer["answer"] == "accepted", answer)
+        # Video that is late for a moment, on a busy machine, refuses.
+        wait_until(lambda: hold(program, 1.0, 2.0)["answer"] == "accepted", "the zoom to be accepted")
         # The pictures tell of it, the later the busier the machine is.
         wait_until(lambda: hold(program, 1.0, 0.1) and ratio(program.status()) > 1.2, "a closer view")
         program.wait(lambda status: status["command"]["zoom"] == 0, "the end of the zoom")
