@@ -17,6 +17,12 @@ export class GamepadStick {
     Object.assign(this, { axes, mayStart, send });
   }
 
+  /** The stick moves nothing until it was at rest. */
+  release() {
+    if (this.#isHeld) this.send([0, 0]);
+    this.#isHeld = this.#wasAtRest = false;
+  }
+
   /** To be called some times a second. */
   tick() {
     // Of other devices (pedals, throttles) nothing says which axis is which, and where it rests.

@@ -21,7 +21,7 @@ export class HeldControl {
    * @param {(axes: number[]) => void} options.send
    */
   constructor({ keys, buttons, directions = ["up", "down", "left", "right"], everyMs, mayStart, send }) {
-    Object.assign(this, { keys, everyMs, mayStart, send });
+    Object.assign(this, { keys, directions, everyMs, mayStart, send });
     for (const direction of directions) {
       const button = document.getElementById(`${buttons}-${direction}`);
       button.addEventListener("pointerdown", (event) => {
@@ -38,7 +38,7 @@ export class HeldControl {
       button.addEventListener("pointermove", (event) => event.buttons === 0 && this.#set(direction, event.pointerId, false));
       button.addEventListener("keydown", (event) => {
         if (event.key !== "Enter") return;
-        this.#set(direction, "Enter", true);
+        if (!event.repeat) this.#set(direction, "Enter", true);
         event.preventDefault();
       });
       button.addEventListener("keyup", (event) => event.key === "Enter" && this.#set(direction, "Enter", false));
@@ -58,11 +58,13 @@ export class HeldControl {
 
   /** Holds a direction for a short time, as a turn of the wheel does. */
   holdBriefly(direction) {
-    this.#set(direction, "wheel", true);
     clearTimeout(this.#wheelTimer);
+    for (const other of this.directions) if (other !== direction) this.#set(other, "wheel", false);
+    this.#set(direction, "wheel", true);
     this.#wheelTimer = setTimeout(() => this.#set(direction, "wheel", false), WHEEL_MS);
   }
 
+  /** Everything is let go: what is still down holds nothing until it is pressed anew. */
   release() {
     if (this.#held.release()) this.#apply();
   }

@@ -11,6 +11,21 @@ const nameOf = ({ key }) => (key.length === 1 ? key.toLowerCase() : key);
  *   controls with keys that are held; `take`: of a digit
  */
 export function listenToKeys({ act, take, held, onEscape }) {
+  // The name of a key changes with Shift, AltGr and Num Lock: its release has the name of its press, by its place on the keyboard.
+  const down = new Map();
+  const hold = (event) => {
+    const key = nameOf(event);
+    if (!held.some((control) => control.onKey(key, true))) return false;
+    down.set(event.code || key, key);
+    return true;
+  };
+  const letGo = (event) => {
+    const place = event.code || nameOf(event);
+    const key = down.get(place);
+    if (key === undefined) return;
+    down.delete(place);
+    held.forEach((control) => control.onKey(key, false));
+  };
   // A browser on a Mac does not tell that a key goes up while Meta is down: the key would be held for ever.
   const releaseWithMeta = (event) => (event.metaKey || event.key === "Meta") && held.forEach((control) => control.release());
   addEventListener("keydown", (event) => {
@@ -24,15 +39,19 @@ export function listenToKeys({ act, take, held, onEscape }) {
     }
     if (event.key === "Escape") onEscape();
     if (isText || event.ctrlKey || event.altKey || event.metaKey || event.target instanceof HTMLSelectElement) return;
+    if (event.repeat) {
+      // A key that was down when everything was let go holds nothing until it is pressed anew.
+      if (down.has(event.code || nameOf(event))) event.preventDefault();
+      return;
+    }
     const key = nameOf(event);
-    if (held.some((control) => control.onKey(key, true))) event.preventDefault();
-    else if (!event.repeat && /^[1-8]$/.test(key)) take(Number(key));
-    else if (!event.repeat && BUTTONS[key] && !document.getElementById(BUTTONS[key]).disabled) act[BUTTONS[key]]();
+    if (hold(event)) event.preventDefault();
+    else if (/^[1-8]$/.test(key)) take(Number(key));
+    else if (BUTTONS[key] && !document.getElementById(BUTTONS[key]).disabled) act[BUTTONS[key]]();
   });
   addEventListener("keyup", (event) => {
     releaseWithMeta(event);
     if (event.key === " " && !takesText(event.target)) event.preventDefault();
-    const key = nameOf(event);
-    held.some((control) => control.onKey(key, false));
+    letGo(event);
   });
 }

@@ -190,7 +190,13 @@ at("picture").addEventListener("wheel", (event) => {
   event.preventDefault();
 }, { passive: false });
 const maySteer = () => seat.isControlling && Boolean(snapshot?.vessel);
-const steer = ([right, ahead]) => request({ kind: "steer", throttle: ahead, rudder: right });
+/** Neutral lets the helm go. One that waited when Stop came was not taken, and the helm would count as held. */
+async function steer([right, ahead]) {
+  const wanted = { kind: "steer", throttle: ahead, rudder: right };
+  if (right !== 0 || ahead !== 0) return request(wanted);
+  const { answer } = await link.request(wanted);
+  if (answer === "superseded") steer([0, 0]);
+}
 const helm = new HeldControl({
   keys: { ArrowUp: "up", ArrowLeft: "left", ArrowDown: "down", ArrowRight: "right" },
   buttons: "helm",
@@ -198,11 +204,29 @@ const helm = new HeldControl({
   mayStart: maySteer,
   send: steer,
 });
-const sticks = [
-  new GamepadStick({ axes: [0, 1], mayStart: maySteer, send: steer }),
-  new GamepadStick({ axes: [2, 3], mayStart: mayZoom, send: ([, zoom]) => nudge({ zoom }) }),
-];
-setInterval(() => sticks.forEach((stick) => stick.tick()), 150);
+const helmStick = new GamepadStick({ axes: [0, 1], mayStart: maySteer, send: steer });
+const lensStick = new GamepadStick({ axes: [2, 3], mayStart: mayZoom, send: ([, zoom]) => nudge({ zoom }) });
+setInterval(() => [helmStick, lensStick].forEach((stick) => stick.tick()), 150);
+
+/** What steers the boat, or turns the camera, and was held through a stop holds it no more. */
+const letGoOfBoat = () => [helm, helmStick].forEach((control) => control.release());
+const letGoOfCamera = () => [turn, lens, lensStick].forEach((control) => control.release());
+let stopped = { stops: 0, camera: false, boat: false };
+/** The stop of this page has let go already: what is pressed after it is not to be let go when the program tells of it. */
+let isOwnStopUntil = 0;
+const letGoByOwnStop = (...controls) => {
+  controls.forEach((letGo) => letGo());
+  isOwnStopUntil = performance.now() + 1000;
+};
+link.addEventListener("snapshot", ({ detail }) => {
+  const now = { stops: detail.stops_taken, camera: detail.mode.name === "stopped", boat: detail.vessel?.mode === "stopped" };
+  if (performance.now() > isOwnStopUntil) {
+    const isStop = now.stops !== stopped.stops;
+    if (isStop || (now.camera && !stopped.camera)) letGoOfCamera();
+    if (isStop || (now.boat && !stopped.boat)) letGoOfBoat();
+  }
+  stopped = now;
+});
 
 /** Removes the mark that was tapped last, otherwise the newest. */
 function unmark() {
@@ -230,12 +254,18 @@ const act = {
   unmark,
   "unmark-all": () => request({ kind: "unmark-all" }),
   guide: () => request({ kind: "guide" }),
-  "stop-boat": () => request({ kind: "stop-vessel" }),
+  "stop-boat": () => {
+    request({ kind: "stop-vessel" });
+    letGoByOwnStop(letGoOfBoat);
+  },
   "next-mark": () => request({ kind: "next-mark" }),
   "go-home": () => request({ kind: "go-home" }),
   note: () => request({ kind: "note" }, words.noted),
   freeze: () => (stage.isFrozen ? stage.unfreeze() : stage.freeze()),
-  stop: () => stopper.press(),
+  stop: () => {
+    stopper.press();
+    letGoByOwnStop(letGoOfCamera, letGoOfBoat);
+  },
   video: () => twoVideos.change(),
   "track-video": () => twoVideos.track(),
   level: () => appearance.changeLevel(),

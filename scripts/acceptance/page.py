@@ -151,6 +151,14 @@ class Page:
     def release(self, name: str) -> None:
         ActionChains(self.driver).key_up(self.KEYS.get(name, name)).perform()
 
+    def key(self, event: str, key: str, code: str, *, repeat: bool = False) -> None:
+        """An event of a key, as a keyboard makes it whose keys change their names with Shift or AltGr."""
+        self.script(
+            "dispatchEvent(new KeyboardEvent(arguments[0], arguments[1]))",
+            event,
+            {"key": key, "code": code, "repeat": repeat, "bubbles": True, "cancelable": True},
+        )
+
     def type(self, name: str) -> None:
         self.press(name)
         self.release(name)

@@ -167,6 +167,54 @@ class TestDemo:
         time.sleep(0.4)
         assert demo.status()["vessel"]["throttle"] == 0
 
+    @pytest.mark.parametrize(
+        ("pressed", "let_go", "code"),
+        [("ArrowUp", "8", "Numpad8"), ("d", "ð", "KeyD")],
+        ids=["number pad under Shift", "letter under AltGr"],
+    )
+    def test_key_is_let_go_whatever_its_name_is_by_then(
+        self, demo: Program, demo_page: Page, pressed: str, let_go: str, code: str
+    ) -> None:
+        def is_held() -> bool:
+            status = demo.status()
+            return bool(status["vessel"]["throttle"] > 0 or status["command"]["pan"] > 0)
+
+        demo_page.disengage()
+        demo_page.key("keydown", pressed, code)
+        wait_until(is_held, "the key to be held")
+        demo_page.key("keyup", let_go, code)
+        wait_until(lambda: not is_held(), "rest")
+        time.sleep(0.4)
+        assert not is_held()
+
+    def test_wheel_that_turns_back_at_once_holds_nothing(self, demo: Program, demo_page: Page) -> None:
+        demo_page.disengage()
+        demo_page.script("""
+            const turn = (deltaY) => document.getElementById('picture')
+                .dispatchEvent(new WheelEvent('wheel', { deltaY, shiftKey: true, cancelable: true }));
+            turn(-100);
+            setTimeout(() => turn(100), 60);""")
+        demo.wait(lambda status: status["command"]["zoom"] < 0, "the zoom out")
+        demo.wait(lambda status: status["command"]["zoom"] == 0, "the end of the zoom")
+        time.sleep(0.4)
+        assert demo.status()["command"]["zoom"] == 0
+
+    def test_key_that_is_held_through_a_stop_steers_no_more(self, demo: Program, demo_page: Page) -> None:
+        demo_page.key("keydown", "ArrowUp", "ArrowUp")
+        demo.wait(lambda status: status["vessel"]["throttle"] > 0, "the throttle")
+        demo_page.type("space")
+        demo.wait(lambda status: status["vessel"]["throttle"] == 0, "the neutral boat")
+        # The operator brakes, and lets that key go: the first one is still down, and repeats.
+        demo_page.key("keydown", "ArrowDown", "ArrowDown")
+        demo.wait(lambda status: status["vessel"]["throttle"] < 0, "the boat to go astern", 8)
+        demo_page.key("keyup", "ArrowDown", "ArrowDown")
+        for _ in range(4):
+            demo_page.key("keydown", "ArrowUp", "ArrowUp", repeat=True)
+            time.sleep(0.1)
+        throttle = demo.status()["vessel"]["throttle"]
+        demo_page.key("keyup", "ArrowUp", "ArrowUp")
+        assert throttle == 0
+
     def test_sounds_are_asked_for_and_the_screen_is_kept_awake(self, demo_page: Page, check: Check) -> None:
         page = demo_page
         page.follow_boat()
