@@ -188,7 +188,8 @@ impl UnaskedMotion {
 
     /// A command is in force from now on.
     pub(crate) fn on_command(&mut self, command: CameraCommand, now: Timestamp) {
-        self.is_rest_commanded = command.is_rest();
+        // A camera that zooms shows a turn as one that rests does.
+        self.is_rest_commanded = command.pan.is_zero() && command.tilt.is_zero();
         if !self.is_rest_commanded {
             let (pan, tilt) =
                 (command.pan.radians_per_second().abs(), command.tilt.radians_per_second().abs());

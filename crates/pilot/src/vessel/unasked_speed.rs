@@ -1,4 +1,4 @@
-//! Motion of the boat that nobody commands: neutral is commanded, and the boat reports that its drive goes
+//! Motion of the boat that nobody commands: no throttle is commanded, and the boat reports that its drive goes
 //! on.
 //!
 //! A boat that has just been made neutral runs out, and one that floats drifts with current and wind: neither
@@ -27,7 +27,7 @@ const SPACING: Duration = Duration::from_millis(90);
 /// Number of speeds that are kept.
 const KEPT: usize = 24;
 
-/// Compares the reported speed with a neutral command.
+/// Compares the reported speed with a command without throttle.
 #[derive(Debug, Clone)]
 pub(super) struct UnaskedSpeed {
     newest: VecDeque<(Timestamp, f64)>,
@@ -42,7 +42,7 @@ impl UnaskedSpeed {
         Self { newest: VecDeque::with_capacity(KEPT), neutral_since: None, is_anothers: false, moving: None }
     }
 
-    /// The speed of a boat that moves although neutral is commanded, m/s.
+    /// The speed of a boat that moves although no throttle is commanded, m/s.
     pub(super) const fn moving(&self) -> Option<f64> {
         self.moving
     }
@@ -51,7 +51,7 @@ impl UnaskedSpeed {
     /// watched also after it was released.
     pub(super) fn on_command(&mut self, command: Option<VesselCommand>, now: Timestamp) {
         match command {
-            Some(command) if command.is_neutral() => {
+            Some(command) if command.throttle == 0.0 => {
                 self.neutral_since.get_or_insert(now);
             }
             None if self.moving.is_some() => {}
@@ -98,6 +98,27 @@ impl UnaskedSpeed {
             self.moving = (speed_m_per_s > speed * (1.0 - MIN_LOSS)).then_some(speed_m_per_s);
         } else if self.moving.is_some() {
             self.moving = Some(speed_m_per_s);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_rudder_does_not_hide_a_drive_that_goes_on() {
+        let ms = |ms: u64| Timestamp::ZERO.plus(Duration::from_millis(ms));
+        for (command, is_found) in [
+            (VesselCommand { throttle: 0.0, rudder: 0.5 }, true),
+            (VesselCommand { throttle: 0.2, rudder: 0.0 }, false),
+        ] {
+            let mut speed = UnaskedSpeed::new();
+            for now in (0..3_000).step_by(100).map(ms) {
+                speed.on_command(Some(command), now);
+                speed.on_report(&Report::Speed(3.0), now);
+            }
+            assert_eq!(speed.moving().is_some(), is_found, "{command:?}");
         }
     }
 }

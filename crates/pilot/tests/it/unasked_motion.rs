@@ -8,7 +8,7 @@ use barrelman_vocab::profile::MotionReports;
 use barrelman_vocab::telemetry::{ControlState, EulerAxis, FlightState, LinkState, Quaternion, Report};
 use barrelman_vocab::{
     Angle, CameraRequest, Nudge, OperatorRequest, StopCause, Telemetry, VehicleProfile, VesselCommand,
-    VesselProfile, VesselRequest, VesselStopper,
+    VesselProfile, VesselRequest, VesselStopper, ZoomAbility,
 };
 
 use crate::scenes::SceneInput::{Engage, Seen};
@@ -195,6 +195,22 @@ fn a_nudge_ends_what_was_found_and_is_no_fault() {
     let nudge = OperatorRequest::Camera(CameraRequest::Nudge(Nudge { pan: 1.0, tilt: 0.0, zoom: 0.0 }));
     let outcome = bench.pilot.step(Input::Request(nudge), at(bench.ms));
     assert!(!outcome.command.is_rest() && outcome.unasked_motion.is_none(), "{:?}", outcome.mode);
+}
+
+#[test]
+fn a_camera_that_zooms_and_turns_although_nobody_commands_it_is_found() {
+    let mut bench = Bench::new(VehicleProfile::fotokite_sigma());
+    bench.tell(Report::Zoom(ZoomAbility::Present));
+    let zoom = OperatorRequest::Camera(CameraRequest::Nudge(Nudge { pan: 0.0, tilt: 0.0, zoom: 1.0 }));
+    let found = (0..40_u64).find(|step| {
+        bench.ms += 100;
+        bench.pan += if *step < 20 { 0.0 } else { 0.03 };
+        bench.pilot.step(Seen(INSIDE).input(at(bench.ms)), at(bench.ms));
+        let outcome = bench.pilot.step(Input::Request(zoom), at(bench.ms));
+        assert!(outcome.command.pan.is_zero() && !outcome.command.zoom.is_zero());
+        bench.report().unasked_motion.is_some()
+    });
+    assert!(found.is_some_and(|step| (20..26).contains(&step)), "{found:?}");
 }
 
 /// How many milliseconds after neutral a boat is found to move that has this speed; it was at 3 m/s.
