@@ -170,7 +170,8 @@ impl Pilot {
     }
 
     /// Whether a further [`Stop`](barrelman_vocab::OperatorRequest::Stop) would change nothing: the camera is
-    /// stopped, the boat is stopped or not commanded, and no helm is held that a stop would bar.
+    /// stopped, the boat is stopped or not commanded, no helm is held that a stop would bar, and no first Go
+    /// waits for its confirmation.
     pub fn is_at_rest_by_stop(&self) -> bool {
         self.safety.is_stopped() && self.vessel.as_ref().is_none_or(|vessel| vessel.is_at_rest_by_stop())
     }

@@ -225,7 +225,7 @@ impl VesselPilot {
 
     /// Whether a further stop would change nothing.
     pub(crate) fn is_at_rest_by_stop(&self) -> bool {
-        self.gate.is_at_rest_by_stop()
+        self.gate.is_at_rest_by_stop() && self.gone_in_picture_at.is_none()
     }
 
     /// Everything is stopped.

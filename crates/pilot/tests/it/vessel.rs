@@ -725,6 +725,7 @@ fn a_go_is_confirmed_by_a_go_alone() {
         bench.see(INSIDE);
         bench.mark(MarkKind::Person, TARGET);
         refused(&bench.ask(go), no_height);
+        assert!(!bench.pilot.is_at_rest_by_stop(), "a stop makes the next Go a first one");
         bench.ask(between);
         bench.see(INSIDE);
         refused(&bench.ask(go), no_height);
