@@ -10,6 +10,8 @@ use crate::purpose::Purpose;
 use crate::vessel::no_water::{GO_AGAIN, NoWater};
 use crate::vessel::said::Said;
 
+/// Largest net yaw that an operator can state, degrees: ten turns.
+pub(crate) const MAX_NET_YAW_DEG: f64 = 3_600.0;
 /// A target must be lost for this time before the operator can ask for a search: the tracker's own search is
 /// faster.
 pub const LOST_BEFORE_SEARCH: Duration = Duration::from_secs(3);
@@ -116,7 +118,12 @@ impl fmt::Display for Refusal {
                 "the boat was lost just now: a search can begin {} s after the loss",
                 LOST_BEFORE_SEARCH.as_secs()
             ),
-            Self::NetYawOutOfRange => f.write_str("the net yaw must be a number of radians from -100 to 100"),
+            Self::NetYawOutOfRange => {
+                write!(
+                    f,
+                    "the net yaw must be a number of degrees from -{MAX_NET_YAW_DEG} to {MAX_NET_YAW_DEG}"
+                )
+            }
             Self::NoVessel => f.write_str("there is no boat to command: start with --vessel"),
             Self::NoVesselMotion(cause) => {
                 write!(f, "the boat cannot be commanded now: {}", cause.text())

@@ -5,11 +5,9 @@ use barrelman_vocab::{Angle, CameraRequest, ImagePoint, PictureSize, Timestamp, 
 use super::Pilot;
 use crate::outcome::{LOST_BEFORE_SEARCH, Notice, Refusal};
 use crate::purpose::Purpose;
+use crate::refusal::MAX_NET_YAW_DEG;
 use crate::safety::ObservationResult;
 use crate::search::{LastBearing, Search, SearchReach};
-
-/// Largest net yaw that an operator can state, radians.
-const MAX_NET_YAW: f64 = 100.0;
 
 impl Pilot {
     /// Why the request makes no sense now, whatever the safety rule says.
@@ -17,7 +15,7 @@ impl Pilot {
         match request {
             CameraRequest::Search => self.nothing_to_search(now),
             CameraRequest::NetYaw { degrees } => {
-                let is_plausible = Angle::from_degrees(*degrees).radians().abs() <= MAX_NET_YAW;
+                let is_plausible = degrees.abs() <= MAX_NET_YAW_DEG;
                 (!is_plausible).then_some(Refusal::NetYawOutOfRange)
             }
             CameraRequest::KeepSize { keep: true } => self.no_zoom(),

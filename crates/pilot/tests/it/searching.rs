@@ -243,10 +243,9 @@ fn the_net_yaw_is_counted_warned_about_and_refused_with_the_way_back_open() {
     turn(&mut scene, -1.0, 3_000);
     assert_eq!(scene.last().net_yaw.level, NetYawLevel::Warned);
     assert!(!scene.request(nudge(1.0)).command.is_rest());
-    for value in [f64::NAN, f64::INFINITY, 101.0] {
-        let refused =
-            scene.request(OperatorRequest::Camera(CameraRequest::NetYaw { degrees: value.to_degrees() }));
-        assert_eq!(refused.notice, Some(Notice::RequestRefused(Refusal::NetYawOutOfRange)), "{value}");
+    for degrees in [f64::NAN, f64::INFINITY, 3_601.0] {
+        let refused = scene.request(OperatorRequest::Camera(CameraRequest::NetYaw { degrees }));
+        assert_eq!(refused.notice, Some(Notice::RequestRefused(Refusal::NetYawOutOfRange)), "{degrees}");
     }
 }
 
