@@ -59,7 +59,12 @@ pub fn lens_in_force(dynamics: &CameraDynamics, focal_share: f64, picture: Pictu
     let has_zoomed =
         (focal_share - dynamics.focal_share).abs() > MAX_CALIBRATED_CHANGE * dynamics.focal_share;
     let calibrated = dynamics.lens.filter(|_| !has_zoomed).and_then(|lens| lens.scaled_to(picture));
-    calibrated.unwrap_or_else(|| Lens::pinhole(picture, focal_share * f64::from(picture.width)))
+    calibrated.unwrap_or_else(|| pinhole(focal_share, picture))
+}
+
+/// A lens without distortion with this focal length, a share of the picture's width.
+pub fn pinhole(focal_share: f64, picture: PictureSize) -> Lens {
+    Lens::pinhole(picture, focal_share * f64::from(picture.width))
 }
 
 /// The camera with both axes.
@@ -137,6 +142,18 @@ impl CameraModel {
         }
     }
 
+    /// The pictures are those of another video from `at` on. `Some`: of a camera of its own with this
+    /// horizontal field of view, which turns with this one and does not zoom. An impossible one counts as
+    /// that of this camera.
+    pub fn change_video(&mut self, field_of_view: Option<Angle>, at: Timestamp) {
+        self.focal_length.change_video(field_of_view.and_then(focal_share_of), at);
+    }
+
+    /// Whether the pictures are those of a camera of its own, which does not zoom.
+    pub const fn is_of_other(&self) -> bool {
+        self.focal_length.of_other().is_some()
+    }
+
     /// How the camera zooms at a time; `None`: it does not zoom by command, or reports its field of view.
     pub fn unreported_zoom(&self, at: Timestamp) -> Option<UnreportedZoom> {
         self.focal_length.unreported_zoom(at)
@@ -159,7 +176,10 @@ impl CameraModel {
 
     /// The lens at a time for a picture of this size ([`lens_in_force`]).
     pub fn lens_at(&self, at: Timestamp, picture: PictureSize) -> Lens {
-        lens_in_force(&self.dynamics, self.focal_length.at(at), picture)
+        match self.focal_length.of_other() {
+            Some(share) => pinhole(share, picture),
+            None => lens_in_force(&self.dynamics, self.focal_length.at(at), picture),
+        }
     }
 
     /// Pan (relative to the initial direction; unbounded) and tilt at a time, radians. The history covers at

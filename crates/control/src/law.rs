@@ -174,6 +174,11 @@ impl CameraLaw {
         self.camera.set_field_of_view(angle, at);
     }
 
+    /// The pictures are those of another video from `at` on ([`CameraModel::change_video`]).
+    pub fn on_other_video(&mut self, field_of_view: Option<Angle>, at: Timestamp) {
+        self.camera.change_video(field_of_view, at);
+    }
+
     /// Processes the growth of the picture between two times of capture, the logarithm of its scale.
     pub fn on_growth(&mut self, growth: f64, from: Timestamp, to: Timestamp) {
         self.camera.on_growth(growth, from, to);

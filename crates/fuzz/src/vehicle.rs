@@ -120,7 +120,8 @@ pub(crate) fn check_report(report: &Report) {
         | Report::FlightState { .. }
         | Report::DriveMode(_)
         | Report::Equipment(_)
-        | Report::Zoom(_) => vec![],
+        | Report::Zoom(_)
+        | Report::OtherVideo(_) => vec![],
     };
     assert!(numbers.iter().all(|number| number.is_finite()), "{report:?}");
 }

@@ -64,6 +64,9 @@ pub enum Report {
     Equipment(Equipment),
     /// Horizontal field of view of the picture. A zoom changes it.
     FieldOfView(Angle),
+    /// The pictures are those of another video from now on, which this program tells itself. `Some`: of a
+    /// camera of its own with this horizontal field of view, which does not zoom.
+    OtherVideo(Option<Angle>),
     /// Whether the camera zooms.
     Zoom(ZoomAbility),
     /// Position of the vehicle on Earth.
@@ -132,6 +135,7 @@ impl Report {
             | Self::Text(_)
             | Self::Equipment(_)
             | Self::FieldOfView(_)
+            | Self::OtherVideo(_)
             | Self::Zoom(_)
             | Self::Flight { .. }
             | Self::FlightState { .. }

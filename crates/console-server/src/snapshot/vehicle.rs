@@ -70,6 +70,8 @@ pub struct VehicleSnapshot {
     pub camera_heading: Option<Angle>,
     /// Horizontal angle of view of the camera, of a vehicle that reports a zoom.
     pub field_of_view: Option<Angle>,
+    /// Horizontal angle of view of the camera of the video that is followed, where that is not the vehicle's.
+    pub other_field_of_view: Option<Angle>,
     /// Height above the place of the start, metres.
     pub altitude_m: Option<f64>,
     /// Position on Earth.
@@ -95,8 +97,8 @@ impl VehicleSnapshot {
                 *self = match state {
                     LinkState::Up => Self { may_be_moving, ..*self },
                     _ => {
-                        let Self { link, equipment, .. } = *self;
-                        Self { link, may_be_moving, equipment, ..Self::default() }
+                        let Self { link, equipment, other_field_of_view, .. } = *self;
+                        Self { link, may_be_moving, equipment, other_field_of_view, ..Self::default() }
                     }
                 };
             }
@@ -119,6 +121,7 @@ impl VehicleSnapshot {
                 (self.flight, self.is_battery_low) = (Some(state), is_battery_low);
             }
             Report::FieldOfView(angle) => self.field_of_view = Some(angle),
+            Report::OtherVideo(field_of_view) => self.other_field_of_view = field_of_view,
             Report::Equipment(used) => {
                 self.equipment.on_used(used);
             }
@@ -180,6 +183,7 @@ mod tests {
         tilt: Some(Angle::from_degrees(-20.0)),
         camera_heading: None,
         field_of_view: None,
+        other_field_of_view: None,
         altitude_m: Some(10.5),
         position: None,
         flight: Some(FlightState::Flying),
@@ -243,6 +247,14 @@ mod tests {
         ] {
             assert_eq!(after(reports), expected, "{reports:?}");
         }
+    }
+
+    #[test]
+    fn the_video_that_is_followed_stays_known_while_the_link_is_lost() {
+        let other = Some(Angle::from_degrees(40.0));
+        let reports = [UP, Report::OtherVideo(other), Report::Link(LinkState::Opening)];
+        assert_eq!(after(&reports).other_field_of_view, other);
+        assert_eq!(after(&[Report::OtherVideo(other), Report::OtherVideo(None)]).other_field_of_view, None);
     }
 
     #[test]

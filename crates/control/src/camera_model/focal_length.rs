@@ -39,6 +39,10 @@ pub(super) struct FocalLength {
     /// `None`: the camera does not zoom by command.
     zoom: Option<ZoomModel>,
     is_reported: bool,
+    /// Of the camera of another video.
+    of_other: Option<f64>,
+    /// When the pictures became those of another video.
+    changed_at: Timestamp,
 }
 
 #[derive(Debug, Clone)]
@@ -73,7 +77,24 @@ impl FocalLength {
             let exponent = AxisModel::new(dynamics, zoom.max_rate.per_second(), 0.0, Some(stops));
             ZoomModel { exponent, range }
         };
-        Self { base: FocalHistory::new(widest), zoom: zoom.map(model), is_reported: false }
+        Self {
+            base: FocalHistory::new(widest),
+            zoom: zoom.map(model),
+            is_reported: false,
+            of_other: None,
+            changed_at: Timestamp::ZERO,
+        }
+    }
+
+    /// The pictures are those of another video from now on; `Some`: of a camera of its own, with this focal
+    /// length. The camera's own is kept meanwhile.
+    pub(super) const fn change_video(&mut self, of_other: Option<f64>, at: Timestamp) {
+        (self.of_other, self.changed_at) = (of_other, at);
+    }
+
+    /// The focal length of another video's camera, if that is the one that is seen through.
+    pub(super) const fn of_other(&self) -> Option<f64> {
+        self.of_other
     }
 
     /// Advances to `now` without a new command.
@@ -94,7 +115,7 @@ impl FocalLength {
     /// Takes a report of the focal length, a share of the picture's width, at a time.
     pub(super) fn report(&mut self, share: f64, at: Timestamp) {
         self.is_reported = true;
-        let known = self.at(at);
+        let known = self.own_at(at);
         if (share - known).abs() <= MIN_FOCAL_CHANGE * known {
             return;
         }
@@ -115,7 +136,7 @@ impl FocalLength {
     /// How the camera zooms at a time, where nothing is reported: the growth of the picture then tells its
     /// focal length.
     pub(super) fn unreported_zoom(&self, at: Timestamp) -> Option<UnreportedZoom> {
-        let zoom = self.zoom.as_ref().filter(|_| !self.is_reported)?;
+        let zoom = self.zoom.as_ref().filter(|_| !self.is_reported && self.of_other.is_none())?;
         Some(match zoom.is_settled(at.as_secs_f64()) {
             true => UnreportedZoom::Resting,
             false => UnreportedZoom::Moving,
@@ -136,13 +157,19 @@ impl FocalLength {
 
     /// The focal length at a time, a share of the picture's width.
     pub(super) fn at(&self, at: Timestamp) -> f64 {
+        self.of_other.unwrap_or_else(|| self.own_at(at))
+    }
+
+    fn own_at(&self, at: Timestamp) -> f64 {
         let base = self.base.at(at);
         self.zoom.as_ref().map_or(base, |zoom| base * libm::exp(zoom.exponent.at(at.as_secs_f64()).angle))
     }
 
     /// Whether something else than a command has changed it between two times.
     pub(super) fn is_changed_by_another(&self, from: Timestamp, to: Timestamp) -> bool {
-        self.base.at(from).to_bits() != self.base.at(to).to_bits()
+        let has_changed_video = from < self.changed_at && self.changed_at <= to;
+        has_changed_video
+            || (self.of_other.is_none() && self.base.at(from).to_bits() != self.base.at(to).to_bits())
     }
 }
 

@@ -5,6 +5,7 @@ use barrelman_vocab::telemetry::{LinkState, Report};
 use barrelman_vocab::{Angle, Telemetry, Timestamp};
 
 use super::Pilot;
+use crate::object_trackers::TrackedObject;
 
 impl Pilot {
     /// Passes reports of the camera on to the law, and those of the vehicle to the safety rule.
@@ -24,6 +25,11 @@ impl Pilot {
                 self.earth.on_position(GeoPoint { latitude, longitude }, telemetry.at);
             }
             Report::FieldOfView(angle) => self.law.on_field_of_view_report(angle, telemetry.at),
+            Report::OtherVideo(field_of_view) => {
+                self.law.on_other_video(field_of_view, telemetry.at);
+                // Another object may be where the held ones were.
+                self.held_marks.trackers.iter_mut().for_each(TrackedObject::lose);
+            }
             Report::GimbalAttitude(attitude) => {
                 let tilt = self.settings.profile.gimbal_tilt.and_then(|convention| convention.tilt(attitude));
                 if let Some(tilt) = tilt {

@@ -1,6 +1,6 @@
 //! The pilot's part of a search and of a calibration: when a search may begin, their commands, and their end.
 
-use barrelman_vocab::{Angle, CameraRequest, ImagePoint, PictureSize, Timestamp, Track};
+use barrelman_vocab::{CameraRequest, ImagePoint, PictureSize, Timestamp, Track};
 
 use super::Pilot;
 use crate::outcome::{LOST_BEFORE_SEARCH, Notice, Refusal};

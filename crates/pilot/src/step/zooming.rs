@@ -10,7 +10,9 @@ use crate::outcome::{Notice, Refusal, ZoomState};
 impl Pilot {
     /// Why the camera is not zoomed; `None`: it zooms.
     pub(super) fn no_zoom(&self) -> Option<Refusal> {
-        match (self.safety.zoom(), self.zooming.is_some()) {
+        // What zooms is not the camera of the video that is followed.
+        let zooms = self.zooming.is_some() && !self.law.camera().is_of_other();
+        match (self.safety.zoom(), zooms) {
             (_, false) | (ZoomAbility::Absent, true) => Some(Refusal::NoZoom),
             (ZoomAbility::NotKnown, true) => Some(Refusal::ZoomNotKnown),
             (ZoomAbility::Present, true) => None,

@@ -288,3 +288,19 @@ fn at_most_eight_marks_are_held_and_all_of_them_in_turns() {
     let held = ids.iter().filter(|id| mark(&outcome, **id).is_held()).count();
     assert_eq!((ids.len(), held), (10, 8));
 }
+
+#[test]
+fn a_held_person_does_not_become_what_another_video_shows_at_the_same_pixel() {
+    let mut scene = Scene::new();
+    scene.see_for(3, &[Some(FIRST)]);
+    let id = scene.mark(MarkKind::Person, FIRST);
+    let held = scene.see_for(60, &[Some(FIRST)]);
+    let before = mark(&held, id).water.expect("on the water").point;
+    let other = Report::OtherVideo(Some(Angle::from_degrees(30.0)));
+    scene.pilot.step(Input::Telemetry(Telemetry { at: at(scene.ms), report: other }), at(scene.ms));
+    for frames in [1, 2, 5, 30, 60] {
+        let outcome = scene.see_for(frames, &[Some(FIRST)]);
+        let moved_m = mark(&outcome, id).water.expect("on the water").point.distance_to(before);
+        assert!(moved_m < 0.5, "after {frames} more frames: {moved_m:.2} m");
+    }
+}

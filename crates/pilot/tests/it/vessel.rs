@@ -859,3 +859,28 @@ impl AsRequest for SceneInput {
         }
     }
 }
+
+#[test]
+fn points_on_the_water_are_those_of_the_camera_of_the_video_that_is_followed() {
+    let mut bench = Bench::new();
+    let metres = |bench: &mut Bench| {
+        for _ in 0..60 {
+            bench.see(INSIDE);
+        }
+        bench.see_water();
+        let view = bench.see(INSIDE).vessel.frame_view.expect("a view of the water");
+        let point = |at| view.fix(at).expect("water").point;
+        point(INSIDE.in_pixels(PICTURE)).distance_to(point(TARGET))
+    };
+    bench.see_water();
+    let of_first = metres(&mut bench);
+    bench.tell(Report::OtherVideo(Some(Angle::from_degrees(40.0))));
+    let of_second = metres(&mut bench);
+    assert!((of_second / of_first - 1.0).abs() > 0.1, "{of_first} {of_second}");
+    // What the vehicle reports is of its own camera, which somebody else zooms meanwhile.
+    bench.tell(Report::FieldOfView(Angle::from_degrees(60.0)));
+    assert!((metres(&mut bench) - of_second).abs() < 0.01);
+    bench.tell(Report::OtherVideo(None));
+    let after = metres(&mut bench);
+    assert!((after / of_first - 1.0).abs() > 0.1 && (after / of_second - 1.0).abs() > 0.1, "{after}");
+}

@@ -7,7 +7,7 @@ use barrelman_pilot::{CommandPath, Input, Mode, Notice, Outcome, Pilot, PilotSet
 use barrelman_vocab::telemetry::{LinkState, Report};
 use barrelman_vocab::video::ColourEncoding;
 use barrelman_vocab::{
-    CameraRequest, HoldCause, ImagePoint, Localisation, Nudge, OperatorRequest, Picture, PictureSize,
+    Angle, CameraRequest, HoldCause, ImagePoint, Localisation, Nudge, OperatorRequest, Picture, PictureSize,
     PixelBox, StopCause, Telemetry, Timestamp, Track, VehicleProfile, VideoFrame, ZoomAbility, ZoomDynamics,
     ZoomRate,
 };
@@ -261,4 +261,27 @@ fn the_picture_tells_the_focal_length_of_a_camera_that_reports_nothing_and_zooms
     }
     let zoomed = libm::log(ratio);
     assert!((zoomed / 0.36 - 1.0).abs() < 0.15, "{zoomed}");
+}
+
+#[test]
+fn a_zoom_is_known_after_a_while_with_the_video_of_another_camera() {
+    let mut pilot = zooming_pilot();
+    let change = |pilot: &mut Pilot, field_of_view, ms| {
+        let report = Report::OtherVideo(field_of_view);
+        pilot.step(Input::Telemetry(Telemetry { at: at(ms), report }), at(ms));
+    };
+    for ms in (0..6_000).step_by(33) {
+        ask(&mut pilot, zoom_by_hand(1.0), ms);
+        show(&mut pilot, (ms + 1, ms + 2), 0.5, CENTRE);
+    }
+    let ratio = |outcome: &Outcome| outcome.zoom.map(|zoom| zoom.ratio);
+    let before = ratio(&show(&mut pilot, (6_300, 9_000), 0.5, CENTRE));
+    assert!(before.is_some_and(|ratio| ratio > 2.0), "{before:?}");
+    change(&mut pilot, Some(Angle::from_degrees(40.0)), 9_100);
+    let other = show(&mut pilot, (9_110, 9_120), 0.5, CENTRE);
+    assert_eq!(ratio(&other), None, "the other camera does not zoom");
+    let refused = ask(&mut pilot, zoom_by_hand(1.0), 9_150).notice;
+    assert_eq!(refused, Some(Notice::RequestRefused(Refusal::NoZoom)));
+    change(&mut pilot, None, 9_200);
+    assert_eq!(ratio(&show(&mut pilot, (9_210, 12_000), 0.5, CENTRE)), before);
 }

@@ -87,7 +87,8 @@ pub struct VideoSection {
     #[schemars(example = "rtsp://camera.example/thermal")]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub second_url: Option<String>,
-    /// Horizontal field of view of the second video, degrees; default: that of the first.
+    /// Horizontal field of view of the second video, degrees, of a camera that does not zoom; default: that of
+    /// the first, whatever its zoom.
     #[schemars(range(min = 1.0, max = 170.0), example = 40.0)]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub second_field_of_view_deg: Option<f64>,

@@ -6,7 +6,7 @@ use barrelman_console_server::operator::Answer;
 use barrelman_console_server::snapshot::VideoSourceState;
 use barrelman_pilot::{Input, Mode};
 use barrelman_vocab::telemetry::Report;
-use barrelman_vocab::{Angle, CameraRequest, Telemetry, VideoNumber, VideoRequest};
+use barrelman_vocab::{CameraRequest, Telemetry, VideoNumber, VideoRequest};
 
 use super::run_loop::{LoopState, RunLoop};
 
@@ -41,24 +41,17 @@ impl RunLoop<'_> {
             return Err(format!("video {} has no picture", wanted.count()));
         }
         self.step(state, Input::Request(CameraRequest::Deselect.into()));
-        if let Some(field_of_view) = self.field_of_view_of(wanted) {
-            let at = self.events.now();
-            self.step(state, Input::Telemetry(Telemetry { at, report: Report::FieldOfView(field_of_view) }));
-        }
+        // A second video without a field of view of its own is of the same camera.
+        let field_of_view = match wanted {
+            VideoNumber::First => None,
+            VideoNumber::Second => self.second_field_of_view,
+        };
+        let report = Report::OtherVideo(field_of_view);
+        self.step(state, Input::Telemetry(Telemetry { at: self.events.now(), report }));
         self.tracked.choose(wanted);
         drop(self.latest.take());
         self.publisher.track_video(wanted, self.events.now());
         tracing::info!("the boat is looked for in video {} from now on", wanted.count());
         Ok(())
-    }
-
-    /// The field of view that the pilot is told of at the change to a video; `None`: both videos have the
-    /// same.
-    fn field_of_view_of(&self, number: VideoNumber) -> Option<Angle> {
-        let second = self.second_field_of_view?;
-        Some(match number {
-            VideoNumber::First => Angle::from_radians(2.0 * (0.5 / self.profile.camera.focal_share).atan()),
-            VideoNumber::Second => second,
-        })
     }
 }

@@ -89,7 +89,8 @@ impl LiveStepObserver for &Steps {
             Input::Frame(_) => format!("{:?} frame", step.video),
             Input::Request(OperatorRequest::Camera(request)) => format!("{request:?}"),
             Input::Telemetry(telemetry) => match telemetry.report {
-                Report::FieldOfView(angle) => format!("{:.0} deg", angle.degrees()),
+                Report::OtherVideo(Some(angle)) => format!("another camera, {:.0} deg", angle.degrees()),
+                Report::OtherVideo(None) => "the first camera".to_owned(),
                 other => format!("{other:?}"),
             },
             _ => return,
@@ -172,8 +173,16 @@ fn a_change_ends_the_selection_tells_the_field_of_view_and_leaves_frames_of_the_
         Turn::Frame(First),
     ]);
     let selected = format!("{:?}", CameraRequest::SelectNext(SELECTION));
-    let expected =
-        [&selected, "First frame", "Deselect", "40 deg", "Second frame", "Deselect", "88 deg", "First frame"];
+    let expected = [
+        &selected,
+        "First frame",
+        "Deselect",
+        "another camera, 40 deg",
+        "Second frame",
+        "Deselect",
+        "the first camera",
+        "First frame",
+    ];
     assert_eq!(run.steps, expected, "the second change to the same video changes nothing");
     assert!(run.answers.iter().all(|answer| *answer == Answer::ACCEPTED), "{:?}", run.answers);
 }

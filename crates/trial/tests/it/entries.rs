@@ -205,6 +205,8 @@ pub(crate) fn entries_with(value: f64) -> Vec<Entry> {
         telemetry(Report::Zoom(ZoomAbility::Absent)),
         input(RecordedInput::VesselTelemetry(Telemetry { at: ns(999), report: Report::CameraHeight(value) })),
         telemetry(Report::FieldOfView(Angle::from_radians(value))),
+        telemetry(Report::OtherVideo(Some(Angle::from_radians(value)))),
+        telemetry(Report::OtherVideo(None)),
         telemetry(Report::FlightState { state: FlightState::Other(u32::MAX), is_battery_low: true }),
         telemetry(Report::Acceptance(Acceptance::ModeRefused)),
         telemetry(Report::Ground {

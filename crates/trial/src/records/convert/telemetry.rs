@@ -73,6 +73,9 @@ impl From<&Telemetry> for stored::TelemetryInput {
             }),
             Report::Zoom(told) => Stored::Zoom(stored::ZoomAbility::from(told) as i32),
             Report::FieldOfView(angle) => Stored::FieldOfViewRad(angle.radians()),
+            Report::OtherVideo(angle) => {
+                Stored::OtherVideo(stored::OtherVideo { field_of_view_rad: angle.map(Angle::radians) })
+            }
             Report::FlightState { state, is_battery_low } => {
                 let (state, mode) = stored_flight_state(state);
                 Stored::FlightState(stored::FlightStateReport { state, mode, is_battery_low })
@@ -146,6 +149,7 @@ impl TryFrom<stored::TelemetryInput> for Telemetry {
                 Report::Zoom(stored::ZoomAbility::try_from(told).map_err(|_| missing("zoom"))?.try_into()?)
             }
             Stored::FieldOfViewRad(angle) => Report::FieldOfView(Angle::from_radians(angle)),
+            Stored::OtherVideo(video) => Report::OtherVideo(video.field_of_view_rad.map(Angle::from_radians)),
             Stored::FlightState(flight) => Report::FlightState {
                 state: flight_state(flight.state, flight.mode)?,
                 is_battery_low: flight.is_battery_low,
