@@ -229,10 +229,18 @@ where
                 self.report_state(state, at);
             }
             FromGuard::Received(at, bytes) => {
-                let report = &self.report;
+                let (report, mut not_taken) = (&self.report, Vec::new());
                 self.reader.read(&bytes, |content| {
-                    report(LinkReport::Telemetry(Telemetry { at, report: content }));
+                    let telemetry = Telemetry { at, report: content };
+                    // A vehicle repeats all others.
+                    let is_told_once = matches!(content, Report::Equipment(_) | Report::Zoom(_));
+                    if !report(LinkReport::Telemetry(telemetry)) && is_told_once {
+                        not_taken.push(telemetry);
+                    }
                 });
+                for telemetry in not_taken {
+                    self.report_until_taken(|| LinkReport::Telemetry(telemetry));
+                }
             }
             FromGuard::Control { is_anothers } => self.client.state().is_anothers = is_anothers,
             FromGuard::Lost { may_be_turning, reason } => {
