@@ -32,8 +32,8 @@ use crate::snapshot::{EventLog, Level, SharedSnapshot, Snapshot};
 /// Rate of a nudge that the page shows, rad/s.
 const NUDGE_RATE: f64 = barrelman_pilot::NUDGE_RATE_RAD_PER_S;
 
-/// How long the end of the program waits for pages that take nothing.
-const FAREWELL: Duration = Duration::from_millis(300);
+/// How long the end of a connection waits for a page that takes nothing.
+pub(super) const FAREWELL: Duration = Duration::from_millis(300);
 
 /// What does not change in a session, for the page.
 #[derive(Debug, Clone)]

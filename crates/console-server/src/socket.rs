@@ -15,7 +15,7 @@ use hyper::upgrade::Upgraded;
 use hyper_util::rt::TokioIo;
 use tokio::sync::broadcast::error::RecvError;
 use tokio::sync::{broadcast, mpsc, watch};
-use tokio::time::{Instant, sleep_until, timeout};
+use tokio::time::{Instant, sleep, sleep_until, timeout};
 use tokio_tungstenite::WebSocketStream;
 use tokio_tungstenite::tungstenite::Message;
 use tokio_tungstenite::tungstenite::protocol::frame::coding::CloseCode;
@@ -34,7 +34,7 @@ use super::pictures::PictureViewer;
 use super::places::Place;
 use super::requests::{Requester, answer, begin_request};
 use super::seats::ClientId;
-use super::shared::Console;
+use super::shared::{Console, FAREWELL};
 use super::video_relay::RelayedUnit;
 use crate::snapshot::{EventEntry, SharedSnapshot};
 
@@ -71,14 +71,30 @@ pub(super) async fn serve(
     let (path, paths) = watch::channel(WantedVideo::NONE);
     let (handled, handled_counts) = watch::channel(None);
     let requester = Requester { role: pass.role, client: Some(id) };
-    let reader = Reader { console: Arc::clone(&console), requester, outbox, path, handled, is_over };
+    let reader = Reader {
+        console: Arc::clone(&console),
+        pass: pass.clone(),
+        requester,
+        outbox,
+        path,
+        handled,
+        is_over,
+    };
     let said = Said { answers, paths, handled: handled_counts };
     tokio::select! {
         () = reader.run(stream) => {}
         _ = write(&console, sink, (id, &pass), said) => {}
         () = gives_way(place) => {}
+        () = is_signed_out(&console, &pass) => {}
     }
     console.leave(id);
+}
+
+/// Waits until a pass does not hold any more, and then until the page has had the time to take the reason.
+async fn is_signed_out(console: &Console, pass: &Pass) {
+    let mut seats = console.seat_changes.subscribe();
+    let _ = seats.wait_for(|_| !console.access.holds(pass)).await;
+    sleep(FAREWELL).await;
 }
 
 /// Waits until the connection has to give way to another one.
@@ -92,6 +108,7 @@ async fn gives_way(place: Option<Arc<Place>>) {
 /// The half that reads.
 struct Reader {
     console: Arc<Console>,
+    pass: Pass,
     requester: Requester,
     outbox: mpsc::Sender<ServerMessage>,
     path: watch::Sender<WantedVideo>,
@@ -117,8 +134,13 @@ impl Reader {
                     break;
                 }
             };
-            if self.is_over.load(Ordering::Relaxed) {
-                // The next read ends the connection. A stop among what came before is taken.
+            let is_signed_out = !self.console.access.holds(&self.pass);
+            if is_signed_out {
+                // A cookie also ends where a newer one takes its place.
+                self.console.sign_out();
+            }
+            if is_signed_out || self.is_over.load(Ordering::Relaxed) {
+                // The connection ends soon. A stop that comes before is taken, and nothing else.
                 if matches!(
                     message,
                     ClientMessage::Request { request: Request::Operator(OperatorRequest::Stop(_)), .. }

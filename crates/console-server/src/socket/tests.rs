@@ -17,6 +17,7 @@ use super::super::in_memory::{CONTROL_TOKEN, InMemory, LIVE, WATCH_TOKEN, block_
 use super::super::left_moving::LeftMoving;
 use super::super::routes;
 use super::super::seats::MAX_CLIENTS;
+use super::super::tokens::Tokens;
 use super::*;
 use crate::operator::SessionRequest;
 use crate::snapshot::Level;
@@ -49,7 +50,12 @@ enum Received {
 impl Page {
     /// Asks for a socket. Returns the status of the answer, and the page.
     async fn ask(session: &InMemory, token: &str, name: &str) -> (StatusCode, Self) {
-        let (mut pipe, program) = duplex(PIPE_BYTES);
+        Self::ask_through(PIPE_BYTES, session, token, name).await
+    }
+
+    /// The same through a pipe that takes so many bytes that are not read.
+    async fn ask_through(bytes: usize, session: &InMemory, token: &str, name: &str) -> (StatusCode, Self) {
+        let (mut pipe, program) = duplex(bytes);
         let router = TowerToHyperService::new(routes::router(Arc::clone(&session.console)));
         tokio::spawn(http1::Builder::new().serve_connection(TokioIo::new(program), router).with_upgrades());
         let head = format!(
@@ -398,6 +404,44 @@ fn with_too_many_pages_the_one_that_was_silent_longest_is_told_to_go() {
         pages[0].request(1, json!({"kind": "deselect"})).await;
         pages[0].wait_until_read().await;
         assert!(session.console.gateway.next_request().is_some(), "the page in control stays");
+    });
+}
+
+/// All tokens and cookies end, and no page has learned of it yet.
+fn end_all_passes(session: &InMemory) {
+    let tokens = Tokens { control: "control-new-345678".to_owned(), watch: "watch-new-345678".to_owned() };
+    session.console.access.renew(tokens, &[]);
+}
+
+#[test]
+fn a_page_that_is_signed_out_can_stop_and_nothing_else() {
+    let session = InMemory::new(LIVE);
+    block_on(async {
+        let mut page = Page::open(&session, CONTROL_TOKEN, "a1").await;
+        end_all_passes(&session);
+        page.request(1, json!({"kind": "engage"})).await;
+        page.request(2, json!({"kind": "stop"})).await;
+        assert_eq!(page.end().await, Received::Close(1008, "signed out".to_owned()));
+        while session.console.gateway.stop_latch().pending().is_none() {
+            tokio::task::yield_now().await;
+        }
+        assert!(session.console.gateway.next_request().is_none(), "it commands nothing");
+    });
+}
+
+#[test]
+fn a_page_that_takes_nothing_is_disconnected_once_it_is_signed_out() {
+    let session = InMemory::new(LIVE);
+    block_on(async {
+        // Less than the first message: the half that writes waits.
+        let (status, _page) = Page::ask_through(64, &session, CONTROL_TOKEN, "a1").await;
+        assert_eq!(status, StatusCode::SWITCHING_PROTOCOLS);
+        let mut seats = session.console.seat_changes.subscribe();
+        seats.wait_for(|seat| !seat.clients.is_empty()).await.unwrap();
+        end_all_passes(&session);
+        session.console.sign_out();
+        let gone = seats.wait_for(|seat| seat.clients.is_empty());
+        assert!(timeout(SEND_TIMEOUT / 2, gone).await.is_ok());
     });
 }
 
