@@ -1,7 +1,7 @@
 //! The two tokens of a console, one for control and one for watching, and the file that keeps them.
 
 use std::fmt;
-use std::io::{self, Write as _};
+use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, SystemTime};
@@ -65,13 +65,13 @@ impl Tokens {
         Ok(Self { control: secret()?, watch: secret()? })
     }
 
-    /// The tokens of a file. Where it is missing, or its tokens are older than `max_age`, it is made with new
+    /// The tokens of a file. Where it is missing or empty, or its tokens are older than `max_age`, it is made with new
     /// tokens, for its owner alone.
     ///
     /// # Errors
     /// As [`Self::read`], and if the file cannot be made.
     pub fn kept_in(path: &Path, max_age: Option<Duration>) -> Result<Self> {
-        if path.exists() && max_age.is_none_or(|max_age| age_of(path) < max_age) {
+        if has_content(path) && max_age.is_none_or(|max_age| age_of(path) < max_age) {
             return Self::read(path);
         }
         let tokens = Self::random().context("no random numbers for the console's tokens")?;
@@ -86,9 +86,8 @@ impl Tokens {
     /// If the file cannot be made.
     pub fn keep_in(&self, path: &Path) -> Result<()> {
         let context = || format!("the console's tokens cannot be kept in {}", path.display());
-        let mut file = OutputFile::open(path, true).with_context(context)?;
-        let lines = format!("{}\n{}\n", self.control, self.watch);
-        file.write_all(lines.as_bytes()).with_context(context)
+        let file = OutputFile::open(path, true).with_context(context)?;
+        file.write_whole(format!("{}\n{}\n", self.control, self.watch).as_bytes()).with_context(context)
     }
 
     /// Reads the tokens from a file of two lines: control, watch.
@@ -184,6 +183,11 @@ pub(super) fn is_equal(a: &str, b: &str) -> bool {
     a.len() == b.len() && difference == 0
 }
 
+/// Whether there is a file that is not empty: a power cut can leave an empty one. A pipe has no size.
+fn has_content(path: &Path) -> bool {
+    std::fs::metadata(path).is_ok_and(|found| !found.is_file() || found.len() > 0)
+}
+
 /// How long ago a file was written.
 pub(super) fn age_of(path: &Path) -> Duration {
     let written = std::fs::metadata(path).and_then(|metadata| metadata.modified());
@@ -225,6 +229,9 @@ mod tests {
         assert!(!is_readable_by_others(&path));
         std::fs::write(&path, "short\n").unwrap();
         assert!(Tokens::kept_in(&path, None).is_err(), "a file that is there is not replaced");
+        std::fs::write(&path, "").unwrap();
+        let made = Tokens::kept_in(&path, None).unwrap();
+        assert!(Tokens::read(&path).unwrap() == made, "what a power cut has left is replaced");
         let nowhere = Tokens::kept_in(&folder.join("missing/tokens"), None).err().unwrap();
         assert!(format!("{nowhere:#}").contains("missing/tokens"), "{nowhere:#}");
         std::fs::remove_dir_all(&folder).unwrap();

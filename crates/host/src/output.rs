@@ -10,6 +10,9 @@
 //!   it grows, and the output of a killed program stays under its name. A device or a pipe is opened as it
 //!   is. A symbolic link in the place of the file is refused; links in the folders above it are followed.
 //!
+//! Secrets and other small files are written as a whole ([`OutputFile::write_whole`]): they are complete
+//! before they take the name of the old file.
+//!
 //! New files can be read by their owner alone (mode 0600): recordings show people in distress.
 //!
 //! An open file is locked (`flock`), and so is the file that it replaces, so that two programs, or two
@@ -140,6 +143,22 @@ impl OutputFile {
     /// The existing file cannot be replaced.
     pub fn begin(&mut self) -> Result<()> {
         self.take_place().with_context(|| cannot_be_written(&self.path))
+    }
+
+    /// Writes the whole content of a small file. Whatever ends the program or the machine meanwhile, an
+    /// existing file keeps its old content, or has the new one; a new file may be empty.
+    ///
+    /// # Errors
+    /// The file cannot be written: an existing one keeps its old content.
+    pub fn write_whole(mut self, content: &[u8]) -> Result<()> {
+        let written = self.file.write_all(content).and_then(|()| self.file.sync_all());
+        if written.is_err() {
+            // A new file is removed when it is empty.
+            let _ = self.file.set_len(0);
+        }
+        written.and_then(|()| self.take_place()).with_context(|| cannot_be_written(&self.path))?;
+        sync_folder_of(&self.path);
+        Ok(())
     }
 
     /// Truncates the file to `bytes` bytes and continues at its end.
@@ -287,6 +306,15 @@ fn create_new(path: &Path) -> io::Result<File> {
     OpenOptions::new().write(true).create_new(true).mode(OWNER_ALONE).open(path)
 }
 
+/// Keeps the names of a folder over a power cut. Where the file system refuses this, the old content may come
+/// back.
+fn sync_folder_of(path: &Path) {
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
+    if let Ok(folder) = File::open(folder.unwrap_or(Path::new("."))) {
+        let _ = folder.sync_all();
+    }
+}
+
 fn without_following() -> OpenOptions {
     let mut options = OpenOptions::new();
     // The flags of open(2) are a C int: the bits are kept.
@@ -310,4 +338,30 @@ fn open_error(path: &Path, error: io::Error) -> anyhow::Error {
 
 fn cannot_be_written(path: &Path) -> String {
     format!("{} cannot be written", path.display())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_file_that_is_written_as_a_whole_is_never_seen_without_its_content() {
+        const BYTES: usize = 1 << 20;
+        let folder = std::env::temp_dir().join(format!("barrelman-whole-{}", std::process::id()));
+        std::fs::create_dir_all(&folder).unwrap();
+        let path = folder.join("secret");
+        let write = |content: u8| OutputFile::open(&path, true).unwrap().write_whole(&vec![content; BYTES]);
+        write(0).unwrap();
+        std::thread::scope(|scope| {
+            let writer = scope.spawn(|| (1..30).try_for_each(write));
+            while !writer.is_finished() {
+                let seen = std::fs::read(&path).unwrap();
+                assert!(seen.len() == BYTES && seen.iter().all(|byte| *byte == seen[0]), "{}", seen.len());
+            }
+            writer.join().unwrap().unwrap();
+        });
+        assert_eq!(std::fs::metadata(&path).unwrap().mode() & 0o777, OWNER_ALONE);
+        assert_eq!(std::fs::read_dir(&folder).unwrap().count(), 1, "nothing is left beside it");
+        std::fs::remove_dir_all(&folder).unwrap();
+    }
 }

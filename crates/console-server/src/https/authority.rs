@@ -7,7 +7,6 @@
 
 use std::collections::BTreeSet;
 use std::fs;
-use std::io::Write as _;
 use std::net::IpAddr;
 use std::os::unix::fs::DirBuilderExt as _;
 use std::path::Path;
@@ -79,7 +78,7 @@ impl Authority {
         let shown = path.display();
         let context = || format!("the console's certificate authority cannot be kept in {shown}");
         let is_there = path.try_exists().with_context(context)?;
-        // A program that was killed may have left an empty file.
+        // A power cut may have left an empty file.
         let text = if is_there { input::read(path).with_context(context)? } else { Vec::new() };
         if !text.is_empty() {
             if is_readable_by_others(path) {
@@ -102,8 +101,8 @@ impl Authority {
         if let Some(folder) = path.parent() {
             fs::DirBuilder::new().recursive(true).mode(0o700).create(folder).with_context(context)?;
         }
-        let mut file = OutputFile::open(path, is_there).with_context(context)?;
-        file.write_all(&text).with_context(context)?;
+        let file = OutputFile::open(path, is_there).with_context(context)?;
+        file.write_whole(&text).with_context(context)?;
         tracing::info!("the console's certificate authority was made, and is kept in {shown}");
         Self::parse(&text)
     }
