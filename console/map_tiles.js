@@ -8,31 +8,59 @@ const TILE_PX = 256;
 /** Tiles that are kept; those that were not shown for longest go. */
 const MAX_KEPT = 96;
 const MAP = "/api/v1/map";
+/** Pauses before a tile that did not come is asked for again: each is twice the last, up to the longest. */
+const [FIRST_PAUSE_MS, LONGEST_PAUSE_MS] = [1000, 60000];
+/** How long the program may take to answer, ms: a connection that is lost may never tell. */
+const ANSWER_TIMEOUT_MS = 10000;
+/** The answers where there is no tile. */
+const NO_TILE = [204, 404];
 
 /** Whom the map names, and which zooms have tiles; `null`: no map. */
 let about = null;
-/** Images by `zoom/x/y`, the one shown last at the end; `null` where there is no tile. */
+/** Tiles by `zoom/x/y`, the one shown last at the end. @type {Map<string, Tile>} */
 const kept = new Map();
+
+/** A tile, which is asked for until it is there, or until the program says that there is none. */
+class Tile {
+  /** @type {ImageBitmap | null} */
+  picture = null;
+  /** When it is asked for next, ms. */
+  #askAt = 0;
+  #pause = FIRST_PAUSE_MS;
+
+  ask(key, nowMs) {
+    if (nowMs < this.#askAt) return;
+    this.#askAt = Infinity;
+    this.#load(`${MAP}/${key}`).catch(() => {
+      this.#askAt = performance.now() + this.#pause;
+      this.#pause = Math.min(2 * this.#pause, LONGEST_PAUSE_MS);
+    });
+  }
+
+  async #load(address) {
+    const response = await fetch(address, { signal: AbortSignal.timeout(ANSWER_TIMEOUT_MS) });
+    if (NO_TILE.includes(response.status)) return;
+    if (!response.ok) throw new Error(`${response.status}`);
+    this.picture = await createImageBitmap(await response.blob());
+  }
+}
 
 /** The map that the program has, or `null`. @param {{min_zoom: number, max_zoom: number, attribution: string | null} | null} map */
 export function setMap(map) {
   about = map;
 }
 
-function image(key) {
-  let found = kept.get(key);
+/** The picture of a tile, or `null` where there is none, or none yet. */
+function pictureOf(key) {
+  const tile = kept.get(key) ?? new Tile();
   kept.delete(key);
-  if (found === undefined) {
-    found = new Image();
-    found.onerror = () => kept.set(key, null);
-    found.src = `${MAP}/${key}`;
-  }
-  kept.set(key, found);
+  kept.set(key, tile);
   for (const old of kept.keys()) {
     if (kept.size <= MAX_KEPT) break;
     kept.delete(old);
   }
-  return found?.complete && found.naturalWidth > 0 ? found : null;
+  tile.ask(key, performance.now());
+  return tile.picture;
 }
 
 /** Tile coordinates of a place at a zoom. */
@@ -80,8 +108,8 @@ export function drawTiles(pen, place, origin, scale, [left, top, side], unit) {
   pen.rotate(-ahead * RAD);
   for (let x = fromX; x < toX; x += 1) {
     for (let y = fromY; y < toY; y += 1) {
-      const tile = image(`${zoom}/${x}/${y}`);
-      if (tile) pen.drawImage(tile, (x - x0) * size, (y - y0) * size, size, size);
+      const picture = pictureOf(`${zoom}/${x}/${y}`);
+      if (picture) pen.drawImage(picture, (x - x0) * size, (y - y0) * size, size, size);
     }
   }
   pen.restore();

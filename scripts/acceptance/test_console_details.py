@@ -22,6 +22,41 @@ def page(barrelman: pathlib.Path, tmp_path_factory: pytest.TempPathFactory) -> I
             yield page
 
 
+def test_tile_that_did_not_come_is_asked_for_again_unless_there_is_none(page: AlteredPage) -> None:
+    asked = page.driver.execute_async_script("""
+        const done = arguments[0];
+        const { fetch } = window;
+        const finish = (result) => {
+          window.fetch = fetch;
+          done(result);
+        };
+        // A copy of the module of its own: the page's map stays as it is.
+        import('/console/map_tiles.js?copy').then(async ({ setMap, drawTiles }) => {
+          const asked = { come: 0, none: 0 };
+          const picture = await new Promise((made) => document.createElement('canvas').toBlob(made));
+          window.fetch = async (address) => {
+            const name = address.endsWith('/0/0/0') ? 'come' : 'none';
+            asked[name] += 1;
+            if (name === 'none') return new Response(null, { status: 404 });
+            if (asked.come === 1) return new Response(null, { status: 429 });
+            if (asked.come === 2) throw new TypeError('lost');
+            return new Response(picture);
+          };
+          setMap({ min_zoom: 0, max_zoom: 1, attribution: null });
+          let drawn = 0;
+          const pen = new Proxy({}, { get: (_, name) => () => (drawn += Number(name === 'drawImage')) });
+          const place = { below_camera: { latitude_deg: 60, longitude_deg: -90 }, ahead_deg: 0 };
+          const metres = 2 * Math.PI * 6378137 * Math.cos(60 * Math.PI / 180);
+          const draw = () => {
+            for (const zoom of [0, 1]) drawTiles(pen, place, [0, 0], 255 * 2 ** zoom / metres, [-1, -1, 2], 1);
+            if (drawn > 0) return finish(asked);
+            setTimeout(draw, 50);
+          };
+          draw();
+        }).catch((error) => finish(String(error)));""")
+    assert asked == {"come": 3, "none": 1}
+
+
 def test_trail_expires_while_the_boat_is_lost(page: AlteredPage) -> None:
     lengths = page.driver.execute_async_script("""
         const done = arguments[0];
