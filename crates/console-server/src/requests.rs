@@ -77,7 +77,7 @@ pub(super) fn begin_request(console: &Console, from: Requester, request: Request
                 return Pending::Answered(refused(reason));
             }
             if commands_vessel(&request) {
-                console.gateway.set_vessel_left(false);
+                console.watch_vessel();
             }
             SessionRequest::Pilot(request)
         }

@@ -20,8 +20,8 @@ pub(super) const GRACE: Duration = Duration::from_secs(2);
 /// How long the page in control may be silent. A page sends something five times a second.
 pub(super) const MAX_SILENCE: Duration = Duration::from_secs(3);
 
-/// How long the page in control may be gone or silent before the boat is stopped. With the interval of the
-/// check, the boat is neutral after a second.
+/// How long the page in control may be gone or silent before the boat is stopped. With the turn of the run
+/// loop, the boat is neutral after a second.
 pub(super) const BOAT_SILENCE: Duration = Duration::from_millis(900);
 
 /// The largest number of pages at a time.
@@ -176,15 +176,15 @@ impl Seats {
         asking.into_iter().for_each(|id| self.seat(id));
     }
 
-    /// Whether no page watches over the boat: the page in control is gone, or was silent for
-    /// [`BOAT_SILENCE`].
-    pub(super) fn is_vessel_left(&self, now: Timestamp) -> bool {
-        let Some(holder) = self.holder.as_ref().filter(|_| !self.program_controls()) else { return true };
+    /// Until when the page in control watches over the boat: for [`BOAT_SILENCE`] since it was heard. `None`:
+    /// no page is in control.
+    pub(super) fn vessel_watched_until(&self) -> Option<Timestamp> {
+        let holder = self.holder.as_ref().filter(|_| !self.program_controls())?;
         let heard = match holder.lost {
-            Some(lost) => Some(lost.heard),
-            None => self.clients.iter().find(|client| client.id == holder.id).map(|client| client.heard),
+            Some(lost) => lost.heard,
+            None => self.clients.iter().find(|client| client.id == holder.id)?.heard,
         };
-        heard.is_none_or(|heard| now.since(heard) > BOAT_SILENCE)
+        Some(heard.plus(BOAT_SILENCE))
     }
 
     /// Whether a page is in control.

@@ -2,6 +2,7 @@
 //! loop publishes.
 
 use std::collections::BTreeMap;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
@@ -107,6 +108,8 @@ pub(super) struct Console {
     /// What each page that is connected has shown.
     passes: Mutex<BTreeMap<ClientId, Pass>>,
     pub(super) seat_changes: watch::Sender<ControlSeat>,
+    /// Whether the loop was woken because no page watches over the boat any more.
+    is_vessel_left: AtomicBool,
     /// Whether the program ends.
     pub(super) ending: watch::Sender<Option<LeftMoving>>,
 }
@@ -135,6 +138,7 @@ impl Console {
             seats: Mutex::default(),
             passes: Mutex::default(),
             seat_changes: watch::Sender::new(ControlSeat::default()),
+            is_vessel_left: AtomicBool::new(true),
             ending: watch::Sender::new(None),
         }
     }
@@ -218,9 +222,19 @@ impl Console {
         }
     }
 
+    /// Tells the loop until when a page watches over the boat.
+    pub(super) fn watch_vessel(&self) {
+        let until = self.with_seats(|seats| seats.vessel_watched_until());
+        self.gateway.watch_vessel_until(until);
+        let is_left = until.is_none_or(|until| until < self.time.clock());
+        if self.is_vessel_left.swap(is_left, Ordering::Relaxed) != is_left {
+            self.gateway.wake();
+        }
+    }
+
     /// Frees the seat of a page that was lost for too long, and does what the session says for that case.
     pub(super) fn expire_seats(&self) {
-        self.gateway.set_vessel_left(self.with_seats(|seats| seats.is_vessel_left(self.time.clock())));
+        self.watch_vessel();
         let who = if self.with_seats(|seats| seats.program_controls()) {
             "the program in control is silent"
         } else {

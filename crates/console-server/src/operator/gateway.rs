@@ -3,12 +3,13 @@
 
 use std::collections::VecDeque;
 use std::fmt;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use barrelman_pilot::VesselMode;
 use barrelman_vocab::{
-    NoteRequest, OperatorRequest, StopCause, VesselRequest, VesselStopper, VideoRequest, WorldRequest,
+    NoteRequest, OperatorRequest, StopCause, Timestamp, VesselRequest, VesselStopper, VideoRequest,
+    WorldRequest,
 };
 use tokio::sync::oneshot;
 
@@ -45,7 +46,8 @@ pub struct Gateway {
     stop: StopLatch,
     queue: Mutex<VecDeque<Submitted>>,
     is_console_lost: AtomicBool,
-    is_vessel_left: AtomicBool,
+    /// Until when a page watches over the boat, ns of the program's clock.
+    vessel_watched_until: AtomicU64,
     wake: Box<dyn Fn() + Send + Sync>,
 }
 
@@ -65,7 +67,7 @@ impl Gateway {
             stop: StopLatch::default(),
             queue: Mutex::default(),
             is_console_lost: AtomicBool::new(false),
-            is_vessel_left: AtomicBool::new(true),
+            vessel_watched_until: AtomicU64::new(0),
             wake: Box::new(wake),
         }
     }
@@ -94,22 +96,23 @@ impl Gateway {
         self.is_console_lost.load(Ordering::Relaxed)
     }
 
-    /// The boat is no longer watched from a page, or is watched again.
-    pub(crate) fn set_vessel_left(&self, is_left: bool) {
-        if self.is_vessel_left.swap(is_left, Ordering::Relaxed) != is_left {
-            (self.wake)();
-        }
+    /// Until when a page watches over the boat, by the program's clock; `None`: no page does. It has to be
+    /// said again before that time: where the thread of the pages hangs, the boat is left.
+    pub(crate) fn watch_vessel_until(&self, until: Option<Timestamp>) {
+        self.vessel_watched_until.store(until.unwrap_or(Timestamp::ZERO).as_nanos(), Ordering::Relaxed);
     }
 
-    /// The request to stop a boat that moves by this program's command, while no page watches over it.
-    pub fn stop_for_left_vessel(&self, mode: VesselMode) -> Option<OperatorRequest> {
-        let moves = matches!(
-            mode,
-            VesselMode::ByHand | VesselMode::Guided | VesselMode::Holding(_) | VesselMode::KeepingWay(_)
-        );
-        let is_left = moves && self.is_vessel_left.load(Ordering::Relaxed);
-        is_left
+    /// The request to stop a boat that moves by this program's command, while no page watches over it. `now`:
+    /// of the program's clock.
+    pub fn stop_for_left_vessel(&self, mode: VesselMode, now: Timestamp) -> Option<OperatorRequest> {
+        let is_left = now.as_nanos() > self.vessel_watched_until.load(Ordering::Relaxed);
+        (is_under_way(mode) && is_left)
             .then_some(OperatorRequest::Vessel(VesselRequest::StopVessel { by: VesselStopper::ConsoleLost }))
+    }
+
+    /// Lets the loop look at once at what has changed.
+    pub(crate) fn wake(&self) {
+        (self.wake)();
     }
 
     /// Submits a request. The receiver gets the answer; without one, the session has ended. A stop of the
@@ -157,6 +160,14 @@ impl Gateway {
         // Each change is one call: a panic elsewhere leaves the queue whole.
         self.queue.lock().unwrap_or_else(PoisonError::into_inner)
     }
+}
+
+/// Whether a boat in this mode moves by this program's command.
+pub(crate) const fn is_under_way(mode: VesselMode) -> bool {
+    matches!(
+        mode,
+        VesselMode::ByHand | VesselMode::Guided | VesselMode::Holding(_) | VesselMode::KeepingWay(_)
+    )
 }
 
 #[cfg(test)]
@@ -227,8 +238,23 @@ mod tests {
         gateway.stop();
         gateway.set_console_lost(true);
         gateway.set_console_lost(true);
-        gateway.set_vessel_left(false);
-        assert_eq!(woken.try_iter().count(), 4);
+        assert_eq!(woken.try_iter().count(), 3);
+    }
+
+    #[test]
+    fn a_boat_under_way_is_stopped_at_the_time_until_which_a_page_watches() {
+        let gateway = Gateway::new(|| {});
+        let at = |ms: u64| Timestamp::from_nanos(ms * 1_000_000);
+        let stops = |mode, ms| gateway.stop_for_left_vessel(mode, at(ms)).is_some();
+        assert!(stops(VesselMode::Guided, 1), "no page has come");
+        gateway.watch_vessel_until(Some(at(1000)));
+        assert!(!stops(VesselMode::Guided, 1000));
+        assert!(stops(VesselMode::Guided, 1001) && stops(VesselMode::ByHand, 1001), "nobody has to say so");
+        assert!(!stops(VesselMode::Neutral, 1001) && !stops(VesselMode::Released, 1001));
+        gateway.watch_vessel_until(Some(at(2000)));
+        assert!(!stops(VesselMode::Guided, 1001));
+        gateway.watch_vessel_until(None);
+        assert!(stops(VesselMode::Guided, 1001));
     }
 
     #[test]

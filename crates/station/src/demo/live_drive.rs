@@ -176,7 +176,7 @@ impl LiveDrive<'_> {
             console.publisher.set_console_lost(is_lost, now);
         }
         let mode = self.drive.outcome().map_or(VesselMode::Absent, |outcome| outcome.vessel.mode);
-        if let Some(request) = self.gateway.stop_for_left_vessel(mode) {
+        if let Some(request) = self.gateway.stop_for_left_vessel(mode, self.clock.now()) {
             self.request(request)?;
         }
         loop {

@@ -10,8 +10,10 @@ impl RunLoop<'_> {
     /// Takes a pressed stop, and all requests that wait. A stop that is pressed meanwhile comes before the
     /// next request.
     pub(super) fn take_requests(&mut self, state: &mut LoopState) {
-        self.publisher.set_console_lost(self.gateway.is_console_lost(), self.events.now());
-        if let Some(request) = state.vessel_mode.and_then(|mode| self.gateway.stop_for_left_vessel(mode)) {
+        let now = self.events.now();
+        self.publisher.set_console_lost(self.gateway.is_console_lost(), now);
+        let stop = state.vessel_mode.and_then(|mode| self.gateway.stop_for_left_vessel(mode, now));
+        if let Some(request) = stop {
             self.step(state, Input::Request(request));
         }
         loop {
