@@ -18,6 +18,7 @@ use super::access::{Access, Role};
 use super::entrance::Entrance;
 use super::guard::Hosts;
 use super::issued_links::IssuedLinks;
+use super::library::Library;
 use super::origin::{Origin, Scheme};
 use super::requests::{Reply, Requester, answer, begin_request};
 use super::seats::ClientId;
@@ -61,6 +62,15 @@ pub(super) struct InMemory {
 
 impl InMemory {
     pub(super) fn new(setup: Setup) -> Self {
+        Self::with(setup, None)
+    }
+
+    /// A console with recordings.
+    pub(super) fn with_library(setup: Setup, library: Library) -> Self {
+        Self::with(setup, Some(library))
+    }
+
+    fn with(setup: Setup, library: Option<Library>) -> Self {
         let publisher =
             Publisher::new(&VehicleProfile::fotokite_pro(), LinkStatus::DryRun, RecordingState::Off);
         let parts = ConsoleParts {
@@ -77,7 +87,7 @@ impl InMemory {
             events: publisher.events(),
             videos: Videos::one(VideoOutlet::new(VideoNumber::First)),
             time: SessionTime::new(Clock::start().started_earlier(UPTIME)),
-            library: None,
+            library,
         };
         let clock = parts.time.program_clock();
         let origin = Origin { scheme: Scheme::Http, address: setup.address.parse().unwrap() };

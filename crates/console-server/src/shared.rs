@@ -10,6 +10,7 @@ use tokio::sync::watch;
 use tokio::time::timeout;
 
 use barrelman_experiments::scenario::ScenarioChoice;
+use barrelman_pilot::Mode;
 use barrelman_vocab::{LawId, VideoNumber, Videos};
 
 use super::access::{Access, Pass, Role};
@@ -196,6 +197,14 @@ impl Console {
     /// What the pages that are connected have shown.
     pub(super) fn passes_of_pages(&self) -> Vec<Pass> {
         self.with_passes(|passes| passes.values().cloned().collect())
+    }
+
+    /// Whether the camera follows, or may do so.
+    pub(super) fn is_engaged(&self) -> bool {
+        match self.snapshots.borrow().outcome.as_ref().map(|outcome| outcome.mode) {
+            Some(Mode::Servoing | Mode::Holding(_) | Mode::Searching | Mode::Calibrating) => true,
+            Some(Mode::Idle | Mode::Nudging | Mode::Stopped(_)) | None => false,
+        }
     }
 
     /// Disconnects the pages whose passes do not hold any more: each page looks at its own.

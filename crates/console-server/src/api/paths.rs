@@ -189,7 +189,7 @@ fn recordings(sent: &mut SchemaGenerator, taken: &mut SchemaGenerator) -> Vec<(S
                     "200": said("Items: u32 length, little-endian; u8 kind (1 unit, 2 scene); content. `X-Next-Ms`: where the next part begins"),
                     "400": said("No name of a recording, or another query"), "401": token_needed(),
                     "404": said("No such recording, or one without an index"),
-                    "409": said("Asked for JPEG while the camera is engaged"),
+                    "409": said("A picture would have to be encoded while the camera is engaged"),
                 },
             }}),
         ),

@@ -8,6 +8,7 @@
 mod name;
 mod part;
 mod thumbnail;
+mod turns;
 
 pub(super) mod routes;
 
@@ -28,13 +29,17 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use name::RecordingName;
-use part::{Form, Part, part_of};
+use part::{Form, MayEncode, Part, part_of};
 use thumbnail::thumbnail_of;
+use turns::{LEAST_PRIORITY, Turns};
 
 /// The file of an export that is written last.
 const FILM: &str = "annotated.mp4";
 /// The files of an export that a page may get.
 const EXPORTED: [&str; 4] = [FILM, "report.html", "video.mp4", "trial.csv"];
+
+/// Recordings that are read at the same time.
+const READERS: usize = 2;
 
 /// The recordings of a folder.
 #[derive(Debug)]
@@ -44,6 +49,10 @@ pub struct Library {
     program: PathBuf,
     exports: Mutex<BTreeMap<RecordingName, Child>>,
     observed: Mutex<Observed>,
+    /// To read recordings.
+    reading: Turns,
+    /// To sum up recordings, which can take minutes: nobody who only reads waits for it.
+    observing: Turns,
 }
 
 /// The summaries of recordings that hold none, by name and size.
@@ -92,7 +101,8 @@ enum FilmState {
 impl Library {
     /// The recordings of `folder`, which `program` exports.
     pub fn new(folder: PathBuf, program: PathBuf) -> Self {
-        Self { folder, program, exports: Mutex::default(), observed: Mutex::default() }
+        let (reading, observing) = (Turns::new(READERS), Turns::new(1));
+        Self { folder, program, exports: Mutex::default(), observed: Mutex::default(), reading, observing }
     }
 
     /// The recordings, the newest first. A folder that does not exist holds none.
@@ -247,12 +257,18 @@ impl Library {
 
     /// The part of a recording that shows the moment `from` after its first step. `None`: a recording
     /// that is being written, or was cut off, has no index.
-    fn part(&self, name: &RecordingName, from: Duration, form: Form) -> anyhow::Result<Option<Part>> {
+    fn part(
+        &self,
+        name: &RecordingName,
+        from: Duration,
+        form: Form,
+        may_encode: MayEncode<'_>,
+    ) -> anyhow::Result<Option<Part>> {
         let path = self.path(name);
         let Some(mut recording) = IndexedRecording::open(BufReader::new(File::open(&path)?))? else {
             return Ok(None);
         };
-        part_of(&mut recording, from, form).map(Some)
+        part_of(&mut recording, from, form, may_encode).map(Some)
     }
 
     /// A picture of a recording; `None`: one that is being written or was cut off, or has no picture.
@@ -294,9 +310,6 @@ fn give_way(process: &Child) {
     let id = i32::try_from(process.id()).ok().and_then(rustix::process::Pid::from_raw);
     let _ = rustix::process::setpriority_process(id, LEAST_PRIORITY);
 }
-
-/// The nice value of an export.
-const LEAST_PRIORITY: i32 = 19;
 
 #[cfg(test)]
 mod tests;

@@ -5,7 +5,7 @@
 //! 1 is a unit of video as the socket sends it, kind 2 a scene ([`Scene`], JSON).
 
 use std::collections::BTreeMap;
-use std::io::{Read, Seek};
+use std::io::{self, Read, Seek};
 use std::time::Duration;
 
 use anyhow::{Context as _, Result, bail};
@@ -108,6 +108,13 @@ pub(super) enum Form {
     Jpeg,
 }
 
+/// Whether pictures may be encoded anew now.
+pub(super) type MayEncode<'a> = &'a dyn Fn() -> bool;
+
+/// Why pictures are not encoded anew.
+pub(super) const ENGAGED: &str =
+    "pictures are not encoded anew while the camera is engaged: disengage it first";
+
 /// A part.
 #[derive(Debug)]
 pub(super) struct Part {
@@ -121,11 +128,13 @@ pub(super) struct Part {
 /// The part that shows the moment `from` after the first outcome.
 ///
 /// # Errors
-/// If the recording cannot be read, holds no video, or has no key unit for too long.
+/// If the recording cannot be read, holds no video, or has no key unit for too long. An [`io::Error`] of the
+/// kind `ResourceBusy`: a picture would have to be encoded, and must not be.
 pub(super) fn part_of<R: Read + Seek>(
     recording: &mut IndexedRecording<R>,
     from: Duration,
     form: Form,
+    may_encode: MayEncode<'_>,
 ) -> Result<Part> {
     let began = first_step(recording)?.context("the recording holds no step")?;
     let from = began.plus(from);
@@ -135,7 +144,7 @@ pub(super) fn part_of<R: Read + Seek>(
     };
     let [half_width, half_height] = recording.sortie()?.map_or([1.0, 1.0], |sortie| sortie.region);
     let shares = RegionShares { half_width, half_height };
-    let mut builder = Builder::new(video, begin, from, form, shares);
+    let mut builder = Builder::new(video, (begin, from), (form, may_encode), shares);
     let mut result = Ok(());
     recording.entries_from(begin, |entry| match builder.add(entry) {
         Ok(goes_on) => goes_on,
@@ -184,11 +193,12 @@ pub(super) fn key_unit<R: Read + Seek>(
 }
 
 /// Collects the items of a part.
-struct Builder {
+struct Builder<'a> {
     video: VideoNumber,
     /// From here on, a key unit begins the next part.
     until: Timestamp,
     form: Form,
+    may_encode: MayEncode<'a>,
     shares: RegionShares,
     decoder: UnitDecoder,
     items: Vec<u8>,
@@ -197,12 +207,18 @@ struct Builder {
     frames: BTreeMap<u64, FrameFingerprint>,
 }
 
-impl Builder {
-    fn new(video: VideoNumber, begin: Timestamp, from: Timestamp, form: Form, shares: RegionShares) -> Self {
+impl<'a> Builder<'a> {
+    fn new(
+        video: VideoNumber,
+        (begin, from): (Timestamp, Timestamp),
+        (form, may_encode): (Form, MayEncode<'a>),
+        shares: RegionShares,
+    ) -> Self {
         Self {
             video,
             until: begin.max(from).plus(LENGTH),
             form,
+            may_encode,
             shares,
             decoder: UnitDecoder::new(DecodeMode::Live),
             items: Vec::new(),
@@ -258,6 +274,9 @@ impl Builder {
         if let Some(kind) = kind {
             return self
                 .add_item(UNIT, &VideoHead::of_unit(kind, unit, VideoNumber::First).message(&unit.payload));
+        }
+        if !(self.may_encode)() {
+            bail!(io::Error::new(io::ErrorKind::ResourceBusy, ENGAGED));
         }
         let mut frames = Vec::new();
         // A damaged unit gives no picture: the next key unit does.

@@ -20,7 +20,6 @@ use axum::extract::{Path, Request, State};
 use axum::http::{HeaderMap, StatusCode, Uri, header};
 use axum::response::{IntoResponse as _, Response};
 use axum::routing::{delete, get, post};
-use barrelman_pilot::Mode;
 use schemars::JsonSchema;
 use serde::Deserialize;
 use tower::ServiceExt as _;
@@ -28,7 +27,7 @@ use tower_http::services::ServeFile;
 
 use super::Library;
 use super::name::RecordingName;
-use super::part::{Form, Part};
+use super::part::{ENGAGED, Form, Part};
 use crate::admission::{Route, json, may_control, may_enter};
 use crate::files;
 use crate::routes::json_body;
@@ -63,7 +62,7 @@ pub(crate) struct NewName {
 async fn list(State(console): Shared, headers: HeaderMap) -> Response {
     answer(async {
         may_enter(&console.access, &headers)?;
-        let listed = within(&console, Library::list).await?;
+        let listed = reading(&console, Library::list).await?;
         Ok(json(&listed))
     })
     .await
@@ -73,7 +72,10 @@ async fn sortie(State(console): Shared, Path(name): Path<String>, headers: Heade
     answer(async {
         may_enter(&console.access, &headers)?;
         let name = parse(&name)?;
-        match within(&console, move |library| library.sortie(&name)).await? {
+        let library = library_of(&console)?;
+        let worker = Arc::clone(&library);
+        let observed = library.observing.work(move || worker.sortie(&name)).await;
+        match observed.map_err(as_refusal)? {
             Ok(sortie) => Ok(json(&sortie)),
             Err(reason) => Err(refusal(StatusCode::UNPROCESSABLE_ENTITY, reason)),
         }
@@ -126,13 +128,11 @@ async fn part(
                 return Err(refusal(StatusCode::BAD_REQUEST, "send ?form=jpeg, or no query".to_owned()));
             }
         };
-        if form == Form::Jpeg {
-            may_encode(&console)?;
-        }
-        let found = within(&console, move |library| {
+        let session = Arc::clone(&console);
+        let found = reading(&console, move |library| {
             library
-                .part(&name, Duration::from_millis(from_ms), form)
-                .map_err(|error| io::Error::other(format!("{error:#}")))
+                .part(&name, Duration::from_millis(from_ms), form, &|| !session.is_engaged())
+                .map_err(as_io_error)
         });
         let Some(Part { items, next, began }) = found.await? else {
             let text = "the recording has no index, as it was cut off or is being written: make its film";
@@ -155,10 +155,10 @@ async fn thumbnail(State(console): Shared, Path(name): Path<String>, headers: He
     answer(async {
         may_enter(&console.access, &headers)?;
         let name = parse(&name)?;
-        may_encode(&console)?;
-        let found = within(&console, move |library| {
-            library.thumbnail(&name).map_err(|error| io::Error::other(format!("{error:#}")))
-        });
+        if console.is_engaged() {
+            return Err(refusal(StatusCode::CONFLICT, ENGAGED.to_owned()));
+        }
+        let found = reading(&console, move |library| library.thumbnail(&name).map_err(as_io_error));
         match found.await? {
             Some(picture) => {
                 let headers =
@@ -213,27 +213,10 @@ async fn answer(work: impl Future<Output = Result<Response, Refusal>>) -> Respon
 /// Anyone who has the token for control, while the camera does not follow.
 fn may_change(console: &Console, headers: &HeaderMap) -> Result<(), Refusal> {
     may_control(&console.access, headers)?;
-    if is_moving(console) {
+    if console.is_engaged() {
         return Err(refusal(StatusCode::CONFLICT, "disengage the camera first".to_owned()));
     }
     Ok(())
-}
-
-/// Pictures are encoded only while the camera does not follow.
-fn may_encode(console: &Console) -> Result<(), Refusal> {
-    if is_moving(console) {
-        let text = "pictures are not encoded anew while the camera is engaged: disengage it first";
-        return Err(refusal(StatusCode::CONFLICT, text.to_owned()));
-    }
-    Ok(())
-}
-
-/// Whether the program moves the camera, or may do so.
-fn is_moving(console: &Console) -> bool {
-    match console.snapshots.borrow().outcome.as_ref().map(|outcome| outcome.mode) {
-        Some(Mode::Servoing | Mode::Holding(_) | Mode::Searching | Mode::Calibrating) => true,
-        Some(Mode::Idle | Mode::Nudging | Mode::Stopped(_)) | None => false,
-    }
 }
 
 fn parse(name: &str) -> Result<RecordingName, Refusal> {
@@ -241,26 +224,43 @@ fn parse(name: &str) -> Result<RecordingName, Refusal> {
         .map_err(|why| refusal(StatusCode::BAD_REQUEST, format!("{name:?} is no name of a recording: {why}")))
 }
 
-/// Works on the library's files, away from the thread of the console.
+fn library_of(console: &Console) -> Result<Arc<Library>, Refusal> {
+    let text = || "this program has no folder of recordings".to_owned();
+    console.library.clone().ok_or_else(|| refusal(StatusCode::NOT_FOUND, text()))
+}
+
+/// Reads recordings, once it is this request's turn.
+async fn reading<T: Send + 'static>(
+    console: &Console,
+    work: impl FnOnce(&Library) -> io::Result<T> + Send + 'static,
+) -> Result<T, Refusal> {
+    let library = library_of(console)?;
+    let worker = Arc::clone(&library);
+    library.reading.work(move || work(&worker)).await.map_err(as_refusal)
+}
+
+/// Works on the library's files, away from the thread of the console. Reads no recording.
 async fn within<T: Send + 'static>(
     console: &Console,
     work: impl FnOnce(&Library) -> io::Result<T> + Send + 'static,
 ) -> Result<T, Refusal> {
-    let Some(library) = console.library.clone() else {
-        return Err(refusal(StatusCode::NOT_FOUND, "this program has no folder of recordings".to_owned()));
+    let library = library_of(console)?;
+    let done = tokio::task::spawn_blocking(move || work(&library)).await;
+    done.unwrap_or_else(|error| Err(io::Error::other(error))).map_err(as_refusal)
+}
+
+/// An error of the library's files as it is, any other one with all its reasons.
+fn as_io_error(error: anyhow::Error) -> io::Error {
+    error.downcast().unwrap_or_else(|error| io::Error::other(format!("{error:#}")))
+}
+
+fn as_refusal(error: io::Error) -> Refusal {
+    let status = match error.kind() {
+        io::ErrorKind::NotFound => StatusCode::NOT_FOUND,
+        io::ErrorKind::AlreadyExists | io::ErrorKind::ResourceBusy => StatusCode::CONFLICT,
+        _ => StatusCode::INTERNAL_SERVER_ERROR,
     };
-    match tokio::task::spawn_blocking(move || work(&library)).await {
-        Ok(Ok(done)) => Ok(done),
-        Ok(Err(error)) => {
-            let status = match error.kind() {
-                io::ErrorKind::NotFound => StatusCode::NOT_FOUND,
-                io::ErrorKind::AlreadyExists | io::ErrorKind::ResourceBusy => StatusCode::CONFLICT,
-                _ => StatusCode::INTERNAL_SERVER_ERROR,
-            };
-            Err(refusal(status, error.to_string()))
-        }
-        Err(error) => Err(refusal(StatusCode::INTERNAL_SERVER_ERROR, error.to_string())),
-    }
+    refusal(status, error.to_string())
 }
 
 fn refusal(status: StatusCode, text: String) -> Refusal {

@@ -1,12 +1,20 @@
 //! The library on a folder of its own.
 
 use std::os::unix::fs::symlink;
+use std::sync::Arc;
 
-use barrelman_pilot::CommandPath;
-use barrelman_trial::records::{RecordedVideo, RecordingStart, RecordingWriter};
-use barrelman_vocab::VehicleProfile;
+use axum::body::Body;
+use axum::http::Request;
+use barrelman_pilot::{CommandPath, Mode, Outcome};
+use barrelman_trial::records::{Entry, RecordedOutcome, RecordedVideo, RecordingStart, RecordingWriter};
+use barrelman_vocab::unit::{Rotation, UnitCodec};
+use barrelman_vocab::video::{Capture, CaptureQuality};
+use barrelman_vocab::{EncodedUnit, VehicleProfile, VehicleRates, VideoNumber};
+use tower::ServiceExt as _;
 
 use super::*;
+use crate::in_memory::{InMemory, LIVE, WATCH_TOKEN, block_on};
+use crate::test_scenes::{at, idle};
 
 struct Scene {
     folder: PathBuf,
@@ -23,18 +31,8 @@ impl Scene {
     }
 
     fn record(&self, name: &str, is_complete: bool) {
-        let start = RecordingStart {
-            program: "0.1.0".to_owned(),
-            monotonic_ns: 0,
-            unix_ns: 0,
-            configuration: String::new(),
-            videos: RecordedVideo::only("sim:open", true),
-            link: String::new(),
-            command_path: CommandPath::DryRun,
-            trial: None,
-        };
         let file = File::create(self.folder.join(name)).unwrap();
-        let mut writer = RecordingWriter::begin(file, &start, &VehicleProfile::fotokite_pro()).unwrap();
+        let mut writer = RecordingWriter::begin(file, &start(), &VehicleProfile::fotokite_pro()).unwrap();
         writer.flush().unwrap();
         if is_complete {
             writer.finish().unwrap();
@@ -59,6 +57,19 @@ impl Scene {
 impl Drop for Scene {
     fn drop(&mut self) {
         let _ = std::fs::remove_dir_all(&self.folder);
+    }
+}
+
+fn start() -> RecordingStart {
+    RecordingStart {
+        program: "0.1.0".to_owned(),
+        monotonic_ns: 0,
+        unix_ns: 0,
+        configuration: String::new(),
+        videos: RecordedVideo::only("sim:open", true),
+        link: String::new(),
+        command_path: CommandPath::DryRun,
+        trial: None,
     }
 }
 
@@ -143,6 +154,55 @@ fn a_recording_that_was_cut_off_is_summed_up_once_by_the_program() {
     let reason = Library::new(scene.folder.clone(), program).sortie(&name("cut.mcap")).unwrap();
     assert_eq!(reason, Err("it holds no run of this program".to_owned()));
     assert!(library.sortie(&name("absent.mcap")).is_err());
+}
+
+/// A recording of one picture that browsers cannot decode.
+fn record_picture(folder: &Path, name: &str, codec: UnitCodec) {
+    let capture = Capture { at: at(10), quality: CaptureQuality::Sensor };
+    let unit = EncodedUnit {
+        epoch: 0,
+        index: 0,
+        capture,
+        key: true,
+        shown: true,
+        rotation: Rotation::None,
+        codec,
+        payload: b"a picture".as_slice().into(),
+    };
+    let outcome = RecordedOutcome::new(0, &idle(at(20)), VehicleRates::REST);
+    let file = File::create(folder.join(name)).unwrap();
+    let mut writer = RecordingWriter::begin(file, &start(), &VehicleProfile::fotokite_pro()).unwrap();
+    writer.write(&Entry::Unit(VideoNumber::First, unit)).unwrap();
+    writer.write(&Entry::Outcome(outcome)).unwrap();
+    writer.finish().unwrap();
+}
+
+#[test]
+fn no_picture_is_encoded_while_the_camera_is_engaged() {
+    let scene = Scene::new("encoded", "/bin/true");
+    record_picture(&scene.folder, "png.mcap", UnitCodec::Png);
+    record_picture(&scene.folder, "h264.mcap", UnitCodec::H264AnnexB);
+    record_picture(&scene.folder, "jpeg.mcap", UnitCodec::Jpeg);
+    let library = Library::new(scene.folder.clone(), "/bin/true".into());
+    let mut session = InMemory::with_library(LIVE, library);
+    for (mode, part, status) in [
+        (Mode::Idle, "png.mcap/part/0", 200),
+        (Mode::Idle, "h264.mcap/part/0?form=jpeg", 200),
+        (Mode::Servoing, "png.mcap/part/0", 409),
+        (Mode::Servoing, "h264.mcap/part/0?form=jpeg", 409),
+        (Mode::Servoing, "h264.mcap/part/0", 200),
+        (Mode::Servoing, "jpeg.mcap/part/0?form=jpeg", 200),
+        (Mode::Servoing, "png.mcap/thumbnail.jpg", 409),
+    ] {
+        session.step(&Outcome { mode, ..idle(at(0)) });
+        let request = Request::get(format!("/api/v1/recordings/{part}"))
+            .header("host", "127.0.0.1:8480")
+            .header("authorization", format!("Bearer {WATCH_TOKEN}"))
+            .body(Body::empty());
+        let router = crate::routes::router(Arc::clone(&session.console));
+        let answer = block_on(router.oneshot(request.unwrap())).unwrap();
+        assert_eq!(answer.status().as_u16(), status, "{mode:?} {part}");
+    }
 }
 
 fn write_program(path: &Path, script: &str) {
