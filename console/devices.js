@@ -66,8 +66,9 @@ export class Devices {
   }
 
   async #renew() {
-    if (!(await answerOf(fetch(LINKS, { method: "POST" })))) return;
-    toast(words.linksRenewed);
+    const renewed = await answerOf(fetch(LINKS, { method: "POST" }));
+    if (!renewed) return;
+    toast(renewed.warning ?? words.linksRenewed);
     this.#showLinks();
   }
 }

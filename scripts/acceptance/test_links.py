@@ -92,13 +92,16 @@ def events(program: Kept) -> list[str]:
     return found
 
 
-def test_tokens_that_cannot_be_kept_stay(program: Kept, check: Check) -> None:
+def test_new_links_that_cannot_be_kept_hold_with_a_warning(program: Kept, check: Check) -> None:
     old = program.read()
     program.tokens.unlink()
     program.tokens.mkdir()
     code, body, _ = program.ask("POST", LINKS)
-    check("the refusal names the file", code == 500 and str(program.tokens) in body.decode(), body)
-    check("the old token holds", program.ask("GET", "/api/v1/status", token=old[0])[0] == 200)
+    answer = json.loads(body)
+    check("the warning names the file", code == 200 and str(program.tokens) in answer["warning"], answer)
+    check("the old token ends", program.ask("GET", "/api/v1/status", token=old[0])[0] == 401)
+    new = answer["control"].split("token=")[1]
+    check("the new one holds", program.ask("GET", "/api/v1/status", token=new)[0] == 200)
 
 
 def test_old_tokens_are_renewed_and_open_pages_stay(

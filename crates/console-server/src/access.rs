@@ -74,6 +74,20 @@ struct Secrets {
     issued: u64,
 }
 
+impl Secrets {
+    /// Replaces the tokens. All cookies end but those of `kept`.
+    fn replace(&mut self, tokens: Tokens, kept: &[Pass]) {
+        self.tokens.replace(tokens);
+        if !kept.iter().any(|pass| matches!(pass.proof, Proof::Token(_))) {
+            self.generation += 1;
+        }
+        let is_kept = |value: &String| {
+            kept.iter().any(|pass| matches!(&pass.proof, Proof::Cookie(cookie) if cookie == value))
+        };
+        self.cookies.retain(|value, _| is_kept(value));
+    }
+}
+
 impl Access {
     /// The rule of a server. Cookies do not differ by port, therefore the port is part of the cookie's name.
     pub(super) fn new(tokens: TokensInForce, origin: Origin, clock: Clock) -> Self {
@@ -160,15 +174,18 @@ impl Access {
     /// Replaces the tokens. Of the cookies, those of `kept` stay. The old tokens open nothing any more;
     /// sockets that were opened with them stay where `kept` names one.
     pub(super) fn renew(&self, tokens: Tokens, kept: &[Pass]) {
+        self.secrets().replace(tokens, kept);
+    }
+
+    /// The same because `old` tokens are too old, unless others have taken their place: returns whether they
+    /// are replaced.
+    pub(super) fn renew_by_age(&self, old: &Tokens, tokens: Tokens, kept: &[Pass]) -> bool {
         let mut secrets = self.secrets();
-        secrets.tokens.replace(tokens);
-        if !kept.iter().any(|pass| matches!(pass.proof, Proof::Token(_))) {
-            secrets.generation += 1;
+        let is_old = secrets.tokens.in_force().as_ref() == Some(old);
+        if is_old {
+            secrets.replace(tokens, kept);
         }
-        let is_kept = |value: &String| {
-            kept.iter().any(|pass| matches!(&pass.proof, Proof::Cookie(cookie) if cookie == value))
-        };
-        secrets.cookies.retain(|value, _| is_kept(value));
+        is_old
     }
 
     /// The value of a `Set-Cookie` header for a page with this role.

@@ -62,15 +62,20 @@ pub(super) struct InMemory {
 
 impl InMemory {
     pub(super) fn new(setup: Setup) -> Self {
-        Self::with(setup, None)
+        Self::with(setup, KeptTokens::default(), None)
+    }
+
+    /// A console whose tokens are kept.
+    pub(super) fn with_kept(setup: Setup, kept: KeptTokens) -> Self {
+        Self::with(setup, kept, None)
     }
 
     /// A console with recordings.
     pub(super) fn with_library(setup: Setup, library: Library) -> Self {
-        Self::with(setup, Some(library))
+        Self::with(setup, KeptTokens::default(), Some(library))
     }
 
-    fn with(setup: Setup, library: Option<Library>) -> Self {
+    fn with(setup: Setup, kept: KeptTokens, library: Option<Library>) -> Self {
         let publisher =
             Publisher::new(&VehicleProfile::fotokite_pro(), LinkStatus::DryRun, RecordingState::Off);
         let parts = ConsoleParts {
@@ -94,7 +99,7 @@ impl InMemory {
         let tokens = Tokens { control: CONTROL_TOKEN.to_owned(), watch: WATCH_TOKEN.to_owned() };
         let entrance = Entrance {
             access: Access::new(TokensInForce::new(setup.asks_for_tokens.then_some(tokens)), origin, clock),
-            links: IssuedLinks::new(origin, None, KeptTokens::default(), None, clock.now()),
+            links: IssuedLinks::new(origin, None, kept, None, clock.now()),
             hosts: Hosts::new(origin, vec!["boat.example".to_owned()]),
             https: None,
         };

@@ -48,7 +48,7 @@ async fn code(State(console): Shared, Path(name): Path<String>, headers: HeaderM
     if let Err(refusal) = may_control(&console.access, &headers) {
         return *refusal;
     }
-    let LinksBody { control, watch } = console.links.body(&console.access);
+    let LinksBody { control, watch, .. } = console.links.body(&console.access);
     let link = match name.as_str() {
         "control.svg" => control,
         "watch.svg" => watch,
@@ -71,20 +71,29 @@ async fn renew(State(console): Shared, headers: HeaderMap) -> Response {
     if !console.access.asks_for_tokens() {
         return (StatusCode::CONFLICT, "this console asks for no token\n").into_response();
     }
+    let kept: Vec<Pass> = Some(pass).filter(Pass::is_cookie).into_iter().collect();
+    if let Err(error) = console.links.renew(&console.access, &kept) {
+        return (StatusCode::INTERNAL_SERVER_ERROR, format!("{error:#}\n")).into_response();
+    }
+    console.sign_out();
     // The disk may be slow; a Stop does not wait for it.
     let worker = Arc::clone(&console);
-    let kept: Vec<Pass> = Some(pass).filter(Pass::is_cookie).into_iter().collect();
-    let renewed = tokio::task::spawn_blocking(move || worker.links.renew(&worker.access, &kept)).await;
-    console.sign_out();
-    match renewed {
-        Ok(Ok(())) => {
-            let text = "new links: all other pages are signed out".to_owned();
-            console.events.add(console.time.now(), Level::Warning, "links-renewed", text);
-            unkept(json(&console.links.body(&console.access)))
-        }
-        Ok(Err(error)) => (StatusCode::INTERNAL_SERVER_ERROR, format!("{error:#}\n")).into_response(),
-        Err(error) => (StatusCode::INTERNAL_SERVER_ERROR, format!("{error}\n")).into_response(),
-    }
+    let written = tokio::task::spawn_blocking(move || worker.links.keep(&worker.access)).await;
+    let warning = match written {
+        Ok(Ok(())) => None,
+        Ok(Err(error)) => Some(not_kept(&format!("{error:#}"))),
+        Err(error) => Some(not_kept(&error.to_string())),
+    };
+    let text = warning.clone().unwrap_or_else(|| "new links: all other pages are signed out".to_owned());
+    console.events.add(console.time.now(), Level::Warning, "links-renewed", text);
+    unkept(json(&LinksBody { warning, ..console.links.body(&console.access) }))
+}
+
+/// What is said of new links that are not in all their files.
+fn not_kept(reason: &str) -> String {
+    format!(
+        "the links are new, and all other pages are signed out, but {reason}; make the file writable, and choose New links again"
+    )
 }
 
 async fn sign_out(State(console): Shared, Path(id): Path<ClientId>, headers: HeaderMap) -> Response {

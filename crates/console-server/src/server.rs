@@ -147,7 +147,7 @@ async fn watch_tokens(console: &Arc<Console>) {
             continue;
         }
         let worker = Arc::clone(console);
-        let renewal = move || worker.links.renew(&worker.access, &worker.passes_of_pages());
+        let renewal = move || worker.links.renew_by_age(&worker.access, || worker.passes_of_pages());
         match tokio::task::spawn_blocking(renewal).await {
             Ok(Ok(())) => tracing::info!("the console's tokens were renewed; the pages that are open stay"),
             Ok(Err(error)) => tracing::warn!("{error:#}"),

@@ -117,7 +117,7 @@ fn links(sent: &mut SchemaGenerator) -> Vec<(String, Value)> {
     let read = with_refusals(answers::<LinksBody>("The links", sent), json!({}));
     let renewed = with_refusals(
         answers::<LinksBody>("The new links", sent),
-        json!({"409": said("No token is asked for"), "500": said("The tokens cannot be kept")}),
+        json!({"409": said("No token is asked for"), "500": said("There are no random numbers")}),
     );
     let code = with_refusals(
         json!({"200": {"description": "The picture", "content": {"image/svg+xml": {}}}}),

@@ -11,6 +11,7 @@ use super::super::in_memory::{
     CONTROL_TOKEN, DEMO, InMemory, LIVE, LIVE_OFF_LOOPBACK, Setup, WATCH_TOKEN, block_on,
 };
 use super::super::limits::REQUESTS;
+use super::super::tokens::KeptTokens;
 use super::*;
 use crate::operator::SessionRequest;
 use crate::test_scenes::{at, frame, idle};
@@ -569,4 +570,24 @@ fn a_stop_is_answered_once_the_pilot_has_taken_it() {
     let text = std::str::from_utf8(&body).unwrap();
     assert!(text.contains("refused") && text.contains("the ground station's own stop"), "{text}");
     assert_eq!(console.gateway.stop_latch().pending(), Some(1), "the press stays");
+}
+
+#[test]
+fn new_links_that_cannot_be_written_are_told_with_what_to_do() {
+    let file = std::env::temp_dir().join(format!("barrelman-new-links-{}", std::process::id()));
+    std::fs::create_dir_all(&file).unwrap();
+    let mut session = InMemory::with_kept(LIVE, KeptTokens { file: Some(file.clone()), max_age: None });
+    let (status, text) = session.call(request("POST /api/v1/links", &[CONTROL]));
+    std::fs::remove_dir(&file).unwrap();
+    assert_eq!(status, 200, "{text}");
+    let words = [
+        "all other pages are signed out",
+        "after a restart",
+        file.to_str().unwrap(),
+        "choose New links again",
+    ];
+    assert!(words.iter().all(|word| text.contains(word)), "{text}");
+    let control = session.console.access.tokens().unwrap().control;
+    assert!(control != CONTROL_TOKEN && text.contains(&control), "{text}");
+    assert!(session.logged("links-renewed")[0].contains("after a restart"));
 }
