@@ -4,7 +4,7 @@
 //! cookie; a program sends the token with each request (`Authorization: Bearer`). Tokens and cookies are
 //! never logged.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::io;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
@@ -72,11 +72,13 @@ struct Secrets {
     generation: u64,
     cookies: BTreeMap<String, (u64, Role)>,
     issued: u64,
+    /// Cookies that the latest renewal by age has ended. They still stop the camera.
+    ended_by_age: BTreeSet<String>,
 }
 
 impl Secrets {
-    /// Replaces the tokens. All cookies end but those of `kept`.
-    fn replace(&mut self, tokens: Tokens, kept: &[Pass]) {
+    /// Replaces the tokens. Returns the cookies that end: all but those of `kept`.
+    fn replace(&mut self, tokens: Tokens, kept: &[Pass]) -> BTreeSet<String> {
         self.tokens.replace(tokens);
         if !kept.iter().any(|pass| matches!(pass.proof, Proof::Token(_))) {
             self.generation += 1;
@@ -84,7 +86,10 @@ impl Secrets {
         let is_kept = |value: &String| {
             kept.iter().any(|pass| matches!(&pass.proof, Proof::Cookie(cookie) if cookie == value))
         };
-        self.cookies.retain(|value, _| is_kept(value));
+        let (kept, ended) =
+            std::mem::take(&mut self.cookies).into_iter().partition(|(value, _)| is_kept(value));
+        self.cookies = kept;
+        BTreeMap::into_keys(ended).collect()
     }
 }
 
@@ -95,7 +100,13 @@ impl Access {
         Self {
             cookie_name: format!("barrelman-{}", origin.address.port()),
             is_encrypted: origin.scheme == Scheme::Https,
-            secrets: Mutex::new(Secrets { tokens, generation: 0, cookies: BTreeMap::new(), issued: 0 }),
+            secrets: Mutex::new(Secrets {
+                tokens,
+                generation: 0,
+                cookies: BTreeMap::new(),
+                issued: 0,
+                ended_by_age: BTreeSet::new(),
+            }),
             clock,
             requests: Mutex::new([limit(), limit()]),
         }
@@ -133,11 +144,23 @@ impl Access {
         if let Some(role) = role {
             return Some(Pass { role, proof: Proof::Token(secrets.generation) });
         }
-        let found = cookies?.split(';').filter_map(|pair| pair.trim().split_once('='));
-        found.filter(|(name, _)| *name == self.cookie_name).find_map(|(_, value)| {
+        self.values(cookies?).find_map(|value| {
             let (_, role) = secrets.cookies.get(value)?;
             Some(Pass { role: *role, proof: Proof::Cookie(value.to_owned()) })
         })
+    }
+
+    /// Whether a request shows, by its `Cookie` header, a cookie that the latest renewal by age has ended:
+    /// who slept through the renewal may still stop.
+    pub(super) fn may_still_stop(&self, cookies: Option<&str>) -> bool {
+        let secrets = self.secrets();
+        cookies.is_some_and(|cookies| self.values(cookies).any(|value| secrets.ended_by_age.contains(value)))
+    }
+
+    /// The values of this console's cookies in a `Cookie` header.
+    fn values<'a>(&'a self, cookies: &'a str) -> impl Iterator<Item = &'a str> {
+        let pairs = cookies.split(';').filter_map(|pair| pair.trim().split_once('='));
+        pairs.filter(|(name, _)| *name == self.cookie_name).map(|(_, value)| value)
     }
 
     /// The role of an `Authorization` header with a token.
@@ -174,16 +197,18 @@ impl Access {
     /// Replaces the tokens. Of the cookies, those of `kept` stay. The old tokens open nothing any more;
     /// sockets that were opened with them stay where `kept` names one.
     pub(super) fn renew(&self, tokens: Tokens, kept: &[Pass]) {
-        self.secrets().replace(tokens, kept);
+        let mut secrets = self.secrets();
+        secrets.replace(tokens, kept);
+        secrets.ended_by_age.clear();
     }
 
     /// The same because `old` tokens are too old, unless others have taken their place: returns whether they
-    /// are replaced.
+    /// are replaced. The cookies that end still stop the camera, until the next renewal.
     pub(super) fn renew_by_age(&self, old: &Tokens, tokens: Tokens, kept: &[Pass]) -> bool {
         let mut secrets = self.secrets();
         let is_old = secrets.tokens.in_force().as_ref() == Some(old);
         if is_old {
-            secrets.replace(tokens, kept);
+            secrets.ended_by_age = secrets.replace(tokens, kept);
         }
         is_old
     }
@@ -322,5 +347,25 @@ mod tests {
         assert_eq!(access.role(None, Some(&other_pair)), None);
         assert!(access.revoke(&kept) && !access.revoke(&program));
         assert!(!access.holds(&kept) && access.role(None, Some(&kept_pair)).is_none());
+    }
+
+    #[test]
+    fn a_cookie_that_a_renewal_by_age_has_ended_still_stops_and_does_nothing_else() {
+        let access = access();
+        let cookie = access.new_cookie(Role::Control).unwrap();
+        let pair = Some(cookie.split(';').next().unwrap());
+        assert!(!access.may_still_stop(pair), "it permits more");
+        let tokens = |name: &str| Tokens {
+            control: format!("control-{name}-345678"),
+            watch: format!("watch-{name}-345678"),
+        };
+        let first = access.tokens().unwrap();
+        assert!(access.renew_by_age(&first, tokens("second"), &[]));
+        assert!(access.may_still_stop(pair) && access.role(None, pair).is_none());
+        assert!(!access.may_still_stop(None) && !access.may_still_stop(Some("barrelman-8480=guess")));
+        assert!(!access.renew_by_age(&first, tokens("third"), &[]), "others have taken their place");
+        assert!(access.tokens().unwrap() == tokens("second"));
+        access.renew(tokens("fourth"), &[]);
+        assert!(!access.may_still_stop(pair), "new links end it");
     }
 }

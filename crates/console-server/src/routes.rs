@@ -316,8 +316,10 @@ async fn body_within(request: Request, limit: Duration) -> Result<Bytes, Box<Res
 
 async fn requests(State(console): Shared, request: Request) -> Response {
     let is_beyond_limit = request.extensions().get::<BeyondLimit>().is_some();
+    let cookies = text_of(request.headers(), header::COOKIE);
     let role = match may_enter(&console.access, request.headers()) {
-        Ok(role) => role,
+        Ok(role) => Some(role),
+        Err(_) if console.access.may_still_stop(cookies) => None,
         Err(response) => return *response,
     };
     let body = match json_body(request).await {
@@ -335,6 +337,7 @@ async fn requests(State(console): Shared, request: Request) -> Response {
     if is_beyond_limit && !is_stop {
         return *too_many();
     }
+    let Some(role) = role.or(is_stop.then_some(Role::Watch)) else { return *refused() };
     let pending = begin_request(&console, Requester { role, client: None }, body.request);
     let (answer, reason) = answer(&console, pending).await;
     let mut response = json(&Answer { id: body.id, answer, reason });

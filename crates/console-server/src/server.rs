@@ -136,18 +136,21 @@ async fn watch_seats(console: &Console) {
     }
 }
 
-/// Renews the tokens when they are too old. The pages that are connected stay.
+/// Renews the tokens when they are too old. The pages stay that are connected, or were a moment ago.
 async fn watch_tokens(console: &Arc<Console>) {
     loop {
-        let Some(due) = console.links.due() else { return std::future::pending().await };
-        let wait = due.since(console.access.clock().now());
+        let now = console.access.clock().now();
+        let Some(due) = console.token_renewal(now) else { return std::future::pending().await };
+        let wait = due.since(now);
         if wait > Duration::ZERO {
             tokio::time::sleep(wait).await;
             // A page may have renewed them meanwhile.
             continue;
         }
         let worker = Arc::clone(console);
-        let renewal = move || worker.links.renew_by_age(&worker.access, || worker.passes_of_pages());
+        let pages = move || worker.passes_of_pages(worker.time.clock());
+        let worker = Arc::clone(console);
+        let renewal = move || worker.links.renew_by_age(&worker.access, pages);
         match tokio::task::spawn_blocking(renewal).await {
             Ok(Ok(())) => tracing::info!("the console's tokens were renewed; the pages that are open stay"),
             Ok(Err(error)) => tracing::warn!("{error:#}"),

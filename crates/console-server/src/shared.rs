@@ -11,7 +11,7 @@ use tokio::time::timeout;
 
 use barrelman_experiments::scenario::ScenarioChoice;
 use barrelman_pilot::Mode;
-use barrelman_vocab::{LawId, VideoNumber, Videos};
+use barrelman_vocab::{LawId, Timestamp, VideoNumber, Videos};
 
 use super::access::{Access, Pass, Role};
 use super::api::{ControlSeat, Hello, StatusSnapshot};
@@ -28,7 +28,7 @@ use super::seats::{ClientId, Seats};
 use super::session_time::SessionTime;
 use super::status::status_of;
 use super::video_relay::VideoRelay;
-use crate::operator::Gateway;
+use crate::operator::{Gateway, is_under_way};
 use crate::snapshot::{EventLog, Level, SharedSnapshot, Snapshot};
 
 /// Rate of a nudge that the page shows, rad/s.
@@ -36,6 +36,12 @@ const NUDGE_RATE: f64 = barrelman_pilot::NUDGE_RATE_RAD_PER_S;
 
 /// How long the end of a connection waits for a page that takes nothing.
 pub(super) const FAREWELL: Duration = Duration::from_millis(300);
+
+/// How long a page may be gone, for example while its device sleeps, and keep its cookie when the tokens are
+/// renewed by age.
+const ABSENCE: Duration = Duration::from_secs(600);
+/// After a renewal by age that had to wait for a motion, the next look.
+const RENEWAL_PAUSE: Duration = Duration::from_secs(10);
 
 /// What does not change in a session, for the page.
 #[derive(Debug, Clone)]
@@ -69,6 +75,14 @@ impl VideoOutlet {
         let (relay, pictures) = (VideoRelay::new(number), PictureSlot::new(number));
         Self { relay: Arc::new(relay), pictures: Arc::new(pictures) }
     }
+}
+
+/// What the pages have shown.
+#[derive(Default)]
+struct Passes {
+    connected: BTreeMap<ClientId, Pass>,
+    /// Those of pages that went less than [`ABSENCE`] ago, each with the time when it was last connected.
+    absent: Vec<(Pass, Timestamp)>,
 }
 
 /// What a console is made of.
@@ -106,8 +120,7 @@ pub(super) struct Console {
     pub(super) library: Option<Arc<Library>>,
     pub(super) map: Option<Arc<Map>>,
     pub(super) seats: Mutex<Seats>,
-    /// What each page that is connected has shown.
-    passes: Mutex<BTreeMap<ClientId, Pass>>,
+    passes: Mutex<Passes>,
     pub(super) seat_changes: watch::Sender<ControlSeat>,
     /// Whether the loop was woken because no page watches over the boat any more.
     is_vessel_left: AtomicBool,
@@ -177,26 +190,35 @@ impl Console {
     /// A page connects.
     pub(super) fn join(&self, name: &str, pass: Pass) -> ClientId {
         let id = self.with_seats(|seats| seats.join(name, pass.role, self.time.clock())).id;
-        self.with_passes(|passes| passes.insert(id, pass));
+        self.with_passes(|passes| passes.connected.insert(id, pass));
         self.publish_seats();
         id
     }
 
     /// A page is gone.
     pub(super) fn leave(&self, id: ClientId) {
-        self.with_seats(|seats| seats.leave(id, self.time.clock()));
-        self.with_passes(|passes| passes.remove(&id));
+        let now = self.time.clock();
+        self.with_seats(|seats| seats.leave(id, now));
+        self.with_passes(|Passes { connected, absent }| {
+            if let Some(pass) = connected.remove(&id) {
+                absent.retain(|(other, left)| *other != pass && now.since(*left) < ABSENCE);
+                absent.push((pass, now));
+            }
+        });
         self.publish_seats();
     }
 
     /// What a page that is connected has shown.
     pub(super) fn pass_of_page(&self, id: ClientId) -> Option<Pass> {
-        self.with_passes(|passes| passes.get(&id).cloned())
+        self.with_passes(|passes| passes.connected.get(&id).cloned())
     }
 
-    /// What the pages that are connected have shown.
-    pub(super) fn passes_of_pages(&self) -> Vec<Pass> {
-        self.with_passes(|passes| passes.values().cloned().collect())
+    /// What the pages have shown that are connected, or went less than [`ABSENCE`] ago.
+    pub(super) fn passes_of_pages(&self, now: Timestamp) -> Vec<Pass> {
+        self.with_passes(|Passes { connected, absent }| {
+            let absent = absent.iter().filter(|(_, left)| now.since(*left) < ABSENCE);
+            connected.values().chain(absent.map(|(pass, _)| pass)).cloned().collect()
+        })
     }
 
     /// Whether the camera follows, or may do so.
@@ -207,12 +229,22 @@ impl Console {
         }
     }
 
+    /// When the tokens are renewed by age; `None`: never. Not while camera or boat move by this program's
+    /// command: who watches over them may come back with a cookie.
+    pub(super) fn token_renewal(&self, now: Timestamp) -> Option<Timestamp> {
+        let due = self.links.due()?;
+        let is_boat_under_way =
+            self.snapshots.borrow().outcome.as_ref().is_some_and(|outcome| is_under_way(outcome.vessel.mode));
+        let is_moving = self.is_engaged() || is_boat_under_way;
+        Some(if is_moving { due.max(now.plus(RENEWAL_PAUSE)) } else { due })
+    }
+
     /// Disconnects the pages whose passes do not hold any more: each page looks at its own.
     pub(super) fn sign_out(&self) {
         self.publish_seats();
     }
 
-    fn with_passes<T>(&self, f: impl FnOnce(&mut BTreeMap<ClientId, Pass>) -> T) -> T {
+    fn with_passes<T>(&self, f: impl FnOnce(&mut Passes) -> T) -> T {
         f(&mut self.passes.lock().unwrap_or_else(PoisonError::into_inner))
     }
 

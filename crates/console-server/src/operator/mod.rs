@@ -16,5 +16,6 @@ mod stop_latch;
 
 pub use answer::{Answer, AnswerSlot};
 pub use answers::Answers;
+pub(crate) use gateway::is_under_way;
 pub use gateway::{Gateway, SessionRequest, Submitted};
 pub use stop_latch::StopLatch;

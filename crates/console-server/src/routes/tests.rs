@@ -573,6 +573,21 @@ fn a_stop_is_answered_once_the_pilot_has_taken_it() {
 }
 
 #[test]
+fn a_page_that_missed_a_renewal_by_age_can_still_stop_and_nothing_else() {
+    let mut session = InMemory::new(LIVE);
+    let cookie = format!("cookie: {}", log_in(&mut session, CONTROL));
+    let access = &session.console.access;
+    session.console.links.renew_by_age(access, Vec::new).unwrap();
+    assert_eq!(call(&mut session, ENGAGE, &[&cookie]).0, 401);
+    assert_eq!(call(&mut session, STOP, &[&cookie]).0, 200);
+    assert_eq!(session.console.gateway.stop_latch().taken(), 1);
+    assert_eq!(call(&mut session, "GET /api/v1/status", &[&cookie]).0, 401);
+    // New links end what may have become known.
+    session.console.links.renew(&session.console.access, &[]).unwrap();
+    assert_eq!(call(&mut session, STOP, &[&cookie]).0, 401);
+}
+
+#[test]
 fn new_links_that_cannot_be_written_are_told_with_what_to_do() {
     let file = std::env::temp_dir().join(format!("barrelman-new-links-{}", std::process::id()));
     std::fs::create_dir_all(&file).unwrap();

@@ -3,13 +3,14 @@
 
 use std::io::{Read as _, Write as _};
 
-use barrelman_pilot::{Mode, Outcome};
+use barrelman_pilot::{Mode, Outcome, VesselMode, VesselOutcome};
 use barrelman_vocab::Timestamp;
 
 use super::super::access::Role;
 use super::super::in_memory::{InMemory, LIVE, Setup};
 use super::super::on_lost::OnConsoleLost;
 use super::super::seats::ClientId;
+use super::super::tokens::KeptTokens;
 use super::*;
 use crate::test_scenes::{at, idle};
 
@@ -151,6 +152,40 @@ fn the_loop_is_told_when_the_page_in_control_is_gone_and_when_one_has_come() {
     assert!(session.is_console_lost(), "a watcher does not control");
     session.join("b", Role::Control);
     assert!(!session.is_console_lost());
+}
+
+#[test]
+fn a_page_that_is_gone_for_a_short_time_keeps_its_cookie_when_tokens_are_renewed_by_age() {
+    let session = InMemory::new(LIVE);
+    let access = &session.console.access;
+    let cookie = access.new_cookie(Role::Control).unwrap();
+    let pass = access.pass(None, cookie.split(';').next()).unwrap();
+    for _ in 0..2 {
+        let id = session.console.join("a", pass.clone());
+        assert!(session.console.pass_of_page(id).is_some());
+        session.console.leave(id);
+        assert!(session.console.pass_of_page(id).is_none());
+    }
+    let in_seconds = |seconds| session.console.time.clock().plus(Duration::from_secs(seconds));
+    assert_eq!(session.console.passes_of_pages(in_seconds(590)), [pass]);
+    assert_eq!(session.console.passes_of_pages(in_seconds(600)), []);
+}
+
+#[test]
+fn tokens_are_renewed_by_age_only_while_neither_camera_nor_boat_moves() {
+    let kept = KeptTokens { file: None, max_age: Some(Duration::ZERO) };
+    let mut session = InMemory::with_kept(LIVE, kept);
+    let vessel = |mode| VesselOutcome { mode, ..idle(at(0)).vessel };
+    for (mode, boat, is_renewed) in [
+        (Mode::Idle, VesselMode::Absent, true),
+        (Mode::Idle, VesselMode::Neutral, true),
+        (Mode::Servoing, VesselMode::Absent, false),
+        (Mode::Idle, VesselMode::Guided, false),
+    ] {
+        session.step(&Outcome { mode, vessel: vessel(boat), ..idle(at(0)) });
+        let now = session.console.time.clock();
+        assert_eq!(session.console.token_renewal(now).unwrap() <= now, is_renewed, "{mode:?} {boat:?}");
+    }
 }
 
 #[test]
