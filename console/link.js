@@ -30,6 +30,8 @@ export class Link extends EventTarget {
   #video = { path: "none", video: "first" };
   /** Snapshots and video messages that this connection has brought. */
   #handled = 0;
+  /** How many stops the newest snapshot of this connection tells of; `undefined`: there is none yet. */
+  #stops = undefined;
   /** When the pings were sent that are not answered, ms of the page; oldest first. */
   #unanswered = [];
   #trip = 0;
@@ -67,7 +69,7 @@ export class Link extends EventTarget {
     socket.onopen = () => {
       this.#wait = 250;
       this.clock.reset();
-      [this.#handled, this.#trip, this.#unanswered] = [0, 0, []];
+      [this.#handled, this.#stops, this.#trip, this.#unanswered] = [0, undefined, 0, []];
       this.#send({ type: "video", ...this.#video });
       this.#ping();
     };
@@ -156,7 +158,10 @@ export class Link extends EventTarget {
   }
 
   #onText(message) {
-    if (message.type === "snapshot") this.#handled += 1;
+    if (message.type === "snapshot") {
+      this.#handled += 1;
+      this.#stops = message.stops_taken;
+    }
     if (message.type === "pong") {
       this.#onPong(message);
     } else if (message.type === "answer") {
@@ -179,7 +184,7 @@ export class Link extends EventTarget {
   request(request) {
     const id = this.#nextId++;
     return new Promise((resolve) => {
-      const isSent = (this.isUp || ENDING.has(request.kind)) && this.#send({ type: "request", id, request });
+      const isSent = (this.isUp || ENDING.has(request.kind)) && this.#send({ type: "request", id, request, stops_taken: this.#stops });
       if (!isSent) return resolve({ answer: "refused", reason: null, unsent: true });
       this.#waiting.set(id, resolve);
     });

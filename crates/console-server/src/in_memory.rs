@@ -122,7 +122,8 @@ impl InMemory {
         client: Option<ClientId>,
         request: impl Into<vocab::Request>,
     ) -> Reply {
-        let pending = begin_request(&self.console, Requester { role, client }, request.into());
+        let pending =
+            begin_request(&self.console, Requester { role, client, stops_taken: None }, request.into());
         self.take_requests();
         let console = Arc::clone(&self.console);
         block_on(async move { answer(&console, pending).await })

@@ -29,6 +29,8 @@ pub(super) struct Requester {
     pub(super) role: Role,
     /// The page; `None`: a program without a socket.
     pub(super) client: Option<ClientId>,
+    /// How many stops the requester knew of; `None`: it does not say.
+    pub(super) stops_taken: Option<u64>,
 }
 
 pub(super) type Reply = (AnswerKind, Option<String>);
@@ -75,6 +77,10 @@ pub(super) fn begin_request(console: &Console, from: Requester, request: Request
         Request::Operator(request) => {
             if let Err(reason) = check_values(&request) {
                 return Pending::Answered(refused(reason));
+            }
+            let taken = console.snapshots.borrow().stops_taken;
+            if begins_motion(&request) && from.stops_taken.is_some_and(|known| known < taken) {
+                return Pending::Answered(refused("somebody stopped in the meantime: ask again"));
             }
             if commands_vessel(&request) {
                 console.watch_vessel();
@@ -138,6 +144,15 @@ const fn commands_vessel(request: &OperatorRequest) -> bool {
     matches!(
         request,
         OperatorRequest::Vessel(VesselRequest::Guide | VesselRequest::GoHome | VesselRequest::Steer(_))
+    )
+}
+
+/// Whether camera or boat move on from a request without its renewal.
+const fn begins_motion(request: &OperatorRequest) -> bool {
+    matches!(
+        request,
+        OperatorRequest::Camera(CameraRequest::Engage | CameraRequest::Search)
+            | OperatorRequest::Vessel(VesselRequest::Guide | VesselRequest::GoHome)
     )
 }
 

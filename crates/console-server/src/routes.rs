@@ -338,7 +338,7 @@ async fn requests(State(console): Shared, request: Request) -> Response {
         return *too_many();
     }
     let Some(role) = role.or(is_stop.then_some(Role::Watch)) else { return *refused() };
-    let pending = begin_request(&console, Requester { role, client: None }, body.request);
+    let pending = begin_request(&console, Requester { role, client: None, stops_taken: None }, body.request);
     let (answer, reason) = answer(&console, pending).await;
     let mut response = json(&Answer { id: body.id, answer, reason });
     if is_beyond_limit {

@@ -70,7 +70,7 @@ pub(super) async fn serve(
     let (outbox, answers) = mpsc::channel(OUTBOX);
     let (path, paths) = watch::channel(WantedVideo::NONE);
     let (handled, handled_counts) = watch::channel(None);
-    let requester = Requester { role: pass.role, client: Some(id) };
+    let requester = Requester { role: pass.role, client: Some(id), stops_taken: None };
     let reader = Reader {
         console: Arc::clone(&console),
         pass: pass.clone(),
@@ -161,8 +161,9 @@ impl Reader {
 
     fn on_message(&self, message: ClientMessage) {
         match message {
-            ClientMessage::Request { id, request } => {
-                let pending = begin_request(&self.console, self.requester, request);
+            ClientMessage::Request { id, request, stops_taken } => {
+                let requester = Requester { stops_taken, ..self.requester };
+                let pending = begin_request(&self.console, requester, request);
                 let (console, outbox) = (Arc::clone(&self.console), self.outbox.clone());
                 tokio::spawn(async move {
                     let (answer, reason) = answer(&console, pending).await;

@@ -50,6 +50,10 @@ pub enum ClientMessage {
         id: u64,
         /// The request.
         request: Request,
+        /// `stops_taken` of the newest state that the client has. What lets the camera or the boat move from
+        /// now on is refused where somebody has stopped since: a network may have held the request up.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        stops_taken: Option<u64>,
     },
     /// Choose how video is sent. Nothing is sent before the first choice.
     Video(WantedVideo),
@@ -182,7 +186,7 @@ mod tests {
         let request = CameraRequest::Engage.into();
         check(
             json!({"type": "request", "id": 3, "request": {"kind": "engage"}}),
-            ClientMessage::Request { id: 3, request },
+            ClientMessage::Request { id: 3, request, stops_taken: None },
         );
         let bounds = PixelBox { u: 1.5, v: 2.0, w: 3.0, h: 4.0 };
         let captured_ns = Timestamp::from_nanos(u64::MAX);
@@ -191,12 +195,12 @@ mod tests {
             json!({"type": "request", "id": u64::MAX, "request": {
                 "kind": "select", "bounds": {"u": 1.5, "v": 2.0, "w": 3.0, "h": 4.0}, "captured_ns": u64::MAX,
             }}),
-            ClientMessage::Request { id: u64::MAX, request },
+            ClientMessage::Request { id: u64::MAX, request, stops_taken: None },
         );
         let request = SeatRequest::GiveControl { client: 2 }.into();
         check(
-            json!({"type": "request", "id": 0, "request": {"kind": "give-control", "client": 2}}),
-            ClientMessage::Request { id: 0, request },
+            json!({"type": "request", "id": 0, "request": {"kind": "give-control", "client": 2}, "stops_taken": 4}),
+            ClientMessage::Request { id: 0, request, stops_taken: Some(4) },
         );
         check(
             json!({"type": "video", "path": "h264", "video": "first"}),

@@ -349,7 +349,7 @@ fn a_request_that_the_session_never_took_is_refused_at_its_end() {
 #[test]
 fn a_stop_supersedes_the_requests_that_wait() {
     let mut session = InMemory::new(LIVE);
-    let from = Requester { role: CONTROL, client: None };
+    let from = Requester { role: CONTROL, client: None, stops_taken: None };
     let waiting = begin_request(&session.console, from, CameraRequest::Engage.into());
     let stop = begin_request(&session.console, from, STOP.into());
     session.take_requests();
@@ -362,7 +362,7 @@ fn a_stop_supersedes_the_requests_that_wait() {
 #[test]
 fn repeated_stops_are_all_acknowledged_by_one_step() {
     let mut session = InMemory::new(LIVE);
-    let from = Requester { role: WATCH, client: None };
+    let from = Requester { role: WATCH, client: None, stops_taken: None };
     let stops = [(); 3].map(|()| begin_request(&session.console, from, STOP.into()));
     session.take_requests();
     assert_eq!(session.publisher.newest().steps, 1);
@@ -375,10 +375,34 @@ fn repeated_stops_are_all_acknowledged_by_one_step() {
 fn a_stop_that_is_pressed_again_is_not_acknowledged_by_the_step_before() {
     let mut session = InMemory::new(LIVE);
     assert_eq!(session.request(WATCH, None, STOP), ACCEPTED);
-    let from = Requester { role: WATCH, client: None };
+    let from = Requester { role: WATCH, client: None, stops_taken: None };
     let second = begin_request(&session.console, from, STOP.into());
     assert!(matches!(second, Pending::Stop(2)), "{second:?}");
     let InMemory { console, publisher, .. } = session;
     drop(publisher);
     assert_eq!(block_on(answer(&console, second)).0, AnswerKind::Refused);
+}
+
+#[test]
+fn what_was_asked_for_before_a_stop_and_comes_after_it_begins_no_motion() {
+    let mut session = InMemory::new(LIVE);
+    session.join("a", CONTROL);
+    assert_eq!(session.request(WATCH, None, STOP), ACCEPTED);
+    let mut ask = |stops_taken, request: OperatorRequest| {
+        let from = Requester { role: CONTROL, client: Some(0), stops_taken };
+        let pending = begin_request(&session.console, from, request.into());
+        session.take_requests();
+        block_on(answer(&session.console, pending))
+    };
+    for request in [
+        CameraRequest::Engage.into(),
+        CameraRequest::Search.into(),
+        OperatorRequest::Vessel(VesselRequest::Guide),
+        OperatorRequest::Vessel(VesselRequest::GoHome),
+    ] {
+        assert_eq!(ask(Some(0), request), refused("somebody stopped in the meantime: ask again"));
+        assert_eq!(ask(Some(1), request), ACCEPTED);
+        assert_eq!(ask(None, request), ACCEPTED, "a client that does not say");
+    }
+    assert_eq!(ask(Some(0), CameraRequest::Disengage.into()), ACCEPTED);
 }
