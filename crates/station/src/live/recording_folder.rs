@@ -34,17 +34,28 @@ impl DiskReserve {
     /// # Errors
     /// The free space and the reserve, in words.
     pub fn check(&self) -> Result<()> {
-        let Ok(disk) = rustix::fs::statvfs(&self.folder) else { return Ok(()) };
-        let free = disk.f_bavail.saturating_mul(disk.f_frsize);
-        if free >= self.bytes {
-            return Ok(());
-        }
+        let Some(free) = self.free().filter(|free| *free < self.bytes) else { return Ok(()) };
         bail!(
             "only {:.1} GB of the disk of {} are free, and recording.reserve_gb keeps {:.1} GB",
             free as f64 / BYTES_PER_GB,
             self.folder.display(),
             self.bytes as f64 / BYTES_PER_GB
         )
+    }
+
+    /// The free space, bytes; `None`: the disk cannot be asked.
+    fn free(&self) -> Option<u64> {
+        let disk = rustix::fs::statvfs(&self.folder).ok()?;
+        Some(disk.f_bavail.saturating_mul(disk.f_frsize))
+    }
+
+    /// How much must be removed so that a run can be recorded: as far as `removable` bytes allow it, half of
+    /// the reserve is free beyond the reserve, or else the reserve alone. 0 where neither can be reached:
+    /// nothing is removed in vain.
+    fn missing(&self, free: u64, removable: u64) -> u64 {
+        let with_room = self.bytes.saturating_add(self.bytes / 2);
+        let missing = [with_room, self.bytes].map(|wanted| wanted.saturating_sub(free));
+        missing.into_iter().find(|missing| *missing <= removable).unwrap_or(0)
     }
 }
 
@@ -53,8 +64,8 @@ pub fn library(config: &RecordingConfig) -> Option<Library> {
     Some(Library::new(config.folder.clone(), std::env::current_exe().ok()?))
 }
 
-/// Opens the next recording in the folder. The oldest recordings make room where the quota is used up; one
-/// that another program writes, and has locked, stays.
+/// Opens the next recording in the folder. The oldest recordings make room where the quota is used up or
+/// the reserve is not free; one that another program writes, and has locked, stays.
 ///
 /// # Errors
 /// If the folder cannot be used, or the disk is full.
@@ -62,20 +73,30 @@ pub fn open_next(config: &RecordingConfig) -> Result<OutputFile> {
     let folder = &config.folder;
     let context = || format!("the recordings' folder {} cannot be used", folder.display());
     std::fs::create_dir_all(folder).with_context(context)?;
-    DiskReserve::new(folder, config.reserve_gb).check()?;
+    let reserve = DiskReserve::new(folder, config.reserve_gb);
+    make_room(config, &reserve).with_context(context)?;
+    reserve.check()?;
+    let name = Timestamp::now().strftime("%Y%m%dT%H%M%S%.3fZ").to_string();
+    OutputFile::open(&folder.join(format!("{PREFIX}{name}{ENDING}")), false)
+}
+
+/// Removes the oldest recordings, for the quota and for the reserve.
+fn make_room(config: &RecordingConfig, reserve: &DiskReserve) -> Result<()> {
     let quota = (config.quota_gb * BYTES_PER_GB) as u64;
-    for (path, bytes) in surplus(own_recordings(folder).with_context(context)?, quota) {
-        if is_being_written(&path) {
-            tracing::warn!("{} is not removed, for another program writes it", path.display());
-            continue;
-        }
+    let (written, files): (Vec<_>, Vec<_>) =
+        own_recordings(&config.folder)?.into_iter().partition(|(path, _)| is_being_written(path));
+    let beyond_quota = sum(&written).saturating_add(sum(&files)).saturating_sub(quota);
+    let for_reserve = reserve.free().map_or(0, |free| reserve.missing(free, sum(&files)));
+    for (path, bytes) in oldest(files, beyond_quota.max(for_reserve)) {
         match std::fs::remove_file(&path) {
-            Ok(()) => tracing::info!("{} is removed, for recording.quota_gb ({bytes} bytes)", path.display()),
+            Ok(()) => {
+                let why = "for recording.quota_gb and recording.reserve_gb";
+                tracing::info!("{} is removed, {why} ({bytes} bytes)", path.display());
+            }
             Err(error) => tracing::warn!("{} cannot be removed: {error}", path.display()),
         }
     }
-    let name = Timestamp::now().strftime("%Y%m%dT%H%M%S%.3fZ").to_string();
-    OutputFile::open(&folder.join(format!("{PREFIX}{name}{ENDING}")), false)
+    Ok(())
 }
 
 /// The recordings of this program in a folder with their sizes, oldest first.
@@ -100,14 +121,18 @@ fn own_recordings(folder: &Path) -> Result<Vec<(PathBuf, u64)>> {
     Ok(found)
 }
 
-/// The oldest files that must go so that the others fit into `quota` bytes.
-fn surplus(files: Vec<(PathBuf, u64)>, quota: u64) -> Vec<(PathBuf, u64)> {
-    let mut used: u64 = files.iter().map(|(_, bytes)| bytes).sum();
+/// The size of all files together.
+fn sum(files: &[(PathBuf, u64)]) -> u64 {
+    files.iter().map(|(_, bytes)| bytes).sum()
+}
+
+/// The oldest files that have at least `bytes` bytes together, or all of them.
+fn oldest(files: Vec<(PathBuf, u64)>, mut bytes: u64) -> Vec<(PathBuf, u64)> {
     files
         .into_iter()
-        .take_while(|(_, bytes)| {
-            let goes = used > quota;
-            used -= bytes;
+        .take_while(|(_, size)| {
+            let goes = bytes > 0;
+            bytes = bytes.saturating_sub(*size);
             goes
         })
         .collect()
@@ -126,10 +151,21 @@ mod tests {
                 .map(|(index, bytes)| (PathBuf::from(index.to_string()), *bytes))
                 .collect()
         };
-        assert!(surplus(files(&[5, 5]), 10).is_empty());
-        assert_eq!(surplus(files(&[5, 5, 1]), 10), files(&[5]));
-        assert_eq!(surplus(files(&[5, 5, 1]), 5), files(&[5, 5]));
-        assert_eq!(surplus(files(&[5]), 0), files(&[5]));
+        assert!(oldest(files(&[5, 5]), 0).is_empty());
+        assert_eq!(oldest(files(&[5, 5, 1]), 1), files(&[5]));
+        assert_eq!(oldest(files(&[5, 5, 1]), 5), files(&[5]));
+        assert_eq!(oldest(files(&[5, 5, 1]), 6), files(&[5, 5]));
+        assert_eq!(oldest(files(&[5]), 6), files(&[5]));
+    }
+
+    #[test]
+    fn room_is_made_for_the_reserve_and_never_in_vain() {
+        let reserve = DiskReserve { folder: PathBuf::new(), bytes: 20 };
+        assert_eq!(reserve.missing(30, 100), 0);
+        assert_eq!(reserve.missing(18, 100), 12, "the reserve, and half of it for the run");
+        assert_eq!(reserve.missing(18, 11), 2, "the reserve alone");
+        assert_eq!(reserve.missing(25, 4), 0, "the reserve is free");
+        assert_eq!(reserve.missing(18, 1), 0, "the reserve cannot be reached");
     }
 
     #[test]

@@ -81,6 +81,17 @@ fn a_folder_that_cannot_be_used_is_named() {
 }
 
 #[test]
+fn a_disk_without_the_reserve_still_loses_what_is_beyond_the_quota() {
+    let folder = empty_folder("recordings-full-disk");
+    fs::write(folder.join(OLDEST), [0; 600]).unwrap();
+    fs::write(folder.join(OLD), [0; 600]).unwrap();
+    let config = RecordingConfig { enabled: true, folder, quota_gb: 600.0 / 1e9, reserve_gb: 1e9 };
+    assert!(open_next(&config).is_err());
+    assert!(!config.folder.join(OLDEST).exists(), "the quota holds on a full disk, too");
+    assert!(config.folder.join(OLD).exists(), "a reserve beyond reach removes nothing");
+}
+
+#[test]
 fn a_recording_that_is_being_written_stays() {
     let folder = empty_folder("recordings-in-use");
     let config = RecordingConfig { enabled: true, folder: folder.clone(), quota_gb: 0.0, reserve_gb: 0.0 };
