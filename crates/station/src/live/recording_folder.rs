@@ -1,8 +1,13 @@
 //! The folder of the recordings that `run` makes without being asked: names, quota, and the reserve of the
 //! disk.
+//!
+//! The folder of a recording's film and tables, `NAME.export`, counts as part of the recording and is removed
+//! with it. An export whose recording is gone counts as a recording.
 
+use std::collections::BTreeMap;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
+use std::time::SystemTime;
 
 use anyhow::{Context, Result, bail};
 use barrelman_console_server::Library;
@@ -14,6 +19,8 @@ use crate::config::RecordingConfig;
 /// Recordings of this program in the folder: `run-20261123T021500.250Z.mcap`. Other files are never removed.
 const PREFIX: &str = "run-";
 const ENDING: &str = ".mcap";
+/// The folder of its film and tables, which the library makes beside it.
+const EXPORT_ENDING: &str = ".export";
 const BYTES_PER_GB: f64 = 1e9;
 
 /// The disk of a recording, and how much of it must stay free.
@@ -83,56 +90,101 @@ pub fn open_next(config: &RecordingConfig) -> Result<OutputFile> {
 /// Removes the oldest recordings, for the quota and for the reserve.
 fn make_room(config: &RecordingConfig, reserve: &DiskReserve) -> Result<()> {
     let quota = (config.quota_gb * BYTES_PER_GB) as u64;
-    let (written, files): (Vec<_>, Vec<_>) =
-        own_recordings(&config.folder)?.into_iter().partition(|(path, _)| is_being_written(path));
-    let beyond_quota = sum(&written).saturating_add(sum(&files)).saturating_sub(quota);
-    let for_reserve = reserve.free().map_or(0, |free| reserve.missing(free, sum(&files)));
-    for (path, bytes) in oldest(files, beyond_quota.max(for_reserve)) {
-        match std::fs::remove_file(&path) {
-            Ok(()) => {
-                let why = "for recording.quota_gb and recording.reserve_gb";
-                tracing::info!("{} is removed, {why} ({bytes} bytes)", path.display());
-            }
-            Err(error) => tracing::warn!("{} cannot be removed: {error}", path.display()),
-        }
+    let (written, others): (Vec<_>, Vec<_>) =
+        own_recordings(&config.folder)?.into_iter().partition(OwnRecording::is_being_written);
+    let beyond_quota = sum(&written).saturating_add(sum(&others)).saturating_sub(quota);
+    let for_reserve = reserve.free().map_or(0, |free| reserve.missing(free, sum(&others)));
+    for recording in oldest(others, beyond_quota.max(for_reserve)) {
+        recording.remove();
     }
     Ok(())
 }
 
-/// The recordings of this program in a folder with their sizes, oldest first.
-fn own_recordings(folder: &Path) -> Result<Vec<(PathBuf, u64)>> {
-    let mut found = Vec::new();
+/// A recording of this program and the folder of its film and tables. Either may be missing.
+#[derive(Debug, Clone, PartialEq, Eq)]
+struct OwnRecording {
+    /// The last change of the recording, or else of the export: the clock may have been wrong at the start,
+    /// which the name tells.
+    changed: SystemTime,
+    paths: Vec<PathBuf>,
+    bytes: u64,
+}
+
+impl OwnRecording {
+    /// Whether a program writes the recording or a file of its export.
+    fn is_being_written(&self) -> bool {
+        self.paths.iter().flat_map(|path| with_content(path)).any(|path| is_being_written(&path))
+    }
+
+    fn remove(&self) {
+        for path in &self.paths {
+            let removed =
+                if path.is_dir() { std::fs::remove_dir_all(path) } else { std::fs::remove_file(path) };
+            match removed {
+                Ok(()) => {
+                    tracing::info!(
+                        "{} is removed, for the quota or the reserve of recordings",
+                        path.display()
+                    );
+                }
+                Err(error) => tracing::warn!("{} cannot be removed: {error}", path.display()),
+            }
+        }
+    }
+}
+
+/// The recordings of this program in a folder, oldest first.
+fn own_recordings(folder: &Path) -> Result<Vec<OwnRecording>> {
+    let mut found = BTreeMap::<String, OwnRecording>::new();
     for entry in std::fs::read_dir(folder)? {
         let entry = entry?;
-        let name = entry.file_name();
-        let is_own = name.to_str().is_some_and(|name| name.starts_with(PREFIX) && name.ends_with(ENDING));
         let about = match entry.metadata() {
             Ok(about) => about,
             // Removed meanwhile, by another program that makes room.
             Err(error) if error.kind() == ErrorKind::NotFound => continue,
             Err(error) => return Err(error.into()),
         };
-        if is_own && about.is_file() {
-            found.push((entry.path(), about.len()));
+        let ending = if about.is_dir() { EXPORT_ENDING } else { ENDING };
+        let name = entry.file_name();
+        let stem = name.to_str().filter(|name| name.starts_with(PREFIX)).and_then(|n| n.strip_suffix(ending));
+        let (Some(stem), true) = (stem, about.is_file() || about.is_dir()) else { continue };
+        let changed = about.modified()?;
+        let recording =
+            found.entry(stem.to_owned()).or_insert(OwnRecording { changed, paths: Vec::new(), bytes: 0 });
+        if about.is_file() {
+            recording.changed = changed;
         }
+        recording.bytes += with_content(&entry.path()).iter().map(|path| bytes_of(path)).sum::<u64>();
+        recording.paths.push(entry.path());
     }
-    // The names sort by time.
-    found.sort();
-    Ok(found)
+    let mut recordings: Vec<_> = found.into_values().collect();
+    recordings.sort_by_key(|recording| recording.changed);
+    Ok(recordings)
 }
 
-/// The size of all files together.
-fn sum(files: &[(PathBuf, u64)]) -> u64 {
-    files.iter().map(|(_, bytes)| bytes).sum()
+/// A path, and what a folder at this path contains. What cannot be read is empty.
+fn with_content(path: &Path) -> Vec<PathBuf> {
+    let content = std::fs::read_dir(path).into_iter().flatten().flatten().map(|entry| entry.path());
+    std::iter::once(path.to_owned()).chain(content).collect()
 }
 
-/// The oldest files that have at least `bytes` bytes together, or all of them.
-fn oldest(files: Vec<(PathBuf, u64)>, mut bytes: u64) -> Vec<(PathBuf, u64)> {
-    files
+/// The size of a file; 0 of a folder, and where there is none.
+fn bytes_of(path: &Path) -> u64 {
+    path.symlink_metadata().ok().filter(std::fs::Metadata::is_file).map_or(0, |about| about.len())
+}
+
+/// The size of all recordings together.
+fn sum(recordings: &[OwnRecording]) -> u64 {
+    recordings.iter().map(|recording| recording.bytes).sum()
+}
+
+/// The oldest recordings that have at least `bytes` bytes together, or all of them.
+fn oldest(recordings: Vec<OwnRecording>, mut bytes: u64) -> Vec<OwnRecording> {
+    recordings
         .into_iter()
-        .take_while(|(_, size)| {
+        .take_while(|recording| {
             let goes = bytes > 0;
-            bytes = bytes.saturating_sub(*size);
+            bytes = bytes.saturating_sub(recording.bytes);
             goes
         })
         .collect()
@@ -144,18 +196,16 @@ mod tests {
 
     #[test]
     fn the_oldest_recordings_make_room() {
-        let files = |sizes: &[u64]| -> Vec<(PathBuf, u64)> {
-            sizes
-                .iter()
-                .enumerate()
-                .map(|(index, bytes)| (PathBuf::from(index.to_string()), *bytes))
-                .collect()
+        let removed = |sizes: &[u64], bytes: u64| {
+            let changed = SystemTime::UNIX_EPOCH;
+            let all = sizes.iter().map(|bytes| OwnRecording { changed, paths: Vec::new(), bytes: *bytes });
+            oldest(all.collect(), bytes).iter().map(|recording| recording.bytes).collect::<Vec<_>>()
         };
-        assert!(oldest(files(&[5, 5]), 0).is_empty());
-        assert_eq!(oldest(files(&[5, 5, 1]), 1), files(&[5]));
-        assert_eq!(oldest(files(&[5, 5, 1]), 5), files(&[5]));
-        assert_eq!(oldest(files(&[5, 5, 1]), 6), files(&[5, 5]));
-        assert_eq!(oldest(files(&[5]), 6), files(&[5]));
+        assert!(removed(&[5, 5], 0).is_empty());
+        assert_eq!(removed(&[5, 5, 1], 1), [5]);
+        assert_eq!(removed(&[5, 5, 1], 5), [5]);
+        assert_eq!(removed(&[5, 5, 1], 6), [5, 5]);
+        assert_eq!(removed(&[5], 6), [5]);
     }
 
     #[test]

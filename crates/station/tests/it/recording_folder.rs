@@ -2,6 +2,8 @@
 
 use std::fs;
 use std::io::Write as _;
+use std::path::Path;
+use std::time::{Duration, SystemTime};
 
 use barrelman_host::output::OutputFile;
 use barrelman_station::config::RecordingConfig;
@@ -13,12 +15,19 @@ const OLDEST: &str = "run-20260101T000000Z.mcap";
 const OLD: &str = "run-20260201T000000Z.mcap";
 const FOREIGN: &str = "sortie.mcap";
 
-/// Opens the next recording in a folder with files of 600 bytes. The names of the files that are there
-/// afterwards, the new one left out.
+/// Writes a file of 600 bytes that was changed so many days ago.
+fn write_old(path: &Path, days: u64) {
+    fs::write(path, [0; 600]).unwrap();
+    let changed = SystemTime::now() - Duration::from_secs(days * 86_400);
+    fs::File::options().write(true).open(path).unwrap().set_modified(changed).unwrap();
+}
+
+/// Opens the next recording in a folder with files of 600 bytes, each a day newer than the one before. The
+/// names of the files that are there afterwards, the new one left out.
 fn kept(name: &str, files: &[&str], quota_bytes: f64) -> Vec<String> {
     let folder = empty_folder(name);
-    for file in files {
-        fs::write(folder.join(file), [0; 600]).unwrap();
+    for (days, file) in files.iter().rev().enumerate() {
+        write_old(&folder.join(file), days as u64);
     }
     let config = RecordingConfig {
         enabled: true,
@@ -46,8 +55,51 @@ fn recordings_within_the_quota_are_kept() {
 
 #[test]
 fn the_oldest_recordings_are_removed_beyond_the_quota() {
-    assert_eq!(kept("recordings-oldest", &[OLD, OLDEST], 1100.0), [OLD]);
+    assert_eq!(kept("recordings-oldest", &[OLDEST, OLD], 1100.0), [OLD]);
     assert_eq!(kept("recordings-all", &[OLD, OLDEST], 100.0), [""; 0]);
+}
+
+#[test]
+fn a_name_from_a_wrong_clock_does_not_make_a_recording_old() {
+    let newest = "run-19700101T000012Z.mcap";
+    assert_eq!(kept("recordings-clock", &[OLDEST, newest], 1100.0), [newest]);
+}
+
+#[test]
+fn an_export_counts_and_goes_with_its_recording() {
+    let folder = empty_folder("recordings-exports");
+    for export in ["run-20260101T000000Z.export", "run-20260115T000000Z.export", "sortie.export"] {
+        fs::create_dir(folder.join(export)).unwrap();
+        fs::write(folder.join(export).join("annotated.mp4"), [0; 600]).unwrap();
+    }
+    write_old(&folder.join(OLDEST), 2);
+    write_old(&folder.join(OLD), 1);
+    let names = |quota_bytes: f64| {
+        let quota_gb = quota_bytes / 1e9;
+        let config = RecordingConfig { enabled: true, folder: folder.clone(), quota_gb, reserve_gb: 0.0 };
+        drop(open_next(&config).unwrap());
+        let entries = fs::read_dir(&folder).unwrap().map(|entry| entry.unwrap().file_name());
+        let mut names: Vec<String> = entries.map(|name| name.into_string().unwrap()).collect();
+        names.sort();
+        names
+    };
+    assert_eq!(names(2400.0).len(), 5, "all within the quota");
+    let orphan = "run-20260115T000000Z.export";
+    assert_eq!(names(1200.0), [orphan, OLD, "sortie.export"], "the film counts, and goes with its recording");
+    assert_eq!(names(600.0), [orphan, "sortie.export"]);
+    assert_eq!(names(0.0), ["sortie.export"], "an export without a recording goes, too");
+}
+
+#[test]
+fn a_recording_whose_film_is_being_made_stays() {
+    let folder = empty_folder("recordings-film-in-use");
+    let export = folder.join("run-20260101T000000Z.export");
+    fs::create_dir(&export).unwrap();
+    fs::write(folder.join(OLDEST), [0; 600]).unwrap();
+    let _film = OutputFile::open(&export.join("annotated.mp4"), false).unwrap();
+    let config = RecordingConfig { enabled: true, folder, quota_gb: 0.0, reserve_gb: 0.0 };
+    drop(open_next(&config).unwrap());
+    assert!(config.folder.join(OLDEST).exists() && export.exists());
 }
 
 #[test]
