@@ -33,7 +33,7 @@ use part::{Form, MayEncode, Part, part_of};
 use thumbnail::thumbnail_of;
 use turns::{LEAST_PRIORITY, Turns};
 
-/// The file of an export that is written last.
+/// The file of an export that is written last, and gets this name when it is whole.
 const FILM: &str = "annotated.mp4";
 /// The files of an export that a page may get.
 const EXPORTED: [&str; 4] = [FILM, "report.html", "video.mp4", "trial.csv"];
@@ -188,7 +188,7 @@ impl Library {
 
     fn film_state(&self, name: &RecordingName) -> FilmState {
         let mut exports = self.exports.lock().unwrap_or_else(PoisonError::into_inner);
-        let is_running = exports.get_mut(name).map(|child| matches!(child.try_wait(), Ok(None)));
+        let is_running = exports.get_mut(name).map(is_running);
         let is_there = self.export_folder(name).join(FILM).is_file();
         match (is_running, is_there) {
             (Some(true), _) => FilmState::BeingMade,
@@ -198,12 +198,20 @@ impl Library {
         }
     }
 
-    /// Begins to make the film of a recording, and its tables. A film that is made or being made stays.
+    /// Begins to make the film of a recording, and its tables. A film that is made or being made stays. The
+    /// export names the film when it is whole, so a film that is there is complete.
+    ///
+    /// # Errors
+    /// If the film of another recording is being made, or the program cannot be started.
     fn make_film(&self, name: &RecordingName) -> io::Result<()> {
         if matches!(self.film_state(name), FilmState::BeingMade | FilmState::Ready) {
             return Ok(());
         }
         let mut exports = self.exports.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(other) = running(&mut exports) {
+            let text = format!("the film of {} is being made: wait until it is ready", other.as_str());
+            return Err(io::Error::new(io::ErrorKind::ResourceBusy, text));
+        }
         let export = Command::new(&self.program)
             .args(["export", "--annotated", "--report", "--force", "--output"])
             .arg(self.export_folder(name))
@@ -297,6 +305,16 @@ impl Drop for Library {
             let _ = export.wait();
         }
     }
+}
+
+/// The recording whose film is being made.
+fn running(exports: &mut BTreeMap<RecordingName, Child>) -> Option<RecordingName> {
+    let mut running = exports.iter_mut().filter_map(|(name, export)| is_running(export).then_some(name));
+    running.next().cloned()
+}
+
+fn is_running(export: &mut Child) -> bool {
+    matches!(export.try_wait(), Ok(None))
 }
 
 /// What `library --json` says of a recording.

@@ -135,6 +135,20 @@ fn a_film_that_is_not_made_is_told() {
 }
 
 #[test]
+fn one_film_is_made_at_a_time() {
+    let scene = Scene::new("one-film", "");
+    let program = scene.folder.join("program");
+    write_program(&program, "#!/bin/sh\nexec sleep 600\n");
+    let library = Library::new(scene.folder.clone(), program);
+    library.make_film(&name("a.mcap")).unwrap();
+    library.make_film(&name("a.mcap")).unwrap();
+    let error = library.make_film(&name("b.mcap")).unwrap_err();
+    assert_eq!(error.kind(), io::ErrorKind::ResourceBusy);
+    assert!(error.to_string().contains("a.mcap is being made"), "{error}");
+    assert_eq!(library.film_state(&name("b.mcap")), FilmState::None);
+}
+
+#[test]
 fn a_recording_that_was_cut_off_is_summed_up_once_by_the_program() {
     let scene = Scene::new("cut", "");
     let (program, calls) = (scene.folder.join("program"), scene.folder.join("calls"));

@@ -3,7 +3,7 @@
 
 use std::fs::File;
 use std::io::{BufReader, BufWriter, Write as _, stdout};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use anyhow::{Context, Result, bail};
@@ -33,6 +33,8 @@ const TRIAL: &str = "trial";
 const REPORT: &str = "report.html";
 /// The film with the annotations.
 const ANNOTATED: &str = "annotated.mp4";
+/// Its name until it is whole.
+const BEGUN: &str = "annotated.mp4.begun";
 
 /// Runs the command.
 ///
@@ -49,8 +51,7 @@ pub fn run(args: &ExportArgs) -> Result<ExitCode> {
     let trial = OutputFile::open(&args.output.join(format!("{TRIAL}.csv")), args.force)?;
     let open = |video: VideoNumber| OutputFile::open(&args.output.join(video_name(video)), args.force);
     let videos = videos_of(&args.recording)?.try_map(|number, ()| open(number))?;
-    let annotated =
-        args.annotated.then(|| OutputFile::open(&args.output.join(ANNOTATED), args.force)).transpose()?;
+    let annotated = args.annotated.then(|| FilmFile::open(args)).transpose()?;
     let cut_channels = export_channels(args).with_context(context)?;
     let ExportedTrial { is_cut: cut_trial, written, start, tracks } =
         export_trial(args, trial, videos).with_context(context)?;
@@ -70,8 +71,8 @@ pub fn run(args: &ExportArgs) -> Result<ExitCode> {
         write_report(args);
     }
     write_tracks(args, &tracks).with_context(context)?;
-    if let Some(file) = annotated {
-        let pictures = annotated_film::write(&args.recording, file).with_context(context)?;
+    if let Some(film) = annotated {
+        let pictures = film.write(&args.recording).with_context(context)?;
         writeln!(stdout(), "{ANNOTATED}: {pictures} pictures")?;
     }
     if cut_channels || cut_trial {
@@ -79,6 +80,38 @@ pub fn run(args: &ExportArgs) -> Result<ExitCode> {
         return Ok(ExitCode::FAILURE);
     }
     Ok(ExitCode::SUCCESS)
+}
+
+/// The film with the annotations, which gets its name when it is whole.
+struct FilmFile {
+    file: OutputFile,
+    begun: PathBuf,
+    whole: PathBuf,
+}
+
+impl FilmFile {
+    /// Opens the film. What an export that was killed has left is overwritten.
+    fn open(args: &ExportArgs) -> Result<Self> {
+        let whole = args.output.join(ANNOTATED);
+        if !args.force && whole.symlink_metadata().is_ok() {
+            bail!("{} exists already: choose another name, or overwrite it with --force", whole.display());
+        }
+        let begun = args.output.join(BEGUN);
+        Ok(Self { file: OutputFile::open(&begun, true)?, begun, whole })
+    }
+
+    /// Writes the film of a recording. Returns the number of pictures; without one there is no film.
+    fn write(self, recording: &Path) -> Result<u64> {
+        let Self { file, begun, whole } = self;
+        let pictures = annotated_film::write(recording, file);
+        if matches!(pictures, Ok(1..)) {
+            std::fs::rename(&begun, &whole)
+                .with_context(|| format!("{} cannot be written", whole.display()))?;
+        } else {
+            let _ = std::fs::remove_file(&begun);
+        }
+        pictures
+    }
 }
 
 /// Writes the page of `barrelman report`. A recording without a localisation has none.

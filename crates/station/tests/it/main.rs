@@ -14,6 +14,7 @@ mod campaigns;
 mod command_line;
 mod command_paths;
 mod configuration;
+mod exported_films;
 mod exports;
 mod lens;
 mod live_scenes;
