@@ -4,7 +4,7 @@ use std::fs::File;
 use std::io::BufReader;
 use std::path::Path;
 
-use anyhow::{Context as _, Result};
+use anyhow::{Context as _, Result, bail};
 use barrelman_control::Region;
 use barrelman_host::output::OutputFile;
 use barrelman_overlay::Scene;
@@ -28,29 +28,41 @@ struct Begun {
     unix_start_ns: Option<u64>,
 }
 
-/// Writes the film of a recording, up to where it is cut off. Returns the number of pictures.
+/// The pictures of a film.
+#[derive(Debug, Default)]
+pub(super) struct FilmPictures {
+    pub(super) drawn: u64,
+    /// How many pictures of the run are not in the film, as they cannot be decoded or rendered again, and why
+    /// the first of them is not.
+    pub(super) left_out: Option<(u64, String)>,
+}
+
+/// Writes the film of a recording, up to where it is cut off.
 ///
 /// # Errors
-/// If the recording holds no start, a picture cannot be decoded, or the file cannot be written.
-pub(super) fn write(recording: &Path, file: OutputFile) -> Result<u64> {
+/// If the recording holds no start, none of its pictures can be decoded, or the file cannot be written.
+pub(super) fn write(recording: &Path, file: OutputFile) -> Result<FilmPictures> {
     let mut entries = RecordingReader::new(BufReader::new(File::open(recording)?));
     let Some(Entry::Start(start)) = entries.next().transpose()? else {
-        anyhow::bail!("it does not begin with a start message: it is not a recording of this program");
+        bail!("it does not begin with a start message: it is not a recording of this program");
     };
     let mut begun = Begun::new(&start)?;
     let mut film = Film::new(file, begun.shares);
-    let (mut pictures, mut pending) = (0, None);
+    let (mut pictures, mut pending) = (FilmPictures::default(), None);
     for entry in entries {
         match entry {
             Ok(Entry::Unit(video, unit)) => begun.video.add(video, unit)?,
             Ok(Entry::Input { step, input: RecordedInput::Frame(fingerprint), .. }) => {
-                pending = Some((step, begun.video.frame(&fingerprint)?));
+                match begun.video.frame(&fingerprint) {
+                    Ok(frame) => pending = Some((step, frame)),
+                    Err(error) => pictures.leave_out(&error),
+                }
             }
             Ok(Entry::Outcome(outcome)) => {
                 begun.video.command(&outcome);
                 if let Some((_, frame)) = pending.take_if(|(step, _)| *step == outcome.step) {
                     begun.draw(&mut film, &frame, &outcome)?;
-                    pictures += 1;
+                    pictures.drawn += 1;
                 }
             }
             Ok(Entry::Input { .. } | Entry::Truth(_) | Entry::Note { .. } | Entry::Start(_)) => {}
@@ -58,8 +70,18 @@ pub(super) fn write(recording: &Path, file: OutputFile) -> Result<u64> {
             Err(error) => return Err(error.into()),
         }
     }
+    if let FilmPictures { drawn: 0, left_out: Some((_, reason)) } = pictures {
+        bail!(reason);
+    }
     film.finish()?;
     Ok(pictures)
+}
+
+impl FilmPictures {
+    fn leave_out(&mut self, error: &anyhow::Error) {
+        let (count, _) = self.left_out.get_or_insert_with(|| (0, format!("{error:#}")));
+        *count += 1;
+    }
 }
 
 impl Begun {

@@ -11,21 +11,17 @@ use barrelman_trial::logs::exported;
 use barrelman_trial::logs::recorded::RowSelector;
 use barrelman_trial::records::table::read_rows;
 use barrelman_trial::records::{Entry, ReadError, RecordedOutcome, RecordingReader, RecordingStart};
-use barrelman_vocab::unit::UnitCodec;
-use barrelman_vocab::{EncodedUnit, PictureSize, Timestamp, VideoNumber, Videos};
+use barrelman_vocab::{PictureSize, Timestamp, VideoNumber, Videos};
 
-use super::annotated_film;
+use super::annotated_film::{self, FilmPictures};
 use super::channel_tables::ChannelTables;
+use super::exported_video::VideoFile;
 use super::map_tracks::{MapFormat, Tracks};
 use super::report;
 use crate::cli::{ExportArgs, RegionArgs, ReportArgs};
 use barrelman_experiments::campaign::recorded_trial;
 use barrelman_host::input;
 use barrelman_host::output::OutputFile;
-use barrelman_video::decoder::UnitDecoder;
-use barrelman_video::encoder::EncoderSettings;
-use barrelman_video::mode::DecodeMode;
-use barrelman_video::writer::Mp4Writer;
 
 /// The name of the trial's table, without its extension.
 const TRIAL: &str = "trial";
@@ -53,7 +49,7 @@ pub fn run(args: &ExportArgs) -> Result<ExitCode> {
     let videos = videos_of(&args.recording)?.try_map(|number, ()| open(number))?;
     let annotated = args.annotated.then(|| FilmFile::open(args)).transpose()?;
     let cut_channels = export_channels(args).with_context(context)?;
-    let ExportedTrial { is_cut: cut_trial, written, start, tracks } =
+    let ExportedTrial { is_cut: cut_trial, written, damaged, start, tracks } =
         export_trial(args, trial, videos).with_context(context)?;
     let has_video = !written.is_empty();
     writeln!(
@@ -62,6 +58,9 @@ pub fn run(args: &ExportArgs) -> Result<ExitCode> {
         args.output.display(),
         written.iter().map(|video| format!(", {}", video_name(*video))).collect::<String>()
     )?;
+    if damaged > 0 {
+        writeln!(stdout(), "pictures left out of the video, as they are damaged: {damaged}")?;
+    }
     if !has_video
         && let Some(reason) = start.as_deref().and_then(|start| reason_without_video(start, &args.recording))
     {
@@ -72,8 +71,11 @@ pub fn run(args: &ExportArgs) -> Result<ExitCode> {
     }
     write_tracks(args, &tracks).with_context(context)?;
     if let Some(film) = annotated {
-        let pictures = film.write(&args.recording).with_context(context)?;
-        writeln!(stdout(), "{ANNOTATED}: {pictures} pictures")?;
+        let FilmPictures { drawn, left_out } = film.write(&args.recording).with_context(context)?;
+        writeln!(stdout(), "{ANNOTATED}: {drawn} pictures")?;
+        if let Some((count, first)) = left_out {
+            writeln!(stdout(), "pictures left out of {ANNOTATED}: {count} ({first})")?;
+        }
     }
     if cut_channels || cut_trial {
         tracing::error!("the recording is cut off: everything before the cut was exported");
@@ -100,11 +102,11 @@ impl FilmFile {
         Ok(Self { file: OutputFile::open(&begun, true)?, begun, whole })
     }
 
-    /// Writes the film of a recording. Returns the number of pictures; without one there is no film.
-    fn write(self, recording: &Path) -> Result<u64> {
+    /// Writes the film of a recording. Without a picture there is no film.
+    fn write(self, recording: &Path) -> Result<FilmPictures> {
         let Self { file, begun, whole } = self;
         let pictures = annotated_film::write(recording, file);
-        if matches!(pictures, Ok(1..)) {
+        if matches!(pictures, Ok(FilmPictures { drawn: 1.., .. })) {
             std::fs::rename(&begun, &whole)
                 .with_context(|| format!("{} cannot be written", whole.display()))?;
         } else {
@@ -201,6 +203,8 @@ struct ExportedTrial {
     is_cut: bool,
     /// The videos that were written.
     written: Vec<VideoNumber>,
+    /// Pictures that could not be decoded.
+    damaged: u64,
     start: Option<Box<RecordingStart>>,
     tracks: Tracks,
 }
@@ -208,7 +212,7 @@ struct ExportedTrial {
 /// Writes the trial's CSV file and the video.
 fn export_trial(args: &ExportArgs, trial: OutputFile, videos: Videos<OutputFile>) -> Result<ExportedTrial> {
     let mut trial = TrialFile::begin(trial)?;
-    let mut videos = videos.map(|_, file| VideoFile { file: Some(file), state: None });
+    let mut videos = videos.map(|_, file| VideoFile::new(file));
     let (mut cut, mut start, mut tracks) = (false, None, Tracks::default());
     for entry in RecordingReader::new(BufReader::new(File::open(&args.recording)?)) {
         match entry {
@@ -229,10 +233,11 @@ fn export_trial(args: &ExportArgs, trial: OutputFile, videos: Videos<OutputFile>
         }
     }
     trial.file.flush()?;
+    let damaged = videos.iter().map(|(_, video)| video.damaged).sum();
     let mut written = Vec::new();
     let finished = videos.try_map(|number, video| video.finish().map(|is_written| (number, is_written)))?;
     written.extend(finished.iter().filter(|(_, (_, is_written))| *is_written).map(|(number, _)| number));
-    Ok(ExportedTrial { is_cut: cut, written, start, tracks })
+    Ok(ExportedTrial { is_cut: cut, written, damaged, start, tracks })
 }
 
 /// The trial's CSV file, which `metrics` and `law` read.
@@ -277,65 +282,5 @@ impl TrialFile {
             size.height
         )?;
         Ok(())
-    }
-}
-
-/// The video file: H.264 units as received; other codecs are decoded and encoded.
-struct VideoFile {
-    /// The file, until the first key frame. A video without a key frame is not written.
-    file: Option<OutputFile>,
-    /// The writer, the decoder, and the time of capture of the first unit.
-    state: Option<(Mp4Writer<OutputFile>, UnitDecoder, Timestamp)>,
-}
-
-impl VideoFile {
-    fn add(&mut self, unit: &EncodedUnit) -> Result<()> {
-        if unit.key
-            && let Some(file) = self.file.take()
-        {
-            let path = file.path().to_owned();
-            let size = match unit.codec {
-                UnitCodec::RawYuv420 { size, .. } => size,
-                UnitCodec::H264AnnexB
-                | UnitCodec::H265AnnexB
-                | UnitCodec::Vp9
-                | UnitCodec::Av1
-                | UnitCodec::Jpeg
-                | UnitCodec::Png => PictureSize::new(1280, 720),
-            };
-            let writer = Mp4Writer::new(file, &path, EncoderSettings::for_pictures(size, 30.0));
-            self.state = Some((writer, UnitDecoder::new(DecodeMode::File), unit.capture.at));
-        }
-        let Some((writer, decoder, start)) = &mut self.state else { return Ok(()) };
-        let since_start = |at: Timestamp| Timestamp::ZERO.plus(at.since(*start));
-        if unit.codec == UnitCodec::H264AnnexB {
-            let mut unit = unit.clone();
-            unit.capture.at = since_start(unit.capture.at);
-            return Ok(writer.write_unit(&unit)?);
-        }
-        let mut written = Ok(());
-        let decoded = decoder.decode(unit, &mut |frame| {
-            if written.is_ok() {
-                written = writer.write_picture(&frame.picture, since_start(frame.capture.at));
-            }
-        });
-        if let Err(error) = decoded {
-            bail!("picture {} of the video cannot be decoded: {error}", unit.index);
-        }
-        Ok(written?)
-    }
-
-    fn finish(self) -> Result<bool> {
-        let Some((mut writer, mut decoder, start)) = self.state else { return Ok(false) };
-        let mut written = Ok(());
-        decoder.finish(&mut |frame| {
-            if written.is_ok() {
-                let at = Timestamp::ZERO.plus(frame.capture.at.since(start));
-                written = writer.write_picture(&frame.picture, at);
-            }
-        });
-        written?;
-        writer.finish()?;
-        Ok(true)
     }
 }

@@ -19,6 +19,7 @@ pub mod doctor;
 mod draw_selection;
 pub mod emulate;
 pub mod export;
+mod exported_video;
 pub mod law;
 pub mod library;
 pub mod links;

@@ -5,7 +5,8 @@ use std::path::{Path, PathBuf};
 
 use barrelman_pilot::{CommandPath, Input};
 use barrelman_trial::records::{
-    Entry, FrameFingerprint, RecordedInput, RecordedOutcome, RecordedVideo, RecordingStart, RecordingWriter,
+    Entry, FrameFingerprint, RecordedInput, RecordedOutcome, RecordedVideo, RecordingReader, RecordingStart,
+    RecordingWriter,
 };
 use barrelman_video::decoder::UnitDecoder;
 use barrelman_video::jpeg;
@@ -50,8 +51,7 @@ fn record(path: &Path, units: impl IntoIterator<Item = (VideoNumber, EncodedUnit
         command_path: CommandPath::DryRun,
         trial: None,
     };
-    let file = fs::File::create(path).unwrap();
-    let mut writer = RecordingWriter::begin(file, &start, &VehicleProfile::fotokite_pro()).unwrap();
+    let mut entries = vec![Entry::Start(start)];
     let (mut decoder, mut pilot, mut step) = (UnitDecoder::new(DecodeMode::Live), pilot(), 0);
     for (number, unit) in units {
         let mut frames = Vec::new();
@@ -60,16 +60,24 @@ fn record(path: &Path, units: impl IntoIterator<Item = (VideoNumber, EncodedUnit
             let _ = decoder.decode(&unit, &mut |frame| frames.push(frame));
         }
         let now = unit.capture.at;
-        writer.write(&Entry::Unit(number, unit)).unwrap();
+        entries.push(Entry::Unit(number, unit));
         for frame in frames {
             let outcome = pilot.step(Input::Frame(&frame), now);
             let input = RecordedInput::Frame(FrameFingerprint::from_frame(number, &frame));
-            writer.write(&Entry::Input { step, now, input }).unwrap();
-            let outcome = RecordedOutcome::new(step, &outcome, VehicleRates::REST);
-            writer.write(&Entry::Outcome(outcome)).unwrap();
+            entries.push(Entry::Input { step, now, input });
+            entries.push(Entry::Outcome(RecordedOutcome::new(step, &outcome, VehicleRates::REST)));
             step += 1;
         }
     }
+    write(path, &entries);
+}
+
+/// Writes a recording of entries, of which the first is the start.
+fn write(path: &Path, entries: &[Entry]) {
+    let Some((Entry::Start(start), others)) = entries.split_first() else { panic!("no start") };
+    let file = fs::File::create(path).unwrap();
+    let mut writer = RecordingWriter::begin(file, start, &VehicleProfile::fotokite_pro()).unwrap();
+    others.iter().for_each(|entry| writer.write(entry).unwrap());
     writer.finish().unwrap();
 }
 
@@ -94,4 +102,49 @@ fn a_film_has_its_name_only_when_it_is_whole() {
     record(&recording, (0..60).map(|index| (VideoNumber::First, intact(index))));
     succeeded(&export());
     assert!(out.join("annotated.mp4").exists() && !out.join(BEGUN).exists());
+}
+
+#[test]
+fn a_damaged_picture_is_left_out_and_counted() {
+    let (recording, out) = scene("films-damaged");
+    let units = (0..20).map(|index| match index {
+        7 | 8 => unit(index, vec![0; 100]),
+        _ => intact(index),
+    });
+    record(&recording, units.map(|unit| (VideoNumber::First, unit)));
+    let output = barrelman(&["export", "--annotated", "--output", argument(&out), argument(&recording)]);
+    let found = succeeded(&output);
+    assert!(found.contains("as they are damaged: 2"), "{found}");
+    assert!(found.contains("annotated.mp4: 18 pictures"), "{found}");
+    assert!(out.join("video.mp4").exists() && out.join("annotated.mp4").exists());
+}
+
+#[test]
+fn a_picture_that_decodes_to_another_one_is_left_out_of_the_film() {
+    let (recording, out) = scene("films-another");
+    let mut entries = Vec::new();
+    record(&recording, (0..20).map(|index| (VideoNumber::First, intact(index))));
+    for entry in RecordingReader::new(&fs::read(&recording).unwrap()[..]) {
+        entries.push(match entry.unwrap() {
+            Entry::Input { step: 5, now, input: RecordedInput::Frame(seen) } => {
+                let input = RecordedInput::Frame(FrameFingerprint { luma_hash: !seen.luma_hash, ..seen });
+                Entry::Input { step: 5, now, input }
+            }
+            entry => entry,
+        });
+    }
+    write(&recording, &entries);
+    let output = barrelman(&["export", "--annotated", "--output", argument(&out), argument(&recording)]);
+    let found = succeeded(&output);
+    assert!(found.contains("annotated.mp4: 19 pictures"), "{found}");
+    assert!(found.contains("pictures left out of annotated.mp4: 1 (video frame 5 decodes"), "{found}");
+}
+
+#[test]
+fn a_video_without_an_intact_picture_is_not_written() {
+    let (recording, out) = scene("films-none");
+    record(&recording, (0..3).map(|index| (VideoNumber::First, unit(index, vec![0; 100]))));
+    let found = succeeded(&barrelman(&["export", "--output", argument(&out), argument(&recording)]));
+    assert!(found.contains("as they are damaged: 3"), "{found}");
+    assert!(!out.join("video.mp4").exists() && out.join("trial.csv").exists());
 }
