@@ -169,12 +169,12 @@ impl Recorder {
     }
 
     /// Ends the recording: writes the entries added before, the summary, and the file's index. Returns the
-    /// summary; `None` where the recording has failed.
+    /// summary; `None` where the recording has failed, as it lacks the end of the run.
     pub fn finish(self) -> Option<Sortie> {
         // A thread that has failed no longer receives.
         let _ = self.input.items.send(Item::End);
         let _ = self.thread.join();
-        self.sortie.try_recv().ok()
+        self.sortie.try_recv().ok().filter(|_| !self.input.failure.has_failed.load(Ordering::Relaxed))
     }
 }
 

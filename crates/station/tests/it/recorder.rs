@@ -171,7 +171,7 @@ fn entries_are_written_in_order_and_can_be_read_back() {
     expected.push(Entry::Unit(VideoNumber::First, unit(0, 100)));
     expected.extend(step(&mut pilot, &mut input, 2, Input::Frame(&frame)));
     expected.extend(step(&mut pilot, &mut input, 3, Input::Tick));
-    recorder.finish();
+    assert!(recorder.finish().is_some());
     assert_eq!(output.entries(), expected);
     assert!(events.try_recv().is_err(), "no alarm");
 }
@@ -197,7 +197,7 @@ fn a_full_queue_stops_the_recording_with_one_alarm_and_never_blocks() {
     // The writer has emptied part of the queue: there is room again.
     output.wait_for(WHOLE_CHUNK + 4096);
     (0..10).for_each(|more| input.unit(VideoNumber::First, &unit(added + more, 1)));
-    recorder.finish();
+    assert!(recorder.finish().is_none(), "the end of the run is not in the recording");
     assert!(events.try_recv().is_err(), "one alarm");
     let units = output.entries().into_iter().filter_map(|entry| match entry {
         Entry::Unit(_, unit) => Some(unit.index),
@@ -216,7 +216,7 @@ fn a_write_error_stops_the_recording_with_one_alarm() {
     let Event::RecordingFailed { reason } = events.recv().unwrap() else { panic!("no alarm") };
     assert!(reason.starts_with("the recording cannot be written"), "{reason}");
     (2..10).for_each(|index| input.unit(VideoNumber::First, &unit(index, 1)));
-    recorder.finish();
+    assert!(recorder.finish().is_none(), "the end of the run is not in the recording");
     assert!(events.try_recv().is_err(), "one alarm");
 }
 
