@@ -1,4 +1,5 @@
-//! The recorder: receives entries through a bounded queue and writes them on a thread of its own.
+//! The recorder: receives entries through a bounded queue and writes them on a thread of its own. The queue
+//! is bounded by number and by memory.
 //!
 //! The recorder flushes twice a second, so a killed process loses less than one second. If the disk is full
 //! or too slow, the recording stops with an alarm; the run goes on. So does a recording that would use the
@@ -6,7 +7,7 @@
 
 use std::io::{BufWriter, Write};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, TrySendError, channel, sync_channel};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
@@ -28,13 +29,18 @@ use super::threads;
 
 /// Capacity of the queue of entries: some ten seconds of a run.
 const QUEUE_CAPACITY: usize = 2048;
+/// Memory of the units and pictures in the queue, bytes: what a disk may fall behind.
+const MAX_QUEUED_BYTES: usize = 256 << 20;
+/// From here on the fingerprint of a picture is queued in the place of the picture: pictures alone never fill
+/// the queue.
+const MAX_QUEUED_BYTES_FOR_PICTURES: usize = MAX_QUEUED_BYTES / 2;
 /// Interval between flushes.
 const FLUSH_INTERVAL: Duration = Duration::from_millis(500);
 
 enum Item {
     Unit(VideoNumber, EncodedUnit),
     /// A video frame that the pilot processed. The recorder thread computes the fingerprint, as this reads
-    /// the whole luma plane.
+    /// the whole luma plane; while much is queued, the loop does.
     Frame {
         step: u64,
         now: Timestamp,
@@ -54,10 +60,23 @@ enum Item {
     End,
 }
 
+impl Item {
+    /// The memory of the unit or the picture.
+    fn bytes(&self) -> usize {
+        match self {
+            Self::Unit(_, unit) => unit.payload.len(),
+            Self::Frame { frame, .. } => frame.picture.samples().len(),
+            Self::Input { .. } | Self::Outcome(_) | Self::Note { .. } | Self::End => 0,
+        }
+    }
+}
+
 /// Adds entries to a recording. Clones add to the same recording.
 #[derive(Clone)]
 pub struct RecorderInput {
     items: SyncSender<Item>,
+    /// The memory of the units and pictures in the queue.
+    queued_bytes: Arc<AtomicUsize>,
     events: SyncSender<Event>,
     failure: Arc<Failure>,
 }
@@ -75,12 +94,27 @@ impl RecorderInput {
         self.enqueue(Item::Unit(video, unit.clone()));
     }
 
+    fn frame_item(&self, step: &LiveStep<'_>, frame: &VideoFrame) -> Item {
+        let (index, now, video) = (step.index, step.outcome.at, step.video);
+        let queued = self.queued_bytes.load(Ordering::Relaxed);
+        if queued.saturating_add(frame.picture.samples().len()) <= MAX_QUEUED_BYTES_FOR_PICTURES {
+            return Item::Frame { step: index, now, video, frame: frame.clone() };
+        }
+        let input = RecordedInput::Frame(FrameFingerprint::from_frame(video, frame));
+        Item::Input { step: index, now, input }
+    }
+
     /// Adds an item without blocking. A full queue ends the recording, as a recording with a gap cannot be
     /// replayed.
     fn enqueue(&self, item: Item) {
         let Failure { has_failed, is_told } = &*self.failure;
         if !has_failed.load(Ordering::Relaxed) {
-            let Err(TrySendError::Full(_)) = self.items.try_send(item) else { return };
+            let bytes = item.bytes();
+            let queued = self.queued_bytes.fetch_add(bytes, Ordering::Relaxed);
+            let is_too_much = queued.saturating_add(bytes) > MAX_QUEUED_BYTES;
+            if !is_too_much && !matches!(self.items.try_send(item), Err(TrySendError::Full(_))) {
+                return;
+            }
             has_failed.store(true, Ordering::Relaxed);
         }
         if !is_told.swap(true, Ordering::Relaxed) {
@@ -97,7 +131,7 @@ impl LiveStepObserver for RecorderInput {
         let (index, now) = (step.index, step.outcome.at);
         self.enqueue(match RecordedInput::from_frameless(&step.input) {
             Ok(input) => Item::Input { step: index, now, input },
-            Err(frame) => Item::Frame { step: index, now, video: step.video, frame: frame.clone() },
+            Err(frame) => self.frame_item(step, frame),
         });
         let outcome = RecordedOutcome::new(index, step.outcome, step.rates);
         self.enqueue(Item::Outcome(Box::new(outcome)));
@@ -144,12 +178,18 @@ impl Recorder {
         writer.flush()?;
         let (items, queue) = sync_channel(QUEUE_CAPACITY);
         let failure = Arc::new(Failure::default());
-        let input = RecorderInput { items, events: events.clone(), failure: Arc::clone(&failure) };
+        let queued_bytes = Arc::<AtomicUsize>::default();
+        let input = RecorderInput {
+            items,
+            queued_bytes: Arc::clone(&queued_bytes),
+            events: events.clone(),
+            failure: Arc::clone(&failure),
+        };
         let alarm = events.clone();
         let (finished, sortie) = channel();
         let thread = threads::spawn("recorder", events, move || {
             let mut queue = fault_injector.inbox(RECORDER, clock, queue);
-            match write(&mut *queue, writer, reserve.as_ref()) {
+            match write(&mut *queue, &queued_bytes, writer, reserve.as_ref()) {
                 // Without a receiver, nobody wants it.
                 Ok(sortie) => drop(finished.send(sortie)),
                 Err(error) => {
@@ -180,6 +220,7 @@ impl Recorder {
 
 fn write<W: Write>(
     queue: &mut dyn Inbox<Item>,
+    queued_bytes: &AtomicUsize,
     mut writer: RecordingWriter<W>,
     reserve: Option<&DiskReserve>,
 ) -> Result<Sortie> {
@@ -187,7 +228,11 @@ fn write<W: Write>(
     loop {
         match queue.next(flush_at.saturating_duration_since(Instant::now())) {
             Ok(Item::End) | Err(RecvTimeoutError::Disconnected) => return Ok(writer.finish()?),
-            Ok(item) => entry_of(item).map_or(Ok(()), |entry| writer.write(&entry))?,
+            Ok(item) => {
+                let bytes = item.bytes();
+                entry_of(item).map_or(Ok(()), |entry| writer.write(&entry))?;
+                queued_bytes.fetch_sub(bytes, Ordering::Relaxed);
+            }
             Err(RecvTimeoutError::Timeout) => {}
         }
         if Instant::now() >= flush_at {

@@ -15,9 +15,10 @@ use barrelman_trial::records::{
     Entry, FrameFingerprint, RecordedInput, RecordedOutcome, RecordedVideo, RecordingReader, RecordingStart,
 };
 use barrelman_vocab::unit::{Rotation, UnitCodec};
-use barrelman_vocab::video::{Capture, CaptureQuality};
+use barrelman_vocab::video::{Capture, CaptureQuality, ColourEncoding};
 use barrelman_vocab::{
-    CameraRequest, EncodedUnit, OperatorRequest, VehicleProfile, VehicleRates, VideoNumber,
+    CameraRequest, EncodedUnit, OperatorRequest, Picture, PictureSize, VehicleProfile, VehicleRates,
+    VideoFrame, VideoNumber,
 };
 use bytes::Bytes;
 
@@ -204,6 +205,40 @@ fn a_full_queue_stops_the_recording_with_one_alarm_and_never_blocks() {
         _ => None,
     });
     assert!(units.eq(0..added - 1), "what was added before the alarm is there, without a gap");
+}
+
+#[test]
+fn pictures_that_wait_for_the_disk_take_a_bounded_memory_and_do_not_end_the_recording() {
+    let (output, recorder, events) = begin();
+    let (mut input, mut pilot) = (recorder.input(), pilot());
+    output.set(Writes::Block);
+    input.unit(VideoNumber::First, &unit(0, WHOLE_CHUNK));
+    let picture = Arc::new(Picture::black(PictureSize::new(1920, 1080), ColourEncoding::JPEG));
+    let mut expected = vec![Entry::Unit(VideoNumber::First, unit(0, WHOLE_CHUNK))];
+    for index in 0..200 {
+        let frame = VideoFrame { picture: Arc::clone(&picture), ..frame(index, at(1_000 + index * 10)) };
+        expected.extend(step(&mut pilot, &mut input, index, Input::Frame(&frame)));
+    }
+    let held = Arc::strong_count(&picture) * picture.samples().len();
+    assert!(held < 140 << 20, "{held} bytes");
+    output.set(Writes::Succeed);
+    assert!(recorder.finish().is_some());
+    assert!(events.try_recv().is_err(), "no alarm");
+    assert_eq!(output.entries()[1..], expected, "a picture and its fingerprint are recorded alike");
+}
+
+#[test]
+fn units_that_wait_for_the_disk_take_a_bounded_memory() {
+    let (output, recorder, events) = begin();
+    let input = recorder.input();
+    output.set(Writes::Block);
+    input.unit(VideoNumber::First, &unit(0, WHOLE_CHUNK));
+    let raw = unit(1, 16 << 20);
+    (1..20).for_each(|index| input.unit(VideoNumber::First, &EncodedUnit { index, ..raw.clone() }));
+    let Ok(Event::RecordingFailed { reason }) = events.try_recv() else { panic!("no alarm") };
+    assert!(reason.contains("disk is slower"), "{reason}");
+    output.set(Writes::Succeed);
+    assert!(recorder.finish().is_none());
 }
 
 #[test]
