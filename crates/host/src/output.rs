@@ -68,6 +68,14 @@ pub struct ClosedOutput {
     identity: Identity,
 }
 
+/// Brings an output file to the disk: a file system may keep written content in memory for half a minute.
+#[derive(Debug)]
+pub struct OutputSync {
+    file: File,
+    /// Where its name is stored.
+    folder: PathBuf,
+}
+
 /// The device and the inode of a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 struct Identity {
@@ -135,6 +143,21 @@ impl OutputFile {
     /// The path that the file was opened with.
     pub fn path(&self) -> &Path {
         &self.path
+    }
+
+    /// What brings the file to the disk, from any thread; `None`: a device or a pipe. The file stays locked
+    /// until both are dropped.
+    ///
+    /// # Errors
+    /// The process has no more file descriptors.
+    pub fn sync(&self) -> Result<Option<OutputSync>> {
+        let context = || cannot_be_written(&self.path);
+        if !self.file.metadata().with_context(context)?.is_file() {
+            return Ok(None);
+        }
+        let folder = self.path.parent().filter(|folder| !folder.as_os_str().is_empty());
+        let folder = folder.unwrap_or(Path::new(".")).to_owned();
+        Ok(Some(OutputSync { file: self.file.try_clone().with_context(context)?, folder }))
     }
 
     /// Takes the place of an existing file now, and keeps the file even if nothing is written to it.
@@ -224,6 +247,27 @@ impl OutputFile {
             std::fs::rename(new, &self.path)?;
         }
         self.state = State::Begun;
+        Ok(())
+    }
+}
+
+impl OutputSync {
+    /// Waits until what was written so far is on the disk.
+    ///
+    /// # Errors
+    /// The disk's.
+    pub fn content(&self) -> io::Result<()> {
+        self.file.sync_data()
+    }
+
+    /// Waits until content and name are on the disk. A folder that cannot be read or synchronised is left to
+    /// the system.
+    ///
+    /// # Errors
+    /// The disk's.
+    pub fn content_and_name(&self) -> io::Result<()> {
+        self.file.sync_all()?;
+        let _ = File::open(&self.folder).and_then(|folder| folder.sync_all());
         Ok(())
     }
 }

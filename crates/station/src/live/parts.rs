@@ -20,7 +20,7 @@ use barrelman_vocab::telemetry::LinkState;
 use super::event::{Event, report_panics};
 use super::faults::FaultInjector;
 use super::overlay_video::OverlayVideo;
-use super::recorder::{Extras, Recorder};
+use super::recorder::{DiskSync, Extras, Recorder};
 use super::recording_folder::library;
 use super::recording_start::recording_start;
 use super::run_loop::RunEnd;
@@ -243,6 +243,8 @@ impl PartOpener<'_> {
         let start = recording_start(self.configuration, sources, link_url, self.clock)?;
         let path = file.path().to_owned();
         let context = format!("the recording {} cannot be written", path.display());
+        let sync = file.sync()?.map(|sync| Box::new(sync) as Box<dyn DiskSync>);
+        let extras = Extras { sync, ..extras };
         let recorder = Recorder::begin(
             file,
             &start,

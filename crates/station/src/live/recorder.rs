@@ -1,19 +1,21 @@
 //! The recorder: receives entries through a bounded queue and writes them on a thread of its own. The queue
 //! is bounded by number and by memory.
 //!
-//! The recorder flushes twice a second, so a killed process loses less than one second. If the disk is full
-//! or too slow, the recording stops with an alarm; the run goes on. So does a recording that would use the
-//! disk's reserve.
+//! The recorder flushes twice a second, so a killed process loses less than one second. Every two seconds it
+//! waits until the disk has the recording, so a power cut loses little more than two seconds. If the disk is
+//! full or too slow, the recording stops with an alarm; the run goes on. So does a recording that would use
+//! the disk's reserve.
 
-use std::io::{BufWriter, Write};
+use std::io::{self, BufWriter, Write};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, TrySendError, channel, sync_channel};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-use anyhow::Result;
+use anyhow::{Context as _, Result};
 use barrelman_host::clock::Clock;
+use barrelman_host::output::OutputSync;
 use barrelman_trial::records::{
     Entry, FrameFingerprint, LiveChannels, RecordedInput, RecordedOutcome, RecordingStart, RecordingWriter,
 };
@@ -36,6 +38,8 @@ const MAX_QUEUED_BYTES: usize = 256 << 20;
 const MAX_QUEUED_BYTES_FOR_PICTURES: usize = MAX_QUEUED_BYTES / 2;
 /// Interval between flushes.
 const FLUSH_INTERVAL: Duration = Duration::from_millis(500);
+/// Flushes from one wait for the disk to the next: 2 s.
+const FLUSHES_PER_SYNC: u32 = 4;
 
 enum Item {
     Unit(VideoNumber, EncodedUnit),
@@ -142,6 +146,31 @@ impl LiveStepObserver for RecorderInput {
     }
 }
 
+/// Brings what was written to the disk. The recorder's thread waits for it; the run does not.
+pub trait DiskSync: Send {
+    /// Waits until what was written so far is on the disk.
+    ///
+    /// # Errors
+    /// The disk's.
+    fn content(&self) -> io::Result<()>;
+
+    /// The same, with the name of the file.
+    ///
+    /// # Errors
+    /// The disk's.
+    fn content_and_name(&self) -> io::Result<()>;
+}
+
+impl DiskSync for OutputSync {
+    fn content(&self) -> io::Result<()> {
+        OutputSync::content(self)
+    }
+
+    fn content_and_name(&self) -> io::Result<()> {
+        OutputSync::content_and_name(self)
+    }
+}
+
 /// What not every recording has.
 #[derive(Default)]
 pub struct Extras {
@@ -149,6 +178,8 @@ pub struct Extras {
     pub reserve: Option<DiskReserve>,
     /// Where the messages go, too.
     pub live: Option<LiveChannels>,
+    /// The disk of an output that is a file.
+    pub sync: Option<Box<dyn DiskSync>>,
 }
 
 /// A recording that is being written.
@@ -170,7 +201,7 @@ impl Recorder {
         clock: Clock,
         fault_injector: FaultInjector,
         events: SyncSender<Event>,
-        Extras { reserve, live }: Extras,
+        Extras { reserve, live, sync }: Extras,
         profile: &VehicleProfile,
     ) -> Result<Self> {
         let writer = RecordingWriter::begin(BufWriter::new(output), start, profile)?;
@@ -189,7 +220,8 @@ impl Recorder {
         let (finished, sortie) = channel();
         let thread = threads::spawn("recorder", events, move || {
             let mut queue = fault_injector.inbox(RECORDER, clock, queue);
-            match write(&mut *queue, &queued_bytes, writer, reserve.as_ref()) {
+            let disk = RecordingDisk { reserve, sync };
+            match disk.write(&mut *queue, &queued_bytes, writer) {
                 // Without a receiver, nobody wants it.
                 Ok(sortie) => drop(finished.send(sortie)),
                 Err(error) => {
@@ -218,32 +250,58 @@ impl Recorder {
     }
 }
 
-fn write<W: Write>(
-    queue: &mut dyn Inbox<Item>,
-    queued_bytes: &AtomicUsize,
-    mut writer: RecordingWriter<W>,
-    reserve: Option<&DiskReserve>,
-) -> Result<Sortie> {
-    let mut flush_at = Instant::now() + FLUSH_INTERVAL;
-    loop {
-        match queue.next(flush_at.saturating_duration_since(Instant::now())) {
-            Ok(Item::End) | Err(RecvTimeoutError::Disconnected) => return Ok(writer.finish()?),
-            Ok(item) => {
-                let bytes = item.bytes();
-                entry_of(item).map_or(Ok(()), |entry| writer.write(&entry))?;
-                queued_bytes.fetch_sub(bytes, Ordering::Relaxed);
+/// The disk of a recording.
+struct RecordingDisk {
+    reserve: Option<DiskReserve>,
+    sync: Option<Box<dyn DiskSync>>,
+}
+
+impl RecordingDisk {
+    fn write<W: Write>(
+        &self,
+        queue: &mut dyn Inbox<Item>,
+        queued_bytes: &AtomicUsize,
+        mut writer: RecordingWriter<W>,
+    ) -> Result<Sortie> {
+        // The start is in the file already, which has its name since then.
+        self.sync(|sync| sync.content_and_name())?;
+        let mut flush_at = Instant::now() + FLUSH_INTERVAL;
+        let mut flushes = 0;
+        loop {
+            match queue.next(flush_at.saturating_duration_since(Instant::now())) {
+                Ok(Item::End) | Err(RecvTimeoutError::Disconnected) => return self.finish(writer),
+                Ok(item) => {
+                    let bytes = item.bytes();
+                    entry_of(item).map_or(Ok(()), |entry| writer.write(&entry))?;
+                    queued_bytes.fetch_sub(bytes, Ordering::Relaxed);
+                }
+                Err(RecvTimeoutError::Timeout) => {}
             }
-            Err(RecvTimeoutError::Timeout) => {}
-        }
-        if Instant::now() >= flush_at {
-            writer.flush()?;
-            if let Some(Err(full)) = reserve.map(DiskReserve::check) {
-                // What was recorded so far stays readable.
-                writer.finish()?;
-                return Err(full);
+            if Instant::now() >= flush_at {
+                writer.flush()?;
+                if let Some(Err(full)) = self.reserve.as_ref().map(DiskReserve::check) {
+                    // What was recorded so far stays readable.
+                    self.finish(writer)?;
+                    return Err(full);
+                }
+                flushes += 1;
+                if flushes % FLUSHES_PER_SYNC == 0 {
+                    self.sync(|sync| sync.content())?;
+                }
+                flush_at = Instant::now() + FLUSH_INTERVAL;
             }
-            flush_at = Instant::now() + FLUSH_INTERVAL;
         }
+    }
+
+    fn finish<W: Write>(&self, writer: RecordingWriter<W>) -> Result<Sortie> {
+        let sortie = writer.finish()?;
+        self.sync(|sync| sync.content_and_name())?;
+        Ok(sortie)
+    }
+
+    fn sync(&self, wait: impl Fn(&dyn DiskSync) -> io::Result<()>) -> Result<()> {
+        let Some(sync) = &self.sync else { return Ok(()) };
+        wait(&**sync).context("the disk does not keep the recording")
     }
 }
 

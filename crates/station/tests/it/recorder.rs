@@ -9,7 +9,7 @@ use barrelman_pilot::CommandPath;
 use barrelman_pilot::{Input, Pilot};
 use barrelman_station::live::event::Event;
 use barrelman_station::live::faults::FaultInjector;
-use barrelman_station::live::recorder::{Extras, Recorder, RecorderInput};
+use barrelman_station::live::recorder::{DiskSync, Extras, Recorder, RecorderInput};
 use barrelman_station::live::run_loop::{LiveStep, LiveStepObserver as _};
 use barrelman_trial::records::{
     Entry, FrameFingerprint, RecordedInput, RecordedOutcome, RecordedVideo, RecordingReader, RecordingStart,
@@ -100,18 +100,60 @@ fn recording_start() -> RecordingStart {
     }
 }
 
+/// The length that an output had when the disk was waited for, and whether its name was waited for, too.
+type Wait = (usize, bool);
+
+/// The disk of an output in memory.
+#[derive(Clone, Default)]
+struct MemoryDisk {
+    output: MemoryOutput,
+    waits: Arc<(Mutex<Vec<Wait>>, Condvar)>,
+}
+
+impl MemoryDisk {
+    fn add(&self, is_with_name: bool) -> io::Result<()> {
+        let state = self.output.0.state.lock().unwrap();
+        let (waits, changed) = &*self.waits;
+        waits.lock().unwrap().push((state.bytes.len(), is_with_name));
+        changed.notify_all();
+        if state.writes == Writes::Fail { Err(io::Error::from(io::ErrorKind::StorageFull)) } else { Ok(()) }
+    }
+
+    /// Waits until the disk was waited for so often.
+    fn wait_for(&self, times: usize) -> Vec<Wait> {
+        let (waits, changed) = &*self.waits;
+        changed.wait_while(waits.lock().unwrap(), |waits| waits.len() < times).unwrap().clone()
+    }
+}
+
+impl DiskSync for MemoryDisk {
+    fn content(&self) -> io::Result<()> {
+        self.add(false)
+    }
+
+    fn content_and_name(&self) -> io::Result<()> {
+        self.add(true)
+    }
+}
+
 fn begin() -> (MemoryOutput, Recorder, Receiver<Event>) {
+    begin_on(&MemoryDisk::default())
+}
+
+fn begin_on(disk: &MemoryDisk) -> (MemoryOutput, Recorder, Receiver<Event>) {
     let (events, queue) = sync_channel(16);
-    let output = MemoryOutput::default();
+    let output = disk.output.clone();
     let recorder = Recorder::begin(
         output.clone(),
         &recording_start(),
         Clock::start(),
         FaultInjector::default(),
         events,
-        Extras::default(),
+        Extras { sync: Some(Box::new(disk.clone())), ..Extras::default() },
         &VehicleProfile::fotokite_pro(),
     );
+    // The start is on the disk: what a test does to the output concerns what comes after it.
+    disk.wait_for(1);
     (output, recorder.unwrap(), queue)
 }
 
@@ -253,6 +295,31 @@ fn a_write_error_stops_the_recording_with_one_alarm() {
     (2..10).for_each(|index| input.unit(VideoNumber::First, &unit(index, 1)));
     assert!(recorder.finish().is_none(), "the end of the run is not in the recording");
     assert!(events.try_recv().is_err(), "one alarm");
+}
+
+#[test]
+fn the_disk_has_the_start_at_once_and_the_whole_recording_at_the_end() {
+    let disk = MemoryDisk::default();
+    let (output, recorder, _events) = begin_on(&disk);
+    let start = output.0.state.lock().unwrap().bytes.len();
+    assert_eq!(disk.wait_for(1), [(start, true)]);
+    recorder.input().unit(VideoNumber::First, &unit(0, 100));
+    // Every two seconds.
+    let (length, is_with_name) = disk.wait_for(2)[1];
+    assert!(length > start + 100 && !is_with_name, "{length} bytes");
+    recorder.finish();
+    let length = output.0.state.lock().unwrap().bytes.len();
+    assert_eq!(disk.wait_for(3)[2..], [(length, true)]);
+}
+
+#[test]
+fn a_disk_that_does_not_keep_the_recording_ends_it_with_an_alarm() {
+    let disk = MemoryDisk::default();
+    let (output, recorder, events) = begin_on(&disk);
+    output.set(Writes::Fail);
+    let Event::RecordingFailed { reason } = events.recv().unwrap() else { panic!("no alarm") };
+    assert!(reason.starts_with("the disk does not keep the recording"), "{reason}");
+    assert!(recorder.finish().is_none());
 }
 
 #[test]
