@@ -6,6 +6,7 @@
 
 pub mod target_in_picture;
 
+pub mod csv_row;
 pub mod logs;
 
 pub mod metrics;

@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use anyhow::{Context, Result, bail};
+use barrelman_trial::csv_row::quoted;
 use barrelman_trial::logs::exported;
 use barrelman_trial::logs::recorded::RowSelector;
 use barrelman_trial::records::table::read_rows;
@@ -277,7 +278,7 @@ impl TrialFile {
             "{},{},{},{},{}",
             sent.pan.radians_per_second(),
             sent.tilt.radians_per_second(),
-            outcome.mode,
+            quoted(&outcome.mode.to_string()),
             size.width,
             size.height
         )?;

@@ -80,3 +80,13 @@ fn a_recording_that_states_another_path_is_found() {
     let (path, _) = record("paths-wrong", CommandPath::Simulated, CommandPath::Link);
     failed(&compare(&path), 1, &[]);
 }
+
+#[test]
+fn the_exported_table_of_a_dry_run_can_be_read_again() {
+    let (path, _) = record("paths-exported", CommandPath::DryRun, CommandPath::DryRun);
+    let out = path.with_file_name("out");
+    succeeded(&barrelman(&["export", "--output", argument(&out), argument(&path)]));
+    let table = out.join("trial.csv");
+    assert!(fs::read_to_string(&table).unwrap().contains("\"holding: dry run, nothing is sent\""));
+    succeeded(&barrelman(&["metrics", argument(&table)]));
+}

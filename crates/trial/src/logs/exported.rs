@@ -5,12 +5,15 @@
 //! track is lost. The rates are `pan_rate,tilt_rate` (positive to the right and upwards), or
 //! `pitch_rate,yaw_rate` in the Fotokite Pro's own signs, as `barrelman law` writes them.
 
+use std::borrow::Cow;
+
 use barrelman_vocab::{AngularRate, CameraCommand, ImagePoint, PictureSize};
 
 use super::csv::{ParsedLog, complete_lines, parse_number, parse_optional_number};
 use super::laboratory;
 use super::log_error::LogError;
 use super::trial_log::{LogRow, TrialLog};
+use crate::csv_row::cells;
 
 /// Header of the files that `export` writes.
 pub const HEADER: &str = "time_s,x,y,p,pan_rate,tilt_rate,mode,picture_width,picture_height";
@@ -35,11 +38,11 @@ impl RateColumns {
     }
 
     /// The command of a row; `None` where a rate is blank.
-    fn command(&self, fields: &[&str], line: usize) -> Result<Option<CameraCommand>, LogError> {
+    fn command(&self, fields: &[Cow<'_, str>], line: usize) -> Result<Option<CameraCommand>, LogError> {
         let rate = AngularRate::from_radians_per_second;
         let read = |(first, second): (usize, usize), names: [&'static str; 2]| {
-            let first = parse_optional_number(fields[first], line, names[0])?;
-            Ok::<_, LogError>(first.zip(parse_optional_number(fields[second], line, names[1])?))
+            let first = parse_optional_number(&fields[first], line, names[0])?;
+            Ok::<_, LogError>(first.zip(parse_optional_number(&fields[second], line, names[1])?))
         };
         Ok(match self {
             Self::PanAndTilt(pan, tilt) => read((*pan, *tilt), PAN_AND_TILT)?
@@ -89,19 +92,19 @@ pub fn read(text: &str) -> Result<ParsedLog, LogError> {
     let mut rows: Vec<LogRow> = Vec::with_capacity(lines.len());
     let mut size = None;
     for (line, content) in lines {
-        let fields: Vec<&str> = content.trim_end_matches(['\r', '\n']).split(',').collect();
+        let fields = cells(content.trim_end_matches(['\r', '\n']));
         if fields.len() != names.len() {
             return Err(LogError::FieldCount { line, found: fields.len(), expected: names.len() });
         }
-        let time_s = parse_number(fields[time], line, "time_s")?;
+        let time_s = parse_number(&fields[time], line, "time_s")?;
         if rows.last().is_some_and(|above| above.time_s > time_s) {
             return Err(LogError::TimeRunsBack { line, time_s });
         }
         let position =
-            parse_optional_number(fields[x], line, "x")?.zip(parse_optional_number(fields[y], line, "y")?);
+            parse_optional_number(&fields[x], line, "x")?.zip(parse_optional_number(&fields[y], line, "y")?);
         let command = rates.command(&fields, line)?;
         if let Some((width, height)) = size_columns.filter(|_| size.is_none()) {
-            size = frame_size((fields[width], fields[height]), line)?;
+            size = frame_size((&fields[width], &fields[height]), line)?;
         }
         rows.push(LogRow { time_s, position: position.map(|(x, y)| ImagePoint { x, y }), command });
     }

@@ -5,10 +5,11 @@
 //! that fields keep their names from the schema, numbers of 64 bits stay numbers, and bytes are told by their
 //! length, as in a cell.
 
-use std::borrow::Cow;
 use std::fmt::Write as _;
 
 use prost_reflect::{DynamicMessage, FieldDescriptor, Kind, MapKey, Value};
+
+use crate::csv_row::quoted;
 
 /// Bytes of JSON in one cell. Of a longer text the cell says only that it is longer: half a text is no JSON.
 pub(super) const MAX_JSON_BYTES: usize = 1 << 20;
@@ -46,15 +47,6 @@ fn variant(kind: &Kind, number: i32) -> Option<String> {
     match kind {
         Kind::Enum(variants) => variants.get_value(number).map(|value| value.name().to_owned()),
         _ => None,
-    }
-}
-
-/// Text as a CSV cell: quoted where it holds a comma, a quote or a line end (RFC 4180).
-pub(super) fn quoted(text: &str) -> Cow<'_, str> {
-    if text.contains([',', '"', '\n', '\r']) {
-        Cow::Owned(format!("\"{}\"", text.replace('"', "\"\"")))
-    } else {
-        Cow::Borrowed(text)
     }
 }
 

@@ -38,6 +38,13 @@ fn laboratory_rows_have_seven_fields_or_six() {
 }
 
 #[test]
+fn a_mode_with_a_comma_is_one_quoted_field() {
+    let read = exported_log("0,1,2,0.5,0.25,0,\"holding: dry run, nothing is sent\",640,480\n").unwrap();
+    assert_eq!(read.log.rows[0].command, Some(command(0.25, 0.0)));
+    assert_eq!(read.log.frame, PictureSize::new(640, 480));
+}
+
+#[test]
 fn blank_commands_are_commands_that_the_log_does_not_tell() {
     let read = laboratory_log("1,2,,,,0,9\n3,4,0.3,,,0,9\n5,6,,0.3,,0,9\n7,8,0.3,0,,0,9\n").unwrap();
     let commands: Vec<_> = read.log.rows.iter().map(|row| row.command).collect();
