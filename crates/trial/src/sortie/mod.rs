@@ -42,7 +42,8 @@ pub struct Sortie {
     pub region: [f64; 2],
     /// Time in which the camera may follow the target, s.
     pub engaged_s: f64,
-    /// The part of it in which the position of the target was known, s.
+    /// The part of it in which the position of the boat was known: measured (tracking), or predicted for a
+    /// limited time (coasting), s.
     pub followed_s: f64,
     /// Losses of the track.
     pub losses: Spells,
@@ -77,6 +78,7 @@ pub struct SortieObserver {
     first: Option<Timestamp>,
     last: Option<Timestamp>,
     mode: Mode,
+    is_known: bool,
     is_lost: bool,
     /// How long the loss or the hold that lasts has lasted.
     lost_for_s: f64,
@@ -99,6 +101,7 @@ impl SortieObserver {
             first: None,
             last: None,
             mode: Mode::Idle,
+            is_known: false,
             is_lost: false,
             lost_for_s: 0.0,
             held_for_s: 0.0,
@@ -145,7 +148,7 @@ impl SortieObserver {
         let was_engaged = self.mode.is_engaged();
         if was_engaged {
             self.sortie.engaged_s += lasted_s;
-            self.sortie.followed_s += if self.is_lost { 0.0 } else { lasted_s };
+            self.sortie.followed_s += if self.is_known { lasted_s } else { 0.0 };
         }
         if self.is_lost {
             self.lost_for_s += lasted_s;
@@ -169,6 +172,7 @@ impl SortieObserver {
     }
 
     fn change_track(&mut self, now: Timestamp, track: &Track) {
+        self.is_known = track.localisation().is_some();
         match track {
             Track::Lost { .. } if !self.is_lost => {
                 self.is_lost = true;

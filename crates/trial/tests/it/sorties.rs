@@ -82,6 +82,20 @@ fn the_figures_of_a_sortie_are_those_of_its_outcomes() {
 }
 
 #[test]
+fn a_boat_is_known_while_it_is_measured_or_predicted() {
+    let known_s = |track: Track| {
+        let engaged = [1_000, 3_000].map(|ms| RecordedOutcome { track, ..at(ms, Mode::Servoing) });
+        let sortie = observed(engaged.map(Entry::Outcome));
+        (sortie.engaged_s, sortie.followed_s)
+    };
+    let seen = *outcome(0.1).track.localisation().unwrap();
+    assert_eq!(known_s(Track::Tracking(seen)), (2.0, 2.0));
+    assert_eq!(known_s(Track::Coasting(seen)), (2.0, 2.0));
+    assert_eq!(known_s(Track::Lost { since: Timestamp::ZERO, confidence: 0.0 }), (2.0, 0.0));
+    assert_eq!(known_s(Track::Unseeded), (2.0, 0.0), "nothing is selected");
+}
+
+#[test]
 fn the_moments_of_a_sortie_are_in_the_order_of_time() {
     let moments: Vec<_> = sortie().moments.iter().map(|moment| (moment.at_s, moment.what.clone())).collect();
     assert_eq!(
