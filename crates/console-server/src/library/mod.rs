@@ -80,7 +80,7 @@ enum RecordingState {
     BeingRecorded,
     /// It was ended in order.
     Complete,
-    /// It was cut off, or holds no summary.
+    /// It was cut off, holds no summary, or cannot be read.
     CutOff,
 }
 
@@ -123,13 +123,13 @@ impl Library {
         Ok(found.into_iter().map(|(_, listed)| listed).collect())
     }
 
-    /// `None`: no file, or one that cannot be read.
+    /// `None`: no file. One that cannot be read is listed: its summary is why not.
     fn listed(&self, name: RecordingName, path: &Path) -> Option<Listed> {
         let metadata = path.symlink_metadata().ok().filter(std::fs::Metadata::is_file)?;
         let (state, sortie) = if is_being_written(path) {
             (RecordingState::BeingRecorded, None)
         } else {
-            let sortie = File::open(path).and_then(read_sortie).ok()?;
+            let sortie = File::open(path).and_then(read_sortie).unwrap_or_default();
             let state = if sortie.is_some() { RecordingState::Complete } else { RecordingState::CutOff };
             (state, sortie)
         };

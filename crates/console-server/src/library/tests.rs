@@ -93,6 +93,18 @@ fn recordings_are_listed_and_nothing_else() {
 }
 
 #[test]
+fn a_file_without_a_recording_in_it_is_listed_with_the_reason() {
+    let scene = Scene::new("empty", "");
+    let program = scene.folder.join("program");
+    write_program(&program, "#!/bin/sh\necho 'it holds no run of this program' >&2\nexit 1\n");
+    std::fs::write(scene.folder.join("empty.mcap"), "").unwrap();
+    assert_eq!(scene.names(), [("empty.mcap".to_owned(), RecordingState::CutOff)]);
+    let library = Library::new(scene.folder.clone(), program);
+    let reason = library.sortie(&name("empty.mcap")).unwrap().unwrap_err();
+    assert_eq!(reason, "it holds no run of this program");
+}
+
+#[test]
 fn a_folder_that_does_not_exist_holds_no_recordings() {
     let library = Library::new("/nowhere/at/all".into(), "/bin/true".into());
     assert!(library.list().unwrap().is_empty());
