@@ -13,6 +13,8 @@ const GIVEN_UP_MS = 3 * STALE_MS;
 const LONGEST_WAIT_MS = 2000;
 /** Requests that end a motion: they are right also when they come late. */
 const ENDING = new Set(["stop", "stop-vessel", "disengage"]);
+/** Requests that set something in motion that goes on by itself. */
+const BEGINNING = new Set(["engage", "search", "guide", "go-home"]);
 /** The program closes the socket with this code where too many pages are open. */
 const TRY_AGAIN_LATER = 1013;
 /** The program closes the socket with this code at its end. */
@@ -184,7 +186,10 @@ export class Link extends EventTarget {
   request(request) {
     const id = this.#nextId++;
     return new Promise((resolve) => {
-      const isSent = (this.isUp || ENDING.has(request.kind)) && this.#send({ type: "request", id, request, stops_taken: this.#stops });
+      // What the camera or the boat goes on with waits for the first snapshot: its stops are known then.
+      const isKnown = this.#stops !== undefined || !BEGINNING.has(request.kind);
+      const maySend = (this.isUp && isKnown) || ENDING.has(request.kind);
+      const isSent = maySend && this.#send({ type: "request", id, request, stops_taken: this.#stops });
       if (!isSent) return resolve({ answer: "refused", reason: null, unsent: true });
       this.#waiting.set(id, resolve);
     });

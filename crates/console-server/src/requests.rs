@@ -78,9 +78,10 @@ pub(super) fn begin_request(console: &Console, from: Requester, request: Request
             if let Err(reason) = check_values(&request) {
                 return Pending::Answered(refused(reason));
             }
-            let taken = console.snapshots.borrow().stops_taken;
-            if begins_motion(&request) && from.stops_taken.is_some_and(|known| known < taken) {
-                return Pending::Answered(refused("somebody stopped in the meantime: ask again"));
+            // Not those of the snapshot: a stop is taken before it is published.
+            let pressed = console.gateway.stop_latch().pressed();
+            if begins_motion(&request) && from.stops_taken.is_some_and(|known| known < pressed) {
+                return Pending::Answered(refused("a stop came in the meantime: ask again"));
             }
             if commands_vessel(&request) {
                 console.watch_vessel();

@@ -16,9 +16,14 @@ impl StopLatch {
         self.pressed.fetch_add(1, Ordering::SeqCst) + 1
     }
 
+    /// The number of presses.
+    pub fn pressed(&self) -> u64 {
+        self.pressed.load(Ordering::SeqCst)
+    }
+
     /// The newest press that the pilot has not taken.
     pub fn pending(&self) -> Option<u64> {
-        let pressed = self.pressed.load(Ordering::SeqCst);
+        let pressed = self.pressed();
         (pressed > self.taken()).then_some(pressed)
     }
 

@@ -387,7 +387,13 @@ fn a_stop_that_is_pressed_again_is_not_acknowledged_by_the_step_before() {
 fn what_was_asked_for_before_a_stop_and_comes_after_it_begins_no_motion() {
     let mut session = InMemory::new(LIVE);
     session.join("a", CONTROL);
-    assert_eq!(session.request(WATCH, None, STOP), ACCEPTED);
+    let stopper = Requester { role: WATCH, client: None, stops_taken: None };
+    // Not taken yet, or taken and not published yet.
+    drop(begin_request(&session.console, stopper, STOP.into()));
+    let late = Requester { role: CONTROL, client: Some(0), stops_taken: Some(0) };
+    let engaging = begin_request(&session.console, late, CameraRequest::Engage.into());
+    assert!(matches!(engaging, Pending::Answered(_)), "{engaging:?}");
+    session.take_requests();
     let mut ask = |stops_taken, request: OperatorRequest| {
         let from = Requester { role: CONTROL, client: Some(0), stops_taken };
         let pending = begin_request(&session.console, from, request.into());
@@ -400,7 +406,7 @@ fn what_was_asked_for_before_a_stop_and_comes_after_it_begins_no_motion() {
         OperatorRequest::Vessel(VesselRequest::Guide),
         OperatorRequest::Vessel(VesselRequest::GoHome),
     ] {
-        assert_eq!(ask(Some(0), request), refused("somebody stopped in the meantime: ask again"));
+        assert_eq!(ask(Some(0), request), refused("a stop came in the meantime: ask again"));
         assert_eq!(ask(Some(1), request), ACCEPTED);
         assert_eq!(ask(None, request), ACCEPTED, "a client that does not say");
     }
