@@ -151,6 +151,7 @@ impl Reader {
             }
             if let Some(client) = self.requester.client {
                 self.console.with_seats(|seats| seats.hear(client, self.console.time.clock()));
+                self.console.watch_vessel();
             }
             self.on_message(message);
         }
