@@ -72,8 +72,7 @@ pub struct ClosedOutput {
 #[derive(Debug)]
 pub struct OutputSync {
     file: File,
-    /// Where its name is stored.
-    folder: PathBuf,
+    path: PathBuf,
 }
 
 /// The device and the inode of a file.
@@ -155,9 +154,7 @@ impl OutputFile {
         if !self.file.metadata().with_context(context)?.is_file() {
             return Ok(None);
         }
-        let folder = self.path.parent().filter(|folder| !folder.as_os_str().is_empty());
-        let folder = folder.unwrap_or(Path::new(".")).to_owned();
-        Ok(Some(OutputSync { file: self.file.try_clone().with_context(context)?, folder }))
+        Ok(Some(OutputSync { file: self.file.try_clone().with_context(context)?, path: self.path.clone() }))
     }
 
     /// Takes the place of an existing file now, and keeps the file even if nothing is written to it.
@@ -252,22 +249,23 @@ impl OutputFile {
 }
 
 impl OutputSync {
-    /// Waits until what was written so far is on the disk.
+    /// Waits until what was written so far is on the disk. A file system that cannot be asked is left to the
+    /// system.
     ///
     /// # Errors
     /// The disk's.
     pub fn content(&self) -> io::Result<()> {
-        self.file.sync_data()
+        where_possible(self.file.sync_data())
     }
 
-    /// Waits until content and name are on the disk. A folder that cannot be read or synchronised is left to
-    /// the system.
+    /// Waits until content and name are on the disk. A file system that cannot be asked, and a folder that
+    /// cannot be read, are left to the system.
     ///
     /// # Errors
     /// The disk's.
     pub fn content_and_name(&self) -> io::Result<()> {
-        self.file.sync_all()?;
-        let _ = File::open(&self.folder).and_then(|folder| folder.sync_all());
+        where_possible(self.file.sync_all())?;
+        sync_folder_of(&self.path);
         Ok(())
     }
 }
@@ -348,6 +346,16 @@ pub fn create(path: &Path, force: bool) -> Result<OutputFile> {
 /// Creates a file that its owner alone can read.
 fn create_new(path: &Path) -> io::Result<File> {
     OpenOptions::new().write(true).create_new(true).mode(OWNER_ALONE).open(path)
+}
+
+/// What a wait for the disk has said, unless the file system knows no such wait.
+fn where_possible(waited: io::Result<()>) -> io::Result<()> {
+    let is_unknown = |error: &io::Error| {
+        [Errno::INVAL, Errno::NOSYS, Errno::OPNOTSUPP]
+            .iter()
+            .any(|errno| Errno::from_io_error(error) == Some(*errno))
+    };
+    waited.or_else(|error| if is_unknown(&error) { Ok(()) } else { Err(error) })
 }
 
 /// Keeps the names of a folder over a power cut. Where the file system refuses this, the old content may come

@@ -35,6 +35,7 @@ mod video_states;
 
 pub mod overlay_video;
 pub mod recorder;
+pub mod recording_sync;
 pub mod status_line;
 pub mod status_writer;
 pub mod terminal;

@@ -1,12 +1,12 @@
 //! The recorder: receives entries through a bounded queue and writes them on a thread of its own. The queue
 //! is bounded by number and by memory.
 //!
-//! The recorder flushes twice a second, so a killed process loses less than one second. Every two seconds it
-//! waits until the disk has the recording, so a power cut loses little more than two seconds. If the disk is
-//! full or too slow, the recording stops with an alarm; the run goes on. So does a recording that would use
-//! the disk's reserve.
+//! The recorder flushes twice a second, so a killed process loses less than one second. Every two seconds the
+//! disk is made to keep the recording (`recording_sync`), so a power cut loses little more than two seconds.
+//! If the disk is full or too slow, the recording stops with an alarm; the run goes on. So does a recording
+//! that would use the disk's reserve.
 
-use std::io::{self, BufWriter, Write};
+use std::io::{BufWriter, Write};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, TrySendError, channel, sync_channel};
@@ -15,7 +15,6 @@ use std::time::{Duration, Instant};
 
 use anyhow::{Context as _, Result};
 use barrelman_host::clock::Clock;
-use barrelman_host::output::OutputSync;
 use barrelman_trial::records::{
     Entry, FrameFingerprint, LiveChannels, RecordedInput, RecordedOutcome, RecordingStart, RecordingWriter,
 };
@@ -26,6 +25,7 @@ use super::event::Event;
 use super::faults::{FaultInjector, RECORDER};
 use super::inbox::Inbox;
 use super::recording_folder::DiskReserve;
+use super::recording_sync::{DiskSync, SyncThread, Wanted};
 use super::run_loop::{LiveStep, LiveStepObserver};
 use super::threads;
 
@@ -40,6 +40,7 @@ const MAX_QUEUED_BYTES_FOR_PICTURES: usize = MAX_QUEUED_BYTES / 2;
 const FLUSH_INTERVAL: Duration = Duration::from_millis(500);
 /// Flushes from one wait for the disk to the next: 2 s.
 const FLUSHES_PER_SYNC: u32 = 4;
+const NOT_KEPT: &str = "the disk does not keep the recording";
 
 enum Item {
     Unit(VideoNumber, EncodedUnit),
@@ -146,31 +147,6 @@ impl LiveStepObserver for RecorderInput {
     }
 }
 
-/// Brings what was written to the disk. The recorder's thread waits for it; the run does not.
-pub trait DiskSync: Send {
-    /// Waits until what was written so far is on the disk.
-    ///
-    /// # Errors
-    /// The disk's.
-    fn content(&self) -> io::Result<()>;
-
-    /// The same, with the name of the file.
-    ///
-    /// # Errors
-    /// The disk's.
-    fn content_and_name(&self) -> io::Result<()>;
-}
-
-impl DiskSync for OutputSync {
-    fn content(&self) -> io::Result<()> {
-        OutputSync::content(self)
-    }
-
-    fn content_and_name(&self) -> io::Result<()> {
-        OutputSync::content_and_name(self)
-    }
-}
-
 /// What not every recording has.
 #[derive(Default)]
 pub struct Extras {
@@ -217,6 +193,7 @@ impl Recorder {
             failure: Arc::clone(&failure),
         };
         let alarm = events.clone();
+        let sync = sync.map(|sync| SyncThread::start(sync, events.clone())).transpose()?;
         let (finished, sortie) = channel();
         let thread = threads::spawn("recorder", events, move || {
             let mut queue = fault_injector.inbox(RECORDER, clock, queue);
@@ -253,18 +230,18 @@ impl Recorder {
 /// The disk of a recording.
 struct RecordingDisk {
     reserve: Option<DiskReserve>,
-    sync: Option<Box<dyn DiskSync>>,
+    sync: Option<SyncThread>,
 }
 
 impl RecordingDisk {
     fn write<W: Write>(
-        &self,
+        mut self,
         queue: &mut dyn Inbox<Item>,
         queued_bytes: &AtomicUsize,
         mut writer: RecordingWriter<W>,
     ) -> Result<Sortie> {
         // The start is in the file already, which has its name since then.
-        self.sync(|sync| sync.content_and_name())?;
+        self.ask_for_sync(Wanted::ContentAndName)?;
         let mut flush_at = Instant::now() + FLUSH_INTERVAL;
         let mut flushes = 0;
         loop {
@@ -286,22 +263,21 @@ impl RecordingDisk {
                 }
                 flushes += 1;
                 if flushes % FLUSHES_PER_SYNC == 0 {
-                    self.sync(|sync| sync.content())?;
+                    self.ask_for_sync(Wanted::Content)?;
                 }
                 flush_at = Instant::now() + FLUSH_INTERVAL;
             }
         }
     }
 
-    fn finish<W: Write>(&self, writer: RecordingWriter<W>) -> Result<Sortie> {
+    fn finish<W: Write>(self, writer: RecordingWriter<W>) -> Result<Sortie> {
         let sortie = writer.finish()?;
-        self.sync(|sync| sync.content_and_name())?;
+        self.sync.map_or(Ok(()), SyncThread::finish).context(NOT_KEPT)?;
         Ok(sortie)
     }
 
-    fn sync(&self, wait: impl Fn(&dyn DiskSync) -> io::Result<()>) -> Result<()> {
-        let Some(sync) = &self.sync else { return Ok(()) };
-        wait(&**sync).context("the disk does not keep the recording")
+    fn ask_for_sync(&mut self, wanted: Wanted) -> Result<()> {
+        self.sync.as_mut().map_or(Ok(()), |sync| sync.ask(wanted)).context(NOT_KEPT)
     }
 }
 

@@ -3,13 +3,15 @@
 use std::io::{self, Write};
 use std::sync::mpsc::{Receiver, TryRecvError, sync_channel};
 use std::sync::{Arc, Condvar, Mutex};
+use std::time::Duration;
 
 use barrelman_host::clock::Clock;
 use barrelman_pilot::CommandPath;
 use barrelman_pilot::{Input, Pilot};
 use barrelman_station::live::event::Event;
 use barrelman_station::live::faults::FaultInjector;
-use barrelman_station::live::recorder::{DiskSync, Extras, Recorder, RecorderInput};
+use barrelman_station::live::recorder::{Extras, Recorder, RecorderInput};
+use barrelman_station::live::recording_sync::{DiskSync, Wanted};
 use barrelman_station::live::run_loop::{LiveStep, LiveStepObserver as _};
 use barrelman_trial::records::{
     Entry, FrameFingerprint, RecordedInput, RecordedOutcome, RecordedVideo, RecordingReader, RecordingStart,
@@ -120,19 +122,15 @@ impl MemoryDisk {
     }
 
     /// Waits until the disk was waited for so often.
-    fn wait_for(&self, times: usize) -> Vec<Wait> {
+    fn waits(&self, times: usize) -> Vec<Wait> {
         let (waits, changed) = &*self.waits;
         changed.wait_while(waits.lock().unwrap(), |waits| waits.len() < times).unwrap().clone()
     }
 }
 
 impl DiskSync for MemoryDisk {
-    fn content(&self) -> io::Result<()> {
-        self.add(false)
-    }
-
-    fn content_and_name(&self) -> io::Result<()> {
-        self.add(true)
+    fn wait_for(&self, wanted: Wanted) -> io::Result<()> {
+        self.add(wanted == Wanted::ContentAndName)
     }
 }
 
@@ -141,20 +139,24 @@ fn begin() -> (MemoryOutput, Recorder, Receiver<Event>) {
 }
 
 fn begin_on(disk: &MemoryDisk) -> (MemoryOutput, Recorder, Receiver<Event>) {
+    let (recorder, queue) = begin_with(&disk.output, Box::new(disk.clone()));
+    // The start is on the disk: what a test does to the output concerns what comes after it.
+    disk.waits(1);
+    (disk.output.clone(), recorder, queue)
+}
+
+fn begin_with(output: &MemoryOutput, sync: Box<dyn DiskSync>) -> (Recorder, Receiver<Event>) {
     let (events, queue) = sync_channel(16);
-    let output = disk.output.clone();
     let recorder = Recorder::begin(
         output.clone(),
         &recording_start(),
         Clock::start(),
         FaultInjector::default(),
         events,
-        Extras { sync: Some(Box::new(disk.clone())), ..Extras::default() },
+        Extras { sync: Some(sync), ..Extras::default() },
         &VehicleProfile::fotokite_pro(),
     );
-    // The start is on the disk: what a test does to the output concerns what comes after it.
-    disk.wait_for(1);
-    (output, recorder.unwrap(), queue)
+    (recorder.unwrap(), queue)
 }
 
 fn unit(index: u64, bytes: usize) -> EncodedUnit {
@@ -302,14 +304,39 @@ fn the_disk_has_the_start_at_once_and_the_whole_recording_at_the_end() {
     let disk = MemoryDisk::default();
     let (output, recorder, _events) = begin_on(&disk);
     let start = output.0.state.lock().unwrap().bytes.len();
-    assert_eq!(disk.wait_for(1), [(start, true)]);
+    assert_eq!(disk.waits(1), [(start, true)]);
     recorder.input().unit(VideoNumber::First, &unit(0, 100));
     // Every two seconds.
-    let (length, is_with_name) = disk.wait_for(2)[1];
+    let (length, is_with_name) = disk.waits(2)[1];
     assert!(length > start + 100 && !is_with_name, "{length} bytes");
     recorder.finish();
     let length = output.0.state.lock().unwrap().bytes.len();
-    assert_eq!(disk.wait_for(3)[2..], [(length, true)]);
+    assert_eq!(disk.waits(3)[2..], [(length, true)]);
+}
+
+/// A disk for which nobody is done waiting before it is let go.
+struct StalledDisk(Arc<Mutex<()>>);
+
+impl DiskSync for StalledDisk {
+    fn wait_for(&self, _: Wanted) -> io::Result<()> {
+        drop(self.0.lock().unwrap());
+        Ok(())
+    }
+}
+
+#[test]
+fn a_disk_that_stalls_holds_up_no_recording() {
+    let stall = Arc::new(Mutex::new(()));
+    let stalled = stall.lock().unwrap();
+    let output = MemoryOutput::default();
+    let (recorder, events) = begin_with(&output, Box::new(StalledDisk(Arc::clone(&stall))));
+    let start = output.0.state.lock().unwrap().bytes.len();
+    recorder.input().unit(VideoNumber::First, &unit(0, 100_000));
+    while output.0.state.lock().unwrap().bytes.len() < start + 100_000 {
+        std::thread::sleep(Duration::from_millis(10));
+    }
+    drop(stalled);
+    assert!(recorder.finish().is_some() && events.try_recv().is_err());
 }
 
 #[test]

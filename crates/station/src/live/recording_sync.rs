@@ -1,0 +1,88 @@
+//! Makes the disk keep a recording: waits for it on a thread of its own, as a card or a stick may take seconds,
+//! in which the recorder goes on. Content that a file system keeps in memory is lost in a power cut.
+
+use std::io;
+use std::sync::mpsc::{Receiver, SyncSender, TryRecvError, TrySendError, channel, sync_channel};
+use std::thread::JoinHandle;
+
+use barrelman_host::output::OutputSync;
+
+use super::event::Event;
+use super::threads;
+
+/// What the disk has to have.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Wanted {
+    /// What was written so far.
+    Content,
+    /// The same, and the name of the file.
+    ContentAndName,
+}
+
+/// Brings what was written to the disk.
+pub trait DiskSync: Send {
+    /// Waits until the disk has it.
+    ///
+    /// # Errors
+    /// The disk's.
+    fn wait_for(&self, wanted: Wanted) -> io::Result<()>;
+}
+
+impl DiskSync for OutputSync {
+    fn wait_for(&self, wanted: Wanted) -> io::Result<()> {
+        match wanted {
+            Wanted::Content => self.content(),
+            Wanted::ContentAndName => self.content_and_name(),
+        }
+    }
+}
+
+/// The thread that waits for the disk.
+pub(super) struct SyncThread {
+    wanted: SyncSender<Wanted>,
+    failed: Receiver<io::Error>,
+    thread: JoinHandle<()>,
+}
+
+impl SyncThread {
+    pub(super) fn start(sync: Box<dyn DiskSync>, events: SyncSender<Event>) -> io::Result<Self> {
+        let (wanted, asked) = sync_channel(1);
+        let (failure, failed) = channel();
+        let thread = threads::spawn("recorder-sync", events, move || {
+            for wanted in asked {
+                if let Err(error) = sync.wait_for(wanted) {
+                    // Without a receiver, the recording has ended.
+                    let _ = failure.send(error);
+                    return;
+                }
+            }
+        })?;
+        Ok(Self { wanted, failed, thread })
+    }
+
+    /// Asks for a wait, unless one is asked for already.
+    ///
+    /// # Errors
+    /// That of an earlier wait.
+    pub(super) fn ask(&mut self, wanted: Wanted) -> io::Result<()> {
+        match self.failed.try_recv() {
+            Ok(error) => return Err(error),
+            Err(TryRecvError::Empty | TryRecvError::Disconnected) => {}
+        }
+        match self.wanted.try_send(wanted) {
+            // A thread that has panicked has told the run.
+            Ok(()) | Err(TrySendError::Full(_) | TrySendError::Disconnected(_)) => Ok(()),
+        }
+    }
+
+    /// Waits until the disk has the whole recording and its name.
+    ///
+    /// # Errors
+    /// The disk's.
+    pub(super) fn finish(self) -> io::Result<()> {
+        let _ = self.wanted.send(Wanted::ContentAndName);
+        drop(self.wanted);
+        let _ = self.thread.join();
+        self.failed.try_recv().map_or(Ok(()), Err)
+    }
+}
