@@ -2,9 +2,8 @@
 //! disk.
 //!
 //! The folder of a recording's film and tables, `NAME.export`, counts as part of the recording and is removed
-//! with it. An export whose recording is gone counts as a recording.
+//! with it. An export whose recording is gone was kept on purpose, and stays.
 
-use std::collections::BTreeMap;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
@@ -19,8 +18,6 @@ use crate::config::RecordingConfig;
 /// Recordings of this program in the folder: `run-20261123T021500.250Z.mcap`. Other files are never removed.
 const PREFIX: &str = "run-";
 const ENDING: &str = ".mcap";
-/// The folder of its film and tables, which the library makes beside it.
-const EXPORT_ENDING: &str = ".export";
 const BYTES_PER_GB: f64 = 1e9;
 
 /// The disk of a recording, and how much of it must stay free.
@@ -100,42 +97,43 @@ fn make_room(config: &RecordingConfig, reserve: &DiskReserve) -> Result<()> {
     Ok(())
 }
 
-/// A recording of this program and the folder of its film and tables. Either may be missing.
+/// A recording of this program and the folder of its film and tables, if there is one.
 #[derive(Debug, Clone, PartialEq, Eq)]
 struct OwnRecording {
-    /// The last change of the recording, or else of the export: the clock may have been wrong at the start,
-    /// which the name tells.
+    /// The last change: the clock may have been wrong at the start, which the name tells.
     changed: SystemTime,
-    paths: Vec<PathBuf>,
+    path: PathBuf,
     bytes: u64,
 }
 
 impl OwnRecording {
+    fn export(&self) -> PathBuf {
+        self.path.with_extension("export")
+    }
+
     /// Whether a program writes the recording or a file of its export.
     fn is_being_written(&self) -> bool {
-        self.paths.iter().flat_map(|path| with_content(path)).any(|path| is_being_written(&path))
+        is_being_written(&self.path) || content_of(&self.export()).iter().any(|path| is_being_written(path))
     }
 
     fn remove(&self) {
-        for path in &self.paths {
-            let removed =
-                if path.is_dir() { std::fs::remove_dir_all(path) } else { std::fs::remove_file(path) };
-            match removed {
-                Ok(()) => {
-                    tracing::info!(
-                        "{} is removed, for the quota or the reserve of recordings",
-                        path.display()
-                    );
-                }
-                Err(error) => tracing::warn!("{} cannot be removed: {error}", path.display()),
+        let export = self.export();
+        let of_export = if export.is_dir() { std::fs::remove_dir_all(&export) } else { Ok(()) };
+        match of_export.and_then(|()| std::fs::remove_file(&self.path)) {
+            Ok(()) => {
+                tracing::info!(
+                    "{} is removed, for the quota or the reserve of recordings",
+                    self.path.display()
+                );
             }
+            Err(error) => tracing::warn!("{} cannot be removed: {error}", self.path.display()),
         }
     }
 }
 
 /// The recordings of this program in a folder, oldest first.
 fn own_recordings(folder: &Path) -> Result<Vec<OwnRecording>> {
-    let mut found = BTreeMap::<String, OwnRecording>::new();
+    let mut found = Vec::new();
     for entry in std::fs::read_dir(folder)? {
         let entry = entry?;
         let about = match entry.metadata() {
@@ -144,28 +142,26 @@ fn own_recordings(folder: &Path) -> Result<Vec<OwnRecording>> {
             Err(error) if error.kind() == ErrorKind::NotFound => continue,
             Err(error) => return Err(error.into()),
         };
-        let ending = if about.is_dir() { EXPORT_ENDING } else { ENDING };
-        let name = entry.file_name();
-        let stem = name.to_str().filter(|name| name.starts_with(PREFIX)).and_then(|n| n.strip_suffix(ending));
-        let (Some(stem), true) = (stem, about.is_file() || about.is_dir()) else { continue };
-        let changed = about.modified()?;
-        let recording =
-            found.entry(stem.to_owned()).or_insert(OwnRecording { changed, paths: Vec::new(), bytes: 0 });
-        if about.is_file() {
-            recording.changed = changed;
+        if about.is_file() && entry.file_name().to_str().is_some_and(is_own_name) {
+            let (changed, path) = (about.modified()?, entry.path());
+            let mut recording = OwnRecording { changed, path, bytes: about.len() };
+            recording.bytes += content_of(&recording.export()).iter().map(|path| bytes_of(path)).sum::<u64>();
+            found.push(recording);
         }
-        recording.bytes += with_content(&entry.path()).iter().map(|path| bytes_of(path)).sum::<u64>();
-        recording.paths.push(entry.path());
     }
-    let mut recordings: Vec<_> = found.into_values().collect();
-    recordings.sort_by_key(|recording| recording.changed);
-    Ok(recordings)
+    found.sort_by_key(|recording| recording.changed);
+    Ok(found)
 }
 
-/// A path, and what a folder at this path contains. What cannot be read is empty.
-fn with_content(path: &Path) -> Vec<PathBuf> {
-    let content = std::fs::read_dir(path).into_iter().flatten().flatten().map(|entry| entry.path());
-    std::iter::once(path.to_owned()).chain(content).collect()
+/// Whether this program gives a recording such a name.
+fn is_own_name(name: &str) -> bool {
+    let time = name.strip_prefix(PREFIX).and_then(|rest| rest.strip_suffix(ENDING));
+    time.is_some_and(|time| time.get(..8).is_some_and(|day| day.bytes().all(|byte| byte.is_ascii_digit())))
+}
+
+/// What a folder contains. One that cannot be read is empty.
+fn content_of(folder: &Path) -> Vec<PathBuf> {
+    std::fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path()).collect()
 }
 
 /// The size of a file; 0 of a folder, and where there is none.
@@ -198,7 +194,7 @@ mod tests {
     fn the_oldest_recordings_make_room() {
         let removed = |sizes: &[u64], bytes: u64| {
             let changed = SystemTime::UNIX_EPOCH;
-            let all = sizes.iter().map(|bytes| OwnRecording { changed, paths: Vec::new(), bytes: *bytes });
+            let all = sizes.iter().map(|bytes| OwnRecording { changed, path: PathBuf::new(), bytes: *bytes });
             oldest(all.collect(), bytes).iter().map(|recording| recording.bytes).collect::<Vec<_>>()
         };
         assert!(removed(&[5, 5], 0).is_empty());
