@@ -18,7 +18,11 @@ use jiff::tz::TimeZone;
 
 use super::replay::MAX_QUEUED_BYTES;
 use super::replayed_video::ReplayedVideo;
+use super::stored_video::OtherPicture;
 use crate::config::{self, Configuration};
+
+/// A film that lacks more is none: of another decoder, say, each picture differs.
+const LEAST_DRAWN_PER_LEFT_OUT: u64 = 10;
 
 /// What is read of a recording before its first picture.
 struct Begun {
@@ -32,15 +36,16 @@ struct Begun {
 #[derive(Debug, Default)]
 pub(super) struct FilmPictures {
     pub(super) drawn: u64,
-    /// How many pictures of the run are not in the film, as they cannot be decoded or rendered again, and why
-    /// the first of them is not.
+    /// How many pictures of the run are not in the film, as they do not decode to the same again, and why the
+    /// first of them is not.
     pub(super) left_out: Option<(u64, String)>,
 }
 
 /// Writes the film of a recording, up to where it is cut off.
 ///
 /// # Errors
-/// If the recording holds no start, none of its pictures can be decoded, or the file cannot be written.
+/// If the recording holds no start, too many of its pictures cannot be decoded again, or the file cannot be
+/// written.
 pub(super) fn write(recording: &Path, file: OutputFile) -> Result<FilmPictures> {
     let mut entries = RecordingReader::new(BufReader::new(File::open(recording)?));
     let Some(Entry::Start(start)) = entries.next().transpose()? else {
@@ -55,7 +60,8 @@ pub(super) fn write(recording: &Path, file: OutputFile) -> Result<FilmPictures> 
             Ok(Entry::Input { step, input: RecordedInput::Frame(fingerprint), .. }) => {
                 match begun.video.frame(&fingerprint) {
                     Ok(frame) => pending = Some((step, frame)),
-                    Err(error) => pictures.leave_out(&error),
+                    Err(error) if error.is::<OtherPicture>() => pictures.leave_out(&error),
+                    Err(error) => return Err(error),
                 }
             }
             Ok(Entry::Outcome(outcome)) => {
@@ -70,8 +76,10 @@ pub(super) fn write(recording: &Path, file: OutputFile) -> Result<FilmPictures> 
             Err(error) => return Err(error.into()),
         }
     }
-    if let FilmPictures { drawn: 0, left_out: Some((_, reason)) } = pictures {
-        bail!(reason);
+    if let FilmPictures { drawn, left_out: Some((count, reason)) } = &pictures
+        && *count * LEAST_DRAWN_PER_LEFT_OUT > *drawn
+    {
+        bail!("{count} of {} pictures are missing: {reason}", count + drawn);
     }
     film.finish()?;
     Ok(pictures)

@@ -83,7 +83,7 @@ impl StoredVideo {
             .filter(|frame| frame.sequence == fingerprint.sequence)
             .ok_or_else(|| anyhow!("video frame {} is not in the recording", fingerprint.sequence))?;
         if FrameFingerprint::from_frame(fingerprint.video, &frame).luma_hash != fingerprint.luma_hash {
-            bail!("video frame {} decodes to another picture than in the recorded run", fingerprint.sequence);
+            return Err(OtherPicture { sequence: fingerprint.sequence }.into());
         }
         frame.capture = fingerprint.capture;
         Ok(frame)
@@ -109,6 +109,13 @@ impl StoredVideo {
             }
         }
     }
+}
+
+/// A picture that is not that of the run, by its checksum.
+#[derive(Debug, thiserror::Error)]
+#[error("video frame {sequence} decodes to another picture than in the recorded run")]
+pub struct OtherPicture {
+    sequence: u64,
 }
 
 /// The memory of a queued unit, bytes.

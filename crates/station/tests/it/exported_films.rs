@@ -2,6 +2,7 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::process::Output;
 
 use barrelman_pilot::{CommandPath, Input};
 use barrelman_trial::records::{
@@ -119,25 +120,35 @@ fn a_damaged_picture_is_left_out_and_counted() {
     assert!(out.join("video.mp4").exists() && out.join("annotated.mp4").exists());
 }
 
+/// The film of 20 pictures of which these decode to other ones than in the run.
+fn film_with_others(name: &str, others: &[u64]) -> (Output, PathBuf) {
+    let (recording, out) = scene(name);
+    record(&recording, (0..20).map(|index| (VideoNumber::First, intact(index))));
+    let read = fs::read(&recording).unwrap();
+    let entries = RecordingReader::new(&read[..]).map(|entry| match entry.unwrap() {
+        Entry::Input { step, now, input: RecordedInput::Frame(seen) } if others.contains(&step) => {
+            let input = RecordedInput::Frame(FrameFingerprint { luma_hash: !seen.luma_hash, ..seen });
+            Entry::Input { step, now, input }
+        }
+        entry => entry,
+    });
+    write(&recording, &entries.collect::<Vec<_>>());
+    (barrelman(&["export", "--annotated", "--output", argument(&out), argument(&recording)]), out)
+}
+
 #[test]
 fn a_picture_that_decodes_to_another_one_is_left_out_of_the_film() {
-    let (recording, out) = scene("films-another");
-    let mut entries = Vec::new();
-    record(&recording, (0..20).map(|index| (VideoNumber::First, intact(index))));
-    for entry in RecordingReader::new(&fs::read(&recording).unwrap()[..]) {
-        entries.push(match entry.unwrap() {
-            Entry::Input { step: 5, now, input: RecordedInput::Frame(seen) } => {
-                let input = RecordedInput::Frame(FrameFingerprint { luma_hash: !seen.luma_hash, ..seen });
-                Entry::Input { step: 5, now, input }
-            }
-            entry => entry,
-        });
-    }
-    write(&recording, &entries);
-    let output = barrelman(&["export", "--annotated", "--output", argument(&out), argument(&recording)]);
+    let (output, _) = film_with_others("films-another", &[5]);
     let found = succeeded(&output);
     assert!(found.contains("annotated.mp4: 19 pictures"), "{found}");
     assert!(found.contains("pictures left out of annotated.mp4: 1 (video frame 5 decodes"), "{found}");
+}
+
+#[test]
+fn a_film_of_which_much_is_missing_is_none() {
+    let (output, out) = film_with_others("films-others", &[5, 9, 12]);
+    failed(&output, 1, &["3 of 20 pictures are missing: video frame 5 decodes to another picture"]);
+    assert!(!out.join("annotated.mp4").exists());
 }
 
 #[test]
