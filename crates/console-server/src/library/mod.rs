@@ -143,21 +143,14 @@ impl Library {
         Some(Listed { name, bytes: metadata.len(), state, film, exported, sortie })
     }
 
-    /// The summary of a recording. One that was cut off is read as a whole, by the program in a process of
-    /// its own, one recording at a time.
+    /// The summary of a recording that was cut off, or why there is none. The program reads it as a whole in a
+    /// process of its own, one recording at a time.
     ///
     /// # Errors
-    /// If there is no such recording, or it is being written, or why it has no summary.
-    fn sortie(&self, name: &RecordingName) -> io::Result<Result<Sortie, String>> {
+    /// If there is no such recording, or the program cannot be started.
+    fn observed_sortie(&self, name: &RecordingName) -> io::Result<Result<Sortie, String>> {
         let path = self.path(name);
         let metadata = path.symlink_metadata()?;
-        if !metadata.is_file() {
-            return Err(io::Error::new(io::ErrorKind::NotFound, "it is no file"));
-        }
-        self.require_finished(name)?;
-        if let Some(sortie) = read_sortie(File::open(&path)?)? {
-            return Ok(Ok(sortie));
-        }
         let mut observed = self.observed.lock().unwrap_or_else(PoisonError::into_inner);
         let key = (name.clone(), metadata.len());
         if !observed.contains_key(&key) {
@@ -166,6 +159,19 @@ impl Library {
             observed.insert(key.clone(), sortie);
         }
         Ok(observed[&key].clone())
+    }
+
+    /// The summary that a recording holds; `None`: it was cut off.
+    ///
+    /// # Errors
+    /// If there is no such recording, it is being written, or it cannot be read.
+    fn stored_sortie(&self, name: &RecordingName) -> io::Result<Option<Sortie>> {
+        let path = self.path(name);
+        if !path.symlink_metadata()?.is_file() {
+            return Err(io::Error::new(io::ErrorKind::NotFound, "it is no file"));
+        }
+        self.require_finished(name)?;
+        read_sortie(File::open(&path)?)
     }
 
     /// The summary of a recording from all that it holds, or why there is none.

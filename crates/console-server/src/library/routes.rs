@@ -72,9 +72,13 @@ async fn sortie(State(console): Shared, Path(name): Path<String>, headers: Heade
     answer(async {
         may_enter(&console.access, &headers)?;
         let name = parse(&name)?;
+        let stored = name.clone();
+        if let Some(sortie) = reading(&console, move |library| library.stored_sortie(&stored)).await? {
+            return Ok(json(&sortie));
+        }
         let library = library_of(&console)?;
         let worker = Arc::clone(&library);
-        let observed = library.observing.work(move || worker.sortie(&name)).await;
+        let observed = library.observing.work(move || worker.observed_sortie(&name)).await;
         match observed.map_err(as_refusal)? {
             Ok(sortie) => Ok(json(&sortie)),
             Err(reason) => Err(refusal(StatusCode::UNPROCESSABLE_ENTITY, reason)),
@@ -155,10 +159,12 @@ async fn thumbnail(State(console): Shared, Path(name): Path<String>, headers: He
     answer(async {
         may_enter(&console.access, &headers)?;
         let name = parse(&name)?;
-        if console.is_engaged() {
-            return Err(refusal(StatusCode::CONFLICT, ENGAGED.to_owned()));
-        }
-        let found = reading(&console, move |library| library.thumbnail(&name).map_err(as_io_error));
+        // Asked when its turn has come: the camera may be engaged by then.
+        let asked = Arc::clone(&console);
+        let found = reading(&console, move |library| match asked.is_engaged() {
+            true => Err(io::Error::new(io::ErrorKind::ResourceBusy, ENGAGED)),
+            false => library.thumbnail(&name).map_err(as_io_error),
+        });
         match found.await? {
             Some(picture) => {
                 let headers =

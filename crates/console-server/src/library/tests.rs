@@ -100,7 +100,7 @@ fn a_file_without_a_recording_in_it_is_listed_with_the_reason() {
     std::fs::write(scene.folder.join("empty.mcap"), "").unwrap();
     assert_eq!(scene.names(), [("empty.mcap".to_owned(), RecordingState::CutOff)]);
     let library = Library::new(scene.folder.clone(), program);
-    let reason = library.sortie(&name("empty.mcap")).unwrap().unwrap_err();
+    let reason = library.observed_sortie(&name("empty.mcap")).unwrap().unwrap_err();
     assert_eq!(reason, "it holds no run of this program");
 }
 
@@ -170,16 +170,16 @@ fn a_recording_that_was_cut_off_is_summed_up_once_by_the_program() {
     scene.record("whole.mcap", true);
     scene.record("cut.mcap", false);
     let library = Library::new(scene.folder.clone(), program.clone());
-    assert_eq!(library.sortie(&name("whole.mcap")).unwrap().unwrap().video, "sim:open");
+    assert_eq!(library.stored_sortie(&name("whole.mcap")).unwrap().unwrap().video, "sim:open");
     for _ in 0..2 {
-        assert_eq!(library.sortie(&name("cut.mcap")).unwrap().unwrap().length_s, 7.5);
+        assert_eq!(library.observed_sortie(&name("cut.mcap")).unwrap().unwrap().length_s, 7.5);
     }
     let expected = format!("library --json {}\n", scene.folder.join("cut.mcap").display());
     assert_eq!(std::fs::read_to_string(calls).unwrap(), expected);
     write_program(&program, "#!/bin/sh\necho 'it holds no run of this program' >&2\nexit 1\n");
-    let reason = Library::new(scene.folder.clone(), program).sortie(&name("cut.mcap")).unwrap();
+    let reason = Library::new(scene.folder.clone(), program).observed_sortie(&name("cut.mcap")).unwrap();
     assert_eq!(reason, Err("it holds no run of this program".to_owned()));
-    assert!(library.sortie(&name("absent.mcap")).is_err());
+    assert!(library.observed_sortie(&name("absent.mcap")).is_err());
 }
 
 /// A recording of one picture that browsers cannot decode.
