@@ -234,7 +234,9 @@ where
                     let telemetry = Telemetry { at, report: content };
                     // A vehicle repeats all others.
                     let is_told_once = matches!(content, Report::Equipment(_) | Report::Zoom(_));
-                    if !report(LinkReport::Telemetry(telemetry)) && is_told_once {
+                    // In their order.
+                    let waits = is_told_once && !not_taken.is_empty();
+                    if waits || (!report(LinkReport::Telemetry(telemetry)) && is_told_once) {
                         not_taken.push(telemetry);
                     }
                 });
