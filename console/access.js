@@ -67,6 +67,20 @@ export async function enter() {
   }
 }
 
+/** Lets a page whose token was renewed without it stop all the same. */
+async function offerStop(words) {
+  const response = await fetch("/api/v1/access", { signal: AbortSignal.timeout(ACCESS_TIMEOUT_MS) }).catch(() => null);
+  const { may_stop: mayStop } = (await response?.json().catch(() => null)) ?? {};
+  const button = document.getElementById("entry-stop");
+  button.hidden = !mayStop;
+  button.onclick = async () => {
+    const body = JSON.stringify({ request: { kind: "stop" } });
+    const stop = { method: "POST", headers: { "Content-Type": "application/json" }, body, signal: AbortSignal.timeout(ACCESS_TIMEOUT_MS) };
+    const answer = await fetch("/api/v1/requests", stop).then((sent) => sent.json()).catch(() => null);
+    document.getElementById("entry-error").textContent = answer?.answer === "accepted" ? words.entryStopped : words.entryNotStopped;
+  };
+}
+
 /** Asks for a token until one is accepted. @param {Record<string, any>} words @param {"none" | "wrong"} why */
 export function askForToken(words, why) {
   const title = document.title;
@@ -75,6 +89,7 @@ export function askForToken(words, why) {
   const panel = document.getElementById("entry");
   for (const part of document.querySelectorAll("main, header")) part.hidden = true;
   panel.hidden = false;
+  offerStop(words);
   const field = /** @type {HTMLInputElement} */ (document.getElementById("token"));
   field.focus();
   return new Promise((resolve) => {

@@ -59,6 +59,7 @@ export default {
   entry: "Access", entryPage: "Barrelman: access", entryTitle: "A token is needed", token: "Token or link", open: "Open",
   entryText: "Open the link that the program printed at its start, or paste the link or its token here.",
   linkWrong: "The token of the link that was opened is not known. The program makes new tokens at each start: open the link that it printed last.",
+  entryStopped: "Stopped.", entryNotStopped: "The stop was not confirmed: press again, or stop at the ground station.",
   entryWrong: "This token is not known. The program makes new tokens at each start.",
   // The page on which a box is drawn in one picture
   pickHint: "Drag a box around the whole boat. The wheel zooms.", pickTake: "Track this",

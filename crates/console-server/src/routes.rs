@@ -214,11 +214,18 @@ fn provenance(request: &Request) -> Provenance<'_> {
 pub(super) struct AccessBody {
     /// Whether the token permits more than watching and stopping.
     may_control: bool,
+    /// Whether a stop is taken. With the status 401: a renewal by age has ended the page's cookie, which may
+    /// stop and nothing else.
+    may_stop: bool,
 }
 
 async fn access(State(console): Shared, headers: HeaderMap) -> Response {
     match may_enter(&console.access, &headers) {
-        Ok(role) => json(&AccessBody { may_control: role == Role::Control }),
+        Ok(role) => json(&AccessBody { may_control: role == Role::Control, may_stop: true }),
+        Err(_) if console.access.may_still_stop(text_of(&headers, header::COOKIE)) => {
+            let body = json(&AccessBody { may_control: false, may_stop: true });
+            (StatusCode::UNAUTHORIZED, body).into_response()
+        }
         Err(response) => *response,
     }
 }

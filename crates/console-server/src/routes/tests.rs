@@ -241,7 +241,7 @@ fn without_a_token_nothing_is_told_and_nothing_is_done() {
 
 #[test]
 fn a_demo_on_loopback_asks_for_no_token() {
-    check(DEMO, "GET /api/v1/access", &[], 200, &[r#"{"may_control":true}"#]);
+    check(DEMO, "GET /api/v1/access", &[], 200, &[r#"{"may_control":true,"may_stop":true}"#]);
     check(DEMO, "GET /api/v1/status", &[], 200, &[r#""step":0"#]);
     check(DEMO, "GET /metrics", &[], 200, &[]);
     check(DEMO, ENGAGE, &[], 200, &[r#"{"id":8,"answer":"accepted"}"#]);
@@ -514,7 +514,7 @@ fn a_token_is_exchanged_for_a_cookie_with_the_same_role() {
         let cookie = format!("cookie: theme=night; {}", log_in(&mut session, token));
         let (status, text) = call(&mut session, "GET /api/v1/access", &[&cookie]);
         assert_eq!(status, 200);
-        assert!(text.ends_with(&format!(r#"{{"may_control":{may_control}}}"#)), "{text}");
+        assert!(text.ends_with(&format!(r#"{{"may_control":{may_control},"may_stop":true}}"#)), "{text}");
         call(&mut session, ENGAGE, &[&cookie]);
         assert_eq!(session.taken.len(), usize::from(may_control));
         assert!(call(&mut session, STOP, &[&cookie]).1.contains("accepted"));
@@ -582,6 +582,8 @@ fn a_page_that_missed_a_renewal_by_age_can_still_stop_and_nothing_else() {
     assert_eq!(call(&mut session, STOP, &[&cookie]).0, 200);
     assert_eq!(session.console.gateway.stop_latch().taken(), 1);
     assert_eq!(call(&mut session, "GET /api/v1/status", &[&cookie]).0, 401);
+    let (status, text) = call(&mut session, "GET /api/v1/access", &[&cookie]);
+    assert_eq!((status, text.contains(r#"{"may_control":false,"may_stop":true}"#)), (401, true), "{text}");
     // New links end what may have become known.
     session.console.links.renew(&session.console.access, &[]).unwrap();
     assert_eq!(call(&mut session, STOP, &[&cookie]).0, 401);
