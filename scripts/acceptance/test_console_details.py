@@ -48,7 +48,9 @@ def test_tile_that_did_not_come_is_asked_for_again_unless_there_is_none(page: Al
           const place = { below_camera: { latitude_deg: 60, longitude_deg: -90 }, ahead_deg: 0 };
           const metres = 2 * Math.PI * 6378137 * Math.cos(60 * Math.PI / 180);
           const draw = () => {
-            for (const zoom of [0, 1]) drawTiles(pen, place, [0, 0], 255 * 2 ** zoom / metres, [-1, -1, 2], 1);
+            for (const zoom of [0, 1]) {
+              drawTiles(pen, place, [0, 0], 255 * 2 ** zoom / metres, [-1, -1, 2], 1);
+            }
             if (drawn > 0) return finish(asked);
             setTimeout(draw, 50);
           };

@@ -4,6 +4,7 @@ Old tokens and cookies must open nothing, the file of the tokens and `barrelman 
 the page that renews must stay, and no sign-out may move or stop anything by itself.
 """
 
+import http.client
 import json
 import os
 import pathlib
@@ -123,6 +124,27 @@ def test_old_tokens_are_renewed_and_open_pages_stay(
     os.utime(program.tokens, (made_anew, made_anew))
     with Kept(barrelman, tmp_path, "--token-ttl", "0.002") as later:
         check("tokens that got old meanwhile are not used", later.tokens.stat().st_mtime > made_anew)
+
+
+def test_page_that_missed_a_renewal_is_offered_a_stop(
+    barrelman: pathlib.Path, tmp_path: pathlib.Path, check: Check, pytestconfig: pytest.Config
+) -> None:
+    # 14 seconds: the cookie of before the renewal stops until the next one.
+    with Kept(barrelman, tmp_path, "--token-ttl", "0.004") as program:
+        old = program.read()
+        connection = http.client.HTTPConnection(program.host)
+        connection.request("POST", "/api/v1/login", headers={"Authorization": f"Bearer {old[0]}"})
+        name, value = (connection.getresponse().getheader("Set-Cookie") or "").split(";")[0].split("=")
+        connection.close()
+        with Page(f"http://{program.host}/", tmp_path) as page:
+            page.driver.add_cookie({"name": name, "value": value})
+            wait_until(lambda: program.read() != old, "new tokens", pause=0.1)
+            page.driver.get(f"http://{program.host}/")
+            wait_until(lambda: page.element("entry-stop").is_displayed(), "the button")
+            page.screenshots(pytestconfig.getoption("--screenshots"), "entry-stop")
+            page.click("entry-stop")
+            wait_until(lambda: page.text("entry-error") == "Stopped.", lambda: page.text("entry-error"))
+        check("the program has stopped", program.status()["stops_taken"] == 1, program.status()["mode"])
 
 
 def test_renewal_needs_a_file(barrelman: pathlib.Path, check: Check) -> None:
