@@ -62,8 +62,19 @@ pub fn lens_in_force(dynamics: &CameraDynamics, focal_share: f64, picture: Pictu
     calibrated.unwrap_or_else(|| pinhole(focal_share, picture))
 }
 
-/// A lens without distortion with this focal length, a share of the picture's width.
-pub fn pinhole(focal_share: f64, picture: PictureSize) -> Lens {
+/// The lens of the video that is followed: a pinhole where the video has a camera of its own, whose focal
+/// length is the share `of_other`, or else that of this camera ([`lens_in_force`]).
+pub fn lens_of_video(
+    dynamics: &CameraDynamics,
+    focal_share: f64,
+    of_other: Option<f64>,
+    picture: PictureSize,
+) -> Lens {
+    let own = || lens_in_force(dynamics, focal_share, picture);
+    of_other.map_or_else(own, |share| pinhole(share, picture))
+}
+
+fn pinhole(focal_share: f64, picture: PictureSize) -> Lens {
     Lens::pinhole(picture, focal_share * f64::from(picture.width))
 }
 
@@ -176,10 +187,7 @@ impl CameraModel {
 
     /// The lens at a time for a picture of this size ([`lens_in_force`]).
     pub fn lens_at(&self, at: Timestamp, picture: PictureSize) -> Lens {
-        match self.focal_length.of_other() {
-            Some(share) => pinhole(share, picture),
-            None => lens_in_force(&self.dynamics, self.focal_length.at(at), picture),
-        }
+        lens_of_video(&self.dynamics, self.focal_length.at(at), self.focal_length.of_other(), picture)
     }
 
     /// Pan (relative to the initial direction; unbounded) and tilt at a time, radians. The history covers at

@@ -6,7 +6,7 @@
 //! known here and counts as none, and so does the distortion of a lens that is not calibrated: at the border
 //! of a wide picture the distance is then too large by some percent.
 
-use barrelman_control::camera_model::{focal_share_of, lens_in_force, pinhole};
+use barrelman_control::camera_model::{focal_share_of, lens_of_video};
 use barrelman_control::water::WaterView;
 use barrelman_control::water::earth::place_on_earth;
 use barrelman_pilot::on_earth::NotOnEarth;
@@ -68,13 +68,9 @@ impl BoatFinder {
     ) -> Option<BoatOnWater> {
         let Track::Tracking(Localisation { picture, bounds, .. }) = track else { return None };
         let height_m = vehicle.altitude_m.filter(|height| *height >= LEAST_HEIGHT_M)?;
-        let lens = match vehicle.other_field_of_view.and_then(focal_share_of) {
-            Some(share) => pinhole(share, picture),
-            None => {
-                let reported = vehicle.field_of_view.and_then(focal_share_of);
-                lens_in_force(&self.camera, reported.unwrap_or(self.camera.focal_share), picture)
-            }
-        };
+        let share = vehicle.field_of_view.and_then(focal_share_of).unwrap_or(self.camera.focal_share);
+        let of_other = vehicle.other_field_of_view.and_then(focal_share_of);
+        let lens = lens_of_video(&self.camera, share, of_other, picture);
         let camera = CameraAboveWater {
             below: WaterPoint::default(),
             height_m,
