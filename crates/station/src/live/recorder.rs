@@ -235,7 +235,7 @@ struct RecordingDisk {
 
 impl RecordingDisk {
     fn write<W: Write>(
-        mut self,
+        self,
         queue: &mut dyn Inbox<Item>,
         queued_bytes: &AtomicUsize,
         mut writer: RecordingWriter<W>,
@@ -276,8 +276,8 @@ impl RecordingDisk {
         Ok(sortie)
     }
 
-    fn ask_for_sync(&mut self, wanted: Wanted) -> Result<()> {
-        self.sync.as_mut().map_or(Ok(()), |sync| sync.ask(wanted)).context(NOT_KEPT)
+    fn ask_for_sync(&self, wanted: Wanted) -> Result<()> {
+        self.sync.as_ref().map_or(Ok(()), |sync| sync.ask(wanted)).context(NOT_KEPT)
     }
 }
 

@@ -1,8 +1,8 @@
-//! Makes the disk keep a recording: waits for it on a thread of its own, as a card or a stick may take seconds,
-//! in which the recorder goes on. Content that a file system keeps in memory is lost in a power cut.
+//! Makes the disk keep a recording: content that a file system keeps in memory is lost in a power cut. A
+//! thread of its own waits for the disk, as a card or a stick may take seconds; the recorder goes on.
 
 use std::io;
-use std::sync::mpsc::{Receiver, SyncSender, TryRecvError, TrySendError, channel, sync_channel};
+use std::sync::mpsc::{Receiver, SyncSender, channel, sync_channel};
 use std::thread::JoinHandle;
 
 use barrelman_host::output::OutputSync;
@@ -64,15 +64,14 @@ impl SyncThread {
     ///
     /// # Errors
     /// That of an earlier wait.
-    pub(super) fn ask(&mut self, wanted: Wanted) -> io::Result<()> {
-        match self.failed.try_recv() {
-            Ok(error) => return Err(error),
-            Err(TryRecvError::Empty | TryRecvError::Disconnected) => {}
-        }
-        match self.wanted.try_send(wanted) {
-            // A thread that has panicked has told the run.
-            Ok(()) | Err(TrySendError::Full(_) | TrySendError::Disconnected(_)) => Ok(()),
-        }
+    pub(super) fn ask(&self, wanted: Wanted) -> io::Result<()> {
+        // A thread that has panicked has told the run.
+        let _ = self.wanted.try_send(wanted);
+        Self::failure_of(&self.failed)
+    }
+
+    fn failure_of(failed: &Receiver<io::Error>) -> io::Result<()> {
+        failed.try_recv().map_or(Ok(()), Err)
     }
 
     /// Waits until the disk has the whole recording and its name.
@@ -83,6 +82,6 @@ impl SyncThread {
         let _ = self.wanted.send(Wanted::ContentAndName);
         drop(self.wanted);
         let _ = self.thread.join();
-        self.failed.try_recv().map_or(Ok(()), Err)
+        Self::failure_of(&self.failed)
     }
 }
