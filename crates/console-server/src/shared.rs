@@ -221,8 +221,8 @@ impl Console {
         })
     }
 
-    /// Whether the camera follows, or may do so.
-    pub(super) fn is_engaged(&self) -> bool {
+    /// Whether the camera follows, searches, or makes test motions.
+    pub(super) fn may_follow(&self) -> bool {
         match self.snapshots.borrow().outcome.as_ref().map(|outcome| outcome.mode) {
             Some(Mode::Servoing | Mode::Holding(_) | Mode::Searching | Mode::Calibrating) => true,
             Some(Mode::Idle | Mode::Nudging | Mode::Stopped(_)) | None => false,
@@ -235,7 +235,7 @@ impl Console {
         let due = self.links.due()?;
         let is_boat_under_way =
             self.snapshots.borrow().outcome.as_ref().is_some_and(|outcome| is_under_way(outcome.vessel.mode));
-        let is_moving = self.is_engaged() || is_boat_under_way;
+        let is_moving = self.may_follow() || is_boat_under_way;
         Some(if is_moving { due.max(now.plus(RENEWAL_PAUSE)) } else { due })
     }
 

@@ -65,8 +65,8 @@ impl Tokens {
         Ok(Self { control: secret()?, watch: secret()? })
     }
 
-    /// The tokens of a file. Where it is missing or empty, or its tokens are older than `max_age`, it is made with new
-    /// tokens, for its owner alone.
+    /// The tokens of a file. Where it is missing or empty, or its tokens are older than `max_age`, it is made
+    /// with new tokens, for its owner alone.
     ///
     /// # Errors
     /// As [`Self::read`], and if the file cannot be made.

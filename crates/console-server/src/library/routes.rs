@@ -135,7 +135,7 @@ async fn part(
         let session = Arc::clone(&console);
         let found = reading(&console, move |library| {
             library
-                .part(&name, Duration::from_millis(from_ms), form, &|| !session.is_engaged())
+                .part(&name, Duration::from_millis(from_ms), form, &|| !session.may_follow())
                 .map_err(as_io_error)
         });
         let Some(Part { items, next, began }) = found.await? else {
@@ -161,7 +161,7 @@ async fn thumbnail(State(console): Shared, Path(name): Path<String>, headers: He
         let name = parse(&name)?;
         // Asked when its turn has come: the camera may be engaged by then.
         let asked = Arc::clone(&console);
-        let found = reading(&console, move |library| match asked.is_engaged() {
+        let found = reading(&console, move |library| match asked.may_follow() {
             true => Err(io::Error::new(io::ErrorKind::ResourceBusy, ENGAGED)),
             false => library.thumbnail(&name).map_err(as_io_error),
         });
@@ -219,7 +219,7 @@ async fn answer(work: impl Future<Output = Result<Response, Refusal>>) -> Respon
 /// Anyone who has the token for control, while the camera does not follow.
 fn may_change(console: &Console, headers: &HeaderMap) -> Result<(), Refusal> {
     may_control(&console.access, headers)?;
-    if console.is_engaged() {
+    if console.may_follow() {
         return Err(refusal(StatusCode::CONFLICT, "disengage the camera first".to_owned()));
     }
     Ok(())

@@ -16,7 +16,7 @@ pub(super) const LEAST_PRIORITY: i32 = 19;
 pub(super) struct Turns(Arc<Semaphore>);
 
 impl Turns {
-    /// So many at a time.
+    /// `count` pieces of work at a time.
     pub(super) fn new(count: usize) -> Self {
         Self(Arc::new(Semaphore::new(count)))
     }

@@ -314,7 +314,7 @@ fn the_disk_has_the_start_at_once_and_the_whole_recording_at_the_end() {
     assert_eq!(disk.waits(3)[2..], [(length, true)]);
 }
 
-/// A disk for which nobody is done waiting before it is let go.
+/// A disk that is waited for until the lock is free.
 struct StalledDisk(Arc<Mutex<()>>);
 
 impl DiskSync for StalledDisk {

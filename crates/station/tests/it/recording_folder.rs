@@ -15,7 +15,7 @@ const OLDEST: &str = "run-20260101T000000Z.mcap";
 const OLD: &str = "run-20260201T000000Z.mcap";
 const FOREIGN: &str = "sortie.mcap";
 
-/// Writes a file of 600 bytes that was changed so many days ago.
+/// Writes a file of 600 bytes whose last change was `days` days ago.
 fn write_old(path: &Path, days: u64) {
     fs::write(path, [0; 600]).unwrap();
     let changed = SystemTime::now() - Duration::from_secs(days * 86_400);
