@@ -8,6 +8,7 @@ import http.client
 import json
 import os
 import pathlib
+import time
 from collections.abc import Iterator
 from typing import Any
 
@@ -21,7 +22,7 @@ from client import STOP, WORLD, Program, Request, Socket
 from conftest import Check
 from machine import poll, wait_until
 from page import Page, axe_finds
-from process import run
+from process import run, secret
 
 pytestmark = pytest.mark.apart
 
@@ -129,8 +130,11 @@ def test_old_tokens_are_renewed_and_open_pages_stay(
 def test_page_that_missed_a_renewal_is_offered_a_stop(
     barrelman: pathlib.Path, tmp_path: pathlib.Path, check: Check, pytestconfig: pytest.Config
 ) -> None:
-    # 14 seconds: the cookie of before the renewal stops until the next one.
-    with Kept(barrelman, tmp_path, "--token-ttl", "0.004") as program:
+    # Renewed once, in 20 seconds: the cookie of before stops until the next renewal, an hour later.
+    secret(tmp_path / "tokens", "control-of-an-hour-ago", "watch-of-an-hour-ago")
+    nearly_too_old = time.time() - 3600 + 20
+    os.utime(tmp_path / "tokens", (nearly_too_old, nearly_too_old))
+    with Kept(barrelman, tmp_path, "--token-ttl", "1") as program:
         old = program.read()
         connection = http.client.HTTPConnection(program.host)
         connection.request("POST", "/api/v1/login", headers={"Authorization": f"Bearer {old[0]}"})
