@@ -20,10 +20,10 @@ let shown = "";
 let beside;
 const stage = watching("picture");
 const secondStage = watching("second-picture");
-const player = new Player((image, quarters, scene) => draw(stage, "scene", chosenOne(), player, { image, quarters, scene }));
+const player = new Player((image, quarters, scene, ms) => draw(stage, "scene", chosenOne(), { image, quarters, scene, ms }));
 /** Of the recording that was chosen: its delay is not recorded. */
 const strips = new Strips($("strips"), { ...words.strip, delay: "" }, () => player.ms);
-const second = new Player((image, quarters, scene) => draw(secondStage, "second-scene", beside, second, { image, quarters, scene }));
+const second = new Player((image, quarters, scene, ms) => draw(secondStage, "second-scene", beside, { image, quarters, scene, ms }));
 
 /** A stage on which nothing is chosen. */
 function watching(id) {
@@ -34,12 +34,12 @@ function watching(id) {
   return made;
 }
 
-function draw(on, text, recording, of, { image, quarters, scene }) {
+function draw(on, text, recording, { image, quarters, scene, ms }) {
   const snapshot = scene && { ...scene, video: { captured_ns: scene.captured_ns } };
   on.show(image, quarters, { captured: scene?.captured_ns ?? 0, snapshot });
   if (snapshot && on === stage) strips.add(snapshot, null);
-  if (recording) $(text).textContent = sceneText(recording, scene, of.ms);
-  $(text).dataset.ms = String(Math.round(of.ms));
+  if (recording) $(text).textContent = sceneText(recording, scene, ms);
+  $(text).dataset.ms = String(ms);
 }
 
 const place = (name) => `/api/v1/recordings/${encodeURIComponent(name)}`;

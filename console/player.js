@@ -42,7 +42,7 @@ export class Player extends EventTarget {
   #lastTick = 0;
   #decoder;
 
-  /** @param {(image: any, quarters: number, scene: any) => void} draw */
+  /** @param {(image: any, quarters: number, scene: any, ms: number) => void} draw Gets the time of the picture too. */
   constructor(draw) {
     super();
     this.draw = draw;
@@ -89,8 +89,10 @@ export class Player extends EventTarget {
   /** One picture on, or back. */
   step(direction) {
     this.play(false);
-    const times = this.#units.map(({ ms }) => ms);
-    const at = direction > 0 ? times.find((time) => time > this.ms + 0.5) : times.findLast((time) => time < (this.#shown < 0 ? this.ms : this.#shown) - 0.5);
+    const times = this.#units.map(({ ms }) => ms).sort((one, other) => one - other);
+    // Before the first picture, that one is shown.
+    const shown = Math.max(0, times.findLastIndex((time) => time <= this.ms));
+    const at = times[shown + direction];
     if (direction > 0 && at !== undefined) this.ms = at;
     else this.seek(at ?? this.ms + direction * 34);
   }
@@ -172,7 +174,7 @@ export class Player extends EventTarget {
     if (ready < 0) return;
     const passed = this.#pictures.splice(0, ready + 1);
     const { image, captured, quarters, ms } = passed[ready];
-    this.draw(image, quarters, this.#scenes.get(captured) ?? null);
+    this.draw(image, quarters, this.#scenes.get(captured) ?? null, ms);
     this.#shown = ms;
     for (const picture of passed) picture.image.close();
   }
