@@ -18,8 +18,9 @@
 //! - A sender whose clock goes on across connections is recognised, and keeps its baseline.
 //! - A clock that no quartz explains is recognised ([`clock_check`]): times of arrival are used instead.
 //!
-//! RTP time that steps backwards, also by a little and for good ([`set_back`]), or forwards faster than a queue drains, has jumped: the delay is then taken
-//! to be what it was directly before, and longer by what this picture came later than the sender's interval.
+//! RTP time that steps backwards, also by a little and for good ([`set_back`]), or forwards faster than a
+//! queue drains, has jumped: the delay is then taken to be what it was directly before, and longer by what
+//! this picture came later than the sender's interval.
 
 mod arrived;
 mod baseline;
@@ -103,7 +104,7 @@ impl VideoTiming {
 /// explains.
 const MAX_STEP_NS: i128 = 1_000_000_000;
 
-/// Largest queue that a sender report passes.
+/// Largest queue before a picture or a sender report.
 const MAX_QUEUE_NS: i128 = 60_000_000_000;
 
 /// The clock of a new connection is that of the connection before if its offset is smaller by at most this.

@@ -455,6 +455,32 @@ fn the_senders_wall_clock_tells_the_delay_of_a_new_connection() {
 }
 
 #[test]
+fn a_sender_that_restarts_with_another_wall_clock_is_in_time() {
+    for ahead_s in [-5000.0, -3e9] {
+        let mut sender = Sender::new();
+        for _ in 0..4 {
+            sender.run(5.0, jitter_s);
+            sender.report(-4000.0, 0.01);
+        }
+        sender.reconnect(30.0);
+        sender.rtp_start_s += 5000.0;
+        sender.run(1.0, jitter_s);
+        for _ in 0..4 {
+            sender.report(ahead_s, 0.01);
+            let seen = last(&sender.run(5.0, jitter_s));
+            assert_eq!(seen.timing, VideoTiming::InTime, "{ahead_s}: {seen:?}");
+        }
+        // Its own delay is seen on the next connection.
+        sender.reconnect(1.0);
+        sender.rtp_start_s += 5000.0;
+        sender.run(1.0, |_| 2.0);
+        sender.report(ahead_s, 2.0);
+        let seen = last(&sender.run(3.0, |_| 2.0));
+        assert!(is_late(seen), "{ahead_s}: {seen:?}");
+    }
+}
+
+#[test]
 fn where_the_wall_clocks_agree_a_delay_from_the_start_is_seen() {
     for (ahead_s, expected) in [(0.0, true), (-20.0, false)] {
         let mut sender = Sender::new();

@@ -3,7 +3,8 @@
 //! A report relates the sender's RTP time to its wall clock (RFC 3550, 6.4.1), and its arrival relates RTP
 //! time to ours. So offset + c, with c from the report, is the time of arrival by our wall clock less the
 //! time of capture by the sender's wall clock: the difference of the wall clocks plus the delay. A wall clock
-//! goes on where a connection begins anew, so that a queue that outlasts the connection is seen.
+//! goes on where a connection begins anew, so that a queue that outlasts the connection is seen. A delay that is
+//! longer than a queue shows that it did not go on: the sender has restarted without a clock of its own.
 //!
 //! Wall-clock times are used once three reports in turn gave the same c to within 50 ms: some senders stamp
 //! reports with whole seconds, or with the time at which a queued picture leaves. The clocks are shown to
@@ -12,6 +13,7 @@
 
 use barrelman_vocab::time::Timestamp;
 
+use super::MAX_QUEUE_NS;
 use super::arrived::SenderReport;
 use super::baseline::Baseline;
 
@@ -44,7 +46,7 @@ impl WallClock {
         (self.difference_ns, self.steady) = (None, 0);
     }
 
-    /// Nothing is known any more: RTP time has jumped.
+    /// Nothing is known any more: a clock has jumped.
     pub(super) fn forget(&mut self) {
         *self = Self::default();
     }
@@ -78,6 +80,11 @@ impl WallClock {
             // The baseline lies no higher than a latency in time.
             baseline.observe(MAX_LATENCY_NS, arrival);
         }
-        Some(baseline.observe(latency_ns, arrival))
+        let delay_ns = baseline.observe(latency_ns, arrival);
+        if delay_ns > MAX_QUEUE_NS {
+            self.forget();
+            return None;
+        }
+        Some(delay_ns)
     }
 }
