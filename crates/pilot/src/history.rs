@@ -56,6 +56,11 @@ impl FrameHistory {
         self.frames.push_back(frame.clone());
     }
 
+    /// Forgets all frames: those that follow are of another video.
+    pub(crate) fn clear(&mut self) {
+        self.frames.clear();
+    }
+
     /// The frame captured at `captured`, or the nearest one in time.
     pub(crate) fn find(&self, captured: Timestamp) -> Option<&VideoFrame> {
         let distance = |frame: &&VideoFrame| {

@@ -26,6 +26,8 @@ pub enum Refusal {
         /// How long video frames are kept.
         kept: Duration,
     },
+    /// The video frame of the selection or mark is of the video that was followed before.
+    OtherVideo,
     /// The video frame of the selection or mark is not taken yet.
     NotYetCaptured,
     /// A tap that proposes nothing, for this reason.
@@ -90,6 +92,9 @@ impl fmt::Display for Refusal {
                 age.as_secs_f64(),
                 kept.as_secs_f64()
             ),
+            Self::OtherVideo => {
+                f.write_str("the picture is from before the change of the video: draw or tap once more")
+            }
             Self::NotYetCaptured => f.write_str(
                 "the time of the picture lies in the future: captured_ns must be that of a picture of this run",
             ),

@@ -74,6 +74,8 @@ pub struct Pilot {
     percept: Option<Percept>,
     advice: Option<Advice>,
     last_capture: Option<Timestamp>,
+    /// Since when the video frames are of the video that is followed now.
+    video_since: Timestamp,
     /// The tilt that was reported last, and when.
     reported_tilt: Option<(Angle, Timestamp)>,
     /// When the link rests the camera by itself, unless the pilot is stepped before.
@@ -132,6 +134,7 @@ impl Pilot {
             percept: None,
             advice: None,
             last_capture: None,
+            video_since: Timestamp::ZERO,
             reported_tilt: None,
             rested_at: None,
             opposed_motion: OpposedMotion::default(),

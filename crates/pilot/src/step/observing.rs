@@ -65,6 +65,9 @@ impl Pilot {
 
     /// A detector has looked at an earlier video frame.
     pub(super) fn on_detections(&mut self, detections: &Detections) {
+        if self.other_video(detections.captured).is_some() {
+            return;
+        }
         self.candidates.on_detections(detections);
         if self.drawn_selection.is_none() {
             let law = &self.law;

@@ -6,6 +6,7 @@ use barrelman_vocab::{Angle, Telemetry, Timestamp};
 
 use super::Pilot;
 use crate::object_trackers::TrackedObject;
+use crate::outcome::Refusal;
 
 impl Pilot {
     /// Passes reports of the camera on to the law, and those of the vehicle to the safety rule.
@@ -29,6 +30,8 @@ impl Pilot {
                 self.law.on_other_video(field_of_view, telemetry.at);
                 // Another object may be where the held ones were.
                 self.held_marks.trackers.iter_mut().for_each(TrackedObject::lose);
+                self.history.clear();
+                self.video_since = telemetry.at;
             }
             Report::GimbalAttitude(attitude) => {
                 let tilt = self.settings.profile.gimbal_tilt.and_then(|convention| convention.tilt(attitude));
@@ -46,6 +49,11 @@ impl Pilot {
             }
             _ => {}
         }
+    }
+
+    /// Why nothing is done with what is seen in a picture that was captured before the change of the video.
+    pub(super) fn other_video(&self, captured: Timestamp) -> Option<Refusal> {
+        (captured < self.video_since).then_some(Refusal::OtherVideo)
     }
 
     /// The vehicle tells the elevation of the camera's axis.

@@ -1,6 +1,6 @@
 //! The pilot's part of a search and of a calibration: when a search may begin, their commands, and their end.
 
-use barrelman_vocab::{CameraRequest, ImagePoint, PictureSize, Timestamp, Track};
+use barrelman_vocab::{CameraRequest, DrawnSelection, ImagePoint, PictureSize, Tap, Timestamp, Track};
 
 use super::Pilot;
 use crate::outcome::{LOST_BEFORE_SEARCH, Notice, Refusal};
@@ -20,9 +20,9 @@ impl Pilot {
             }
             CameraRequest::KeepSize { keep: true } => self.no_zoom(),
             CameraRequest::Nudge(nudge) if nudge.zoom != 0.0 => self.no_zoom(),
-            CameraRequest::Select(_)
-            | CameraRequest::SelectNext(_)
-            | CameraRequest::Propose(_)
+            CameraRequest::Select(DrawnSelection { captured_ns, .. })
+            | CameraRequest::Propose(Tap { captured_ns, .. }) => self.other_video(*captured_ns),
+            CameraRequest::SelectNext(_)
             | CameraRequest::Candidates { .. }
             | CameraRequest::TakeCandidate { .. }
             | CameraRequest::Reject

@@ -10,6 +10,12 @@ use crate::vessel::{Observed, VesselNotice, VesselOutcome, VesselView};
 impl Pilot {
     /// Processes a request about the vessel. Returns what the operator has to know.
     pub(super) fn on_vessel_request(&mut self, request: &VesselRequest, now: Timestamp) -> Option<Notice> {
+        if let VesselRequest::Mark(DrawnMark { captured_ns, .. })
+        | VesselRequest::MoveMark(MovedMark { captured_ns, .. }) = request
+            && let Some(refusal) = self.other_video(*captured_ns)
+        {
+            return Some(Notice::RequestRefused(refusal));
+        }
         let is_boat_seen = matches!(self.track, Track::Tracking(_))
             && self.drawn_selection.is_none()
             && !self.verification.is_doubted();

@@ -5,9 +5,10 @@ use core::time::Duration;
 
 use barrelman_pilot::outcome::Unconfirmed;
 use barrelman_pilot::{Input, LawSettings, Mode, Notice, Outcome, Pilot, PilotSettings, Refusal};
+use barrelman_vocab::telemetry::Report;
 use barrelman_vocab::{
     CameraCommand, CameraRequest, DrawnSelection, HoldCause, LawId, Nudge, OperatorRequest, PixelBox,
-    StopCause, Timestamp, Track,
+    StopCause, Telemetry, Timestamp, Track,
 };
 
 use crate::scenes::{Answer, PICTURE, RIGHT, Scripted, at, frame, settings};
@@ -148,6 +149,22 @@ fn a_selection_on_a_frame_that_is_not_kept_is_refused_and_the_track_goes_on() {
     let refused = step.notice.expect("a notice");
     assert!(matches!(refused, Notice::RequestRefused(Refusal::SelectionTooOld { .. })), "{refused}");
     assert!(matches!(step.track, Track::Tracking(_)));
+}
+
+#[test]
+fn what_was_drawn_before_the_change_of_the_video_is_refused() {
+    let mut pilot = pilot(1, vec![Answer::Tracking(RIGHT); 40]);
+    frames(&mut pilot, 0..10);
+    let changed = at(1000 + 10 * FRAME_MS);
+    let report = Report::OtherVideo(None);
+    pilot.step(Input::Telemetry(Telemetry { at: changed, report }), changed);
+    frames(&mut pilot, 13..15);
+    let old = request(&mut pilot, select_on(9), 1500);
+    assert_eq!(old.notice, Some(Notice::RequestRefused(Refusal::OtherVideo)));
+    frames(&mut pilot, 16..17);
+    let new = request(&mut pilot, select_on(14), 1530);
+    assert_eq!(new.notice, None);
+    assert!(frames(&mut pilot, 17..18)[0].is_confirming);
 }
 
 #[test]
