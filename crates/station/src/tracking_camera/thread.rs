@@ -12,7 +12,7 @@ use barrelman_console_server::snapshot::SharedSnapshot;
 use barrelman_host::clock::Clock;
 use barrelman_link::Waker;
 use barrelman_link::port_io::poll_for;
-use barrelman_vocab::{CameraRequest, DrawnSelection, OperatorRequest, Tap, Timestamp};
+use barrelman_vocab::{CameraRequest, DrawnSelection, OperatorRequest, Tap, Timestamp, VideoNumber};
 use barrelman_wire::mavlink::TrackingCamera;
 use barrelman_wire::mavlink::tracking_camera::{RequestNumber, TrackingAnswer, TrackingRequest};
 use rustix::event::{PollFd, PollFlags};
@@ -144,10 +144,22 @@ impl Work {
             }
             let now = self.parts.clock.now();
             camera.received(&buffer[..read], now, &mut |number, request| {
-                waiting.push((number, self.parts.gateway.submit(self.request(request))));
+                waiting.push((number, self.submit(request)));
             });
         }
         Ok(())
+    }
+
+    /// Submits a request. Ground stations show the first video: a selection is refused while the other one is
+    /// followed.
+    fn submit(&self, request: TrackingRequest) -> oneshot::Receiver<Answer> {
+        let is_shown = self.parts.snapshots.borrow().video.number == VideoNumber::First;
+        if is_shown || matches!(request, TrackingRequest::Forget) {
+            return self.parts.gateway.submit(self.request(request));
+        }
+        let (answer, receiver) = oneshot::channel();
+        let _ = answer.send(Answer::Refused("the boat is followed in the other video".to_owned()));
+        receiver
     }
 
     /// The request to the pilot. A selection names the video frame that the ground station shows.

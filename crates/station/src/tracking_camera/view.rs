@@ -3,17 +3,18 @@
 use std::time::Duration;
 
 use barrelman_console_server::snapshot::Snapshot;
-use barrelman_vocab::{Timestamp, Track};
+use barrelman_vocab::{Timestamp, Track, VideoNumber};
 use barrelman_wire::mavlink::tracking_camera::{Shown, ShownTarget};
 
 /// A target in a picture that is older than this is not shown any more.
 const MAX_AGE: Duration = Duration::from_secs(1);
 
 /// What is shown of a snapshot at `now`. A selection that is not confirmed yet is no target, nor is what a
-/// detector doubts.
+/// detector doubts, nor what is followed in the second video: ground stations show the first.
 pub(super) fn view(snapshot: &Snapshot, now: Timestamp) -> Shown {
     let Some((captured, picture)) = snapshot.video.frame else { return Shown::default() };
     let target = match &snapshot.outcome {
+        _ if snapshot.video.number != VideoNumber::First => ShownTarget::None,
         Some(outcome) if outcome.is_target_uncertain() => ShownTarget::None,
         Some(outcome) => shown_target(&outcome.track, now.since(captured)),
         None => ShownTarget::None,
@@ -75,6 +76,13 @@ mod tests {
         };
         assert_eq!(target(outcome.clone()), ShownTarget::Seen(bounds));
         assert_eq!(target(Outcome { is_confirming: true, ..outcome.clone() }), ShownTarget::None);
+        let video = VideoSnapshot {
+            frame: Some((at(0), PICTURE)),
+            number: VideoNumber::Second,
+            ..VideoSnapshot::default()
+        };
+        let second = Snapshot { outcome: Some(outcome.clone()), video, ..Snapshot::default() };
+        assert_eq!(view(&second, at(100)).target, ShownTarget::None);
         assert_eq!(target(Outcome { is_doubted: true, ..outcome }), ShownTarget::None);
     }
 
