@@ -20,7 +20,8 @@ const PREFERRED: [DeviceFormat; 4] =
 
 pub(super) fn open(play: &Arc<Play>, settings: &DeviceSettings) -> Result<(), SourceFailure> {
     if !settings.path.exists() {
-        return Err(permanent("does not exist", present_devices(Path::new("/sys/class/video4linux"))));
+        // A camera may be plugged in later.
+        return Err(temporary("does not exist", present_devices(Path::new("/sys/class/video4linux"))));
     }
     let source = play.add("v4l2src")?;
     source.set_property("device", settings.path.to_string_lossy().as_ref());

@@ -153,7 +153,7 @@ fn an_absent_device_fails_with_what_there_is() {
     let path = PathBuf::from("/dev/video-absent");
     let settings = DeviceSettings { path, size: None, fps: None, format: None };
     let failure = failure(SourceAddress::Device(settings));
-    assert_eq!((failure.what.as_str(), failure.is_final), ("does not exist", true));
+    assert_eq!((failure.what.as_str(), failure.is_final), ("does not exist", false));
     assert!(failure.remedy.contains("device") || failure.remedy.contains("/dev/video"), "{failure:?}");
 }
 
