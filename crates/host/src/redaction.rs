@@ -1,8 +1,12 @@
 //! Logins in addresses: hidden in texts that are shown, logged or recorded, and found where a password is not
 //! percent-encoded.
 
-/// The text with the login of every address replaced by `***`, also in addresses that cannot be parsed. An
-/// address ends at white space or a quotation mark.
+/// How the name of a parameter ends whose value is a secret.
+const SECRET_NAMES: [&str; 9] =
+    ["password", "passwd", "passphrase", "pass", "pwd", "pw", "token", "secret", "key"];
+
+/// The text with the login of every address, and with every secret parameter, replaced by `***`, also in
+/// addresses that cannot be parsed. An address ends at white space or a quotation mark.
 pub fn without_logins(text: &str) -> String {
     let mut shown = String::with_capacity(text.len());
     let mut rest = text;
@@ -23,6 +27,34 @@ pub fn without_logins(text: &str) -> String {
             }
             None => after,
         };
+    }
+    without_secret_values(&(shown + rest))
+}
+
+/// The text with the values of secret parameters replaced by `***`: `password=...` in the query or the path of
+/// an address, `user-pw=...` in a pipeline.
+fn without_secret_values(text: &str) -> String {
+    let mut shown = String::with_capacity(text.len());
+    let mut rest = text;
+    while let Some((before, after)) = rest.split_once('=') {
+        let name = before.to_ascii_lowercase();
+        shown += before;
+        shown += "=";
+        rest = after;
+        if SECRET_NAMES.iter().any(|secret| name.ends_with(secret)) && !after.is_empty() {
+            let (value, quote) = match after.chars().next() {
+                Some(quote @ ('"' | '\'')) => (&after[1..], Some(quote)),
+                _ => (after, None),
+            };
+            let is_end = |c: char| match quote {
+                Some(quote) => c == quote,
+                None => c.is_whitespace() || "&;\"'`".contains(c),
+            };
+            let end = value.find(is_end).unwrap_or(value.len());
+            shown.extend(quote);
+            shown += "***";
+            rest = &value[end..];
+        }
     }
     shown + rest
 }
@@ -95,5 +127,11 @@ mod tests {
         check("tcp://host?fault=stall@3", "tcp://host?fault=stall@3");
         check("tcp://u:12?fault=secret@host/x", "tcp://***@host/x");
         check("no address: user@host", "no address: user@host");
+        check("srt://h:1?passphrase=se/cr?et&mode=caller", "srt://h:1?passphrase=***&mode=caller");
+        check("rtsp://h/user=admin&PassWord=secret&channel=1", "rtsp://h/user=admin&PassWord=***&channel=1");
+        check("http://u:p@h/x.cgi?user=a&pwd=secret now", "http://***@h/x.cgi?user=a&pwd=*** now");
+        check("gst:rtspsrc user-pw=\"se cret\" ! x", "gst:rtspsrc user-pw=\"***\" ! x");
+        check("gst:x user-pw=secret ! y key-int-max=3", "gst:x user-pw=*** ! y key-int-max=3");
+        check("http://h?a=1&token=", "http://h?a=1&token=");
     }
 }

@@ -2,6 +2,7 @@
 
 use anyhow::Result;
 use barrelman_host::clock::Clock;
+use barrelman_host::redaction::without_logins;
 use barrelman_link_http::Trust;
 use barrelman_video::sender_clock::TimingSettings;
 use barrelman_video::url::VideoSource;
@@ -54,11 +55,14 @@ impl Source {
         }
     }
 
-    /// The address of a stream that others can open, too, without a login; `None`: the source is no stream.
+    /// The address of a stream that others can open, too, without a login; `None`: the source is no stream,
+    /// or its address holds a secret.
     pub fn stream_address(&self) -> Option<&str> {
         match self {
             Self::Video(url, _) => match &url.source {
-                VideoSource::Rtsp { address, .. } => Some(address.as_str()),
+                VideoSource::Rtsp { address, .. } => {
+                    Some(address.as_str()).filter(|address| without_logins(address) == *address)
+                }
                 VideoSource::File(_) | VideoSource::Pipe(_) | VideoSource::Media(_) => None,
             },
             Self::Simulated(..) => None,

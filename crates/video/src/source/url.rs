@@ -25,6 +25,7 @@ use std::net::SocketAddr;
 use std::path::PathBuf;
 
 use barrelman_host::fault::FaultPlan;
+use barrelman_host::redaction::without_logins;
 use barrelman_media_protocol::source::{RtspTransport, SourceAddress, SourceLogin, SourceSettings};
 use url::{Position, Url};
 
@@ -234,7 +235,7 @@ impl fmt::Display for VideoSource {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::File(path) | Self::Pipe(path) => write!(f, "{}", path.display()),
-            Self::Rtsp { address, login: None, .. } => write!(f, "{address}"),
+            Self::Rtsp { address, login: None, .. } => f.write_str(&without_logins(address.as_str())),
             Self::Rtsp { address, login: Some(_), .. } => write_with_login(address.as_str(), f),
             Self::Media(MediaSource { text, address: SourceAddress::Network { login: Some(_), .. } }) => {
                 write_with_login(text, f)
@@ -247,7 +248,7 @@ impl fmt::Display for VideoSource {
 /// Writes an address with a mark in the place of its login.
 fn write_with_login(address: &str, f: &mut fmt::Formatter<'_>) -> fmt::Result {
     let (scheme, rest) = address.split_once("://").unwrap_or(("rtsp", address));
-    write!(f, "{scheme}://***@{rest}")
+    write!(f, "{scheme}://***@{}", without_logins(rest))
 }
 
 impl fmt::Display for VideoUrl {

@@ -111,7 +111,7 @@ impl VideoUrl {
 
     fn parse_network(text: &str) -> Result<Self, VideoUrlError> {
         let (address, login, options) = parse_network_address(text, options::NETWORK, NETWORK_FORM)?;
-        let shown = address.to_string();
+        let shown = without_logins(address.as_str());
         let login = login.map(SourceLogin::from);
         let address = SourceAddress::Network { url: address.to_string(), login };
         Ok(Self::of(VideoSource::Media(MediaSource { text: shown, address }), options))

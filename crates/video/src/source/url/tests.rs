@@ -44,6 +44,8 @@ fn a_file_of_exactly_that_name_wins() {
 fn an_rtsp_address_keeps_its_own_options_and_loses_ours() {
     let url = parsed("rtsp://cam.example:8554/live?profile=2&fault=stall@3&fps=9");
     assert_eq!(url.to_string(), "rtsp://cam.example:8554/live?profile=2&fps=9&fault=stall@3");
+    let shown = parsed("rtsp://cam.example/user=admin&password=secret&channel=1").to_string();
+    assert_eq!(shown, "rtsp://cam.example/user=admin&password=***&channel=1");
     // The frame rate is the camera's affair.
     let VideoSource::Rtsp { address, login: None, .. } = url.source else { panic!("it is RTSP") };
     assert_eq!(address.as_str(), "rtsp://cam.example:8554/live?profile=2&fps=9");
@@ -164,6 +166,8 @@ fn addresses_of_gstreamer_are_told_apart() {
     let login = SourceLogin { user: "u".into(), password: "p".into(), permits_basic: false };
     let network = SourceAddress::Network { url: "http://cam.example/video?x=1".into(), login: Some(login) };
     check_media("http://u:p@cam.example/video?x=1", "http://***@cam.example/video?x=1", &network);
+    let network = SourceAddress::Network { url: "srt://cam.example:9?passphrase=secret".into(), login: None };
+    check_media("srt://cam.example:9?passphrase=secret", "srt://cam.example:9?passphrase=***", &network);
 }
 
 /// A link in the folder of temporary files, as long as the value lives.
