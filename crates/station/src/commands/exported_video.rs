@@ -1,4 +1,5 @@
-//! The video file of an export: H.264 units as received; other codecs are decoded and encoded.
+//! The video file of an export: H.264 units as received; what an MP4 file of ours does not take is decoded and
+//! encoded.
 
 use anyhow::{Result, bail};
 use barrelman_host::output::OutputFile;
@@ -6,7 +7,7 @@ use barrelman_video::DecodeError;
 use barrelman_video::decoder::UnitDecoder;
 use barrelman_video::encoder::EncoderSettings;
 use barrelman_video::mode::DecodeMode;
-use barrelman_video::writer::Mp4Writer;
+use barrelman_video::writer::{Mp4Writer, takes_units_like};
 use barrelman_vocab::unit::UnitCodec;
 use barrelman_vocab::{EncodedUnit, PictureSize, Timestamp};
 
@@ -23,6 +24,8 @@ pub(super) struct VideoFile {
 struct BegunVideo {
     writer: Mp4Writer<OutputFile>,
     decoder: UnitDecoder,
+    /// Whether units are written as received.
+    is_copied: bool,
     /// Time of capture of the first unit.
     start: Timestamp,
     is_empty: bool,
@@ -40,7 +43,7 @@ impl VideoFile {
             self.state = Some(BegunVideo::new(file, unit));
         }
         let Some(video) = &mut self.state else { return Ok(()) };
-        if unit.codec == UnitCodec::H264AnnexB {
+        if video.is_copied {
             return video.copy(unit);
         }
         match video.decode(unit)? {
@@ -74,6 +77,7 @@ impl BegunVideo {
         Self {
             writer: Mp4Writer::new(file, &path, EncoderSettings::for_pictures(size, 30.0)),
             decoder: UnitDecoder::new(DecodeMode::File),
+            is_copied: takes_units_like(first),
             start: first.capture.at,
             is_empty: true,
         }
@@ -88,7 +92,7 @@ impl BegunVideo {
 
     /// Encodes the pictures of a unit anew. The inner result: whether the unit was intact.
     fn decode(&mut self, unit: &EncodedUnit) -> Result<Result<(), DecodeError>> {
-        let Self { writer, decoder, start, is_empty } = self;
+        let Self { writer, decoder, start, is_empty, .. } = self;
         let mut written = Ok(());
         let decoded = decoder.decode(unit, &mut |frame| {
             if written.is_ok() {
@@ -102,7 +106,7 @@ impl BegunVideo {
 
     /// Writes what the decoder held back, and the file's index. Returns whether the video has pictures.
     fn finish(mut self) -> Result<bool> {
-        let Self { writer, decoder, start, is_empty } = &mut self;
+        let Self { writer, decoder, start, is_empty, .. } = &mut self;
         let mut written = Ok(());
         decoder.finish(&mut |frame| {
             if written.is_ok() {

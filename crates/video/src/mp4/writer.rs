@@ -127,6 +127,12 @@ impl<W: Write + Seek> Mp4Writer<W> {
     }
 }
 
+/// Whether units like this key frame can be written unchanged: H.264 whose parameter sets are read here.
+/// Pictures of other units are encoded anew.
+pub fn takes_units_like(unit: &EncodedUnit) -> bool {
+    unit.codec == UnitCodec::H264AnnexB && track_format(&unit.payload, unit.rotation, Path::new("")).is_ok()
+}
+
 /// The properties of the track, from the parameter sets of a key frame; `None` without parameter sets.
 fn track_format(unit: &[u8], rotation: Rotation, path: &Path) -> Result<Option<TrackFormat>, VideoError> {
     let find = |kind| annexb::nals(unit).find(|nal| annexb::kind(nal) == kind);

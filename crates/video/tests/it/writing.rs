@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use barrelman_video::encoder::EncoderSettings;
 use barrelman_video::mode::DecodeMode;
-use barrelman_video::writer::Mp4Writer;
+use barrelman_video::writer::{Mp4Writer, takes_units_like};
 use barrelman_vocab::image::PictureSize;
 use barrelman_vocab::time::Timestamp;
 use barrelman_vocab::video::{ColourEncoding, ColourMatrix, Picture, SampleRange};
@@ -102,6 +102,20 @@ fn a_full_disk_is_an_error_and_no_panic() {
     let written = writer.write_picture(&picture, Timestamp::ZERO);
     let error = written.and_then(|()| writer.finish()).unwrap_err().to_string();
     assert!(error.contains("cannot write `/dev/full`"), "{error}");
+}
+
+#[test]
+fn h264_that_is_not_read_here_is_not_written_unchanged() {
+    for (file, is_taken) in [
+        ("baseline.mp4", true),
+        ("high_b.mp4", true),
+        ("interlaced.mp4", false),
+        ("ten_bit.mp4", false),
+        ("chroma_422.mp4", false),
+        ("png", false),
+    ] {
+        assert_eq!(takes_units_like(&units(file)[0]), is_taken, "{file}");
+    }
 }
 
 #[test]
