@@ -71,6 +71,12 @@ pub(super) fn is_multipart(element: &gst::Element) -> bool {
     element.factory().is_some_and(|factory| factory.name() == "multipartdemux")
 }
 
+/// Whether an element fetches a video in segments (HLS, DASH).
+pub(super) fn is_in_segments(element: &gst::Element) -> bool {
+    element.factory().and_then(|factory| factory.metadata("klass").map(|klass| klass.contains("Adaptive")))
+        == Some(true)
+}
+
 /// Takes the stream of a pad, if it is the first video.
 pub(super) fn take(play: &Arc<Play>, pad: &gst::Pad, way: &Way) {
     let caps = pad.current_caps().unwrap_or_else(|| pad.query_caps(None));

@@ -81,10 +81,15 @@ fn http(play: &Arc<Play>, url: &Url, login: Option<SourceLogin>) -> Result<gst::
     // A camera sends pictures in parts until the connection is closed. Other content of HTTP may be a file.
     let weak = Arc::downgrade(play);
     play.pipeline.connect_deep_element_added(move |_, _, element| {
-        if let Some(play) = weak.upgrade()
-            && autoplug::is_multipart(element)
-        {
+        let Some(play) = weak.upgrade() else { return };
+        if autoplug::is_multipart(element) {
             play.set_is_endless();
+        }
+        if autoplug::is_in_segments(element) {
+            play.outbox.fail(permanent(
+                "comes in segments (HLS, DASH): its pictures are many seconds old, and nothing tells how old",
+                "Use the camera's rtsp:// address",
+            ));
         }
     });
     let source = play.add("souphttpsrc")?;

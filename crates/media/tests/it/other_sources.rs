@@ -204,6 +204,26 @@ fn network_addresses_that_cannot_be_played_are_told() {
 }
 
 #[test]
+fn video_in_segments_is_refused() {
+    use std::io::{Read as _, Write as _};
+    let listener = std::net::TcpListener::bind("127.0.0.1:0").unwrap();
+    let url = format!("http://{}/live.m3u8", listener.local_addr().unwrap());
+    let list =
+        "#EXTM3U\n#EXT-X-VERSION:3\n#EXT-X-TARGETDURATION:2\n#EXTINF:2.0,\none.ts\n#EXTINF:2.0,\ntwo.ts\n";
+    std::thread::spawn(move || {
+        for stream in listener.incoming() {
+            let mut stream = stream.unwrap();
+            let _ = stream.read(&mut [0; 4096]);
+            let head =
+                format!("HTTP/1.1 200 OK\r\nContent-Length: {}\r\nConnection: close\r\n\r\n", list.len());
+            let _ = stream.write_all(&[head.as_bytes(), list.as_bytes()].concat());
+        }
+    });
+    let failure = failure(SourceAddress::Network { url, login: None });
+    assert!(failure.is_final && failure.what.contains("HLS"), "{failure:?}");
+}
+
+#[test]
 fn jpeg_pictures_come_by_http() {
     use std::io::{Read as _, Write as _};
     const PAUSE: Duration = Duration::from_millis(100);
