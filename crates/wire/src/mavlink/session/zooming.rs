@@ -86,9 +86,9 @@ impl Zooming {
     /// The command beside rates whose zoom has this speed.
     pub(super) fn due(&mut self, system: SystemId, speed: f64, now: Timestamp) -> Option<Command> {
         let speed = match self.ability {
-            ZoomAbility::Absent => return None,
+            ZoomAbility::Absent if !self.may_zoom() => return None,
             // Zeros alone: a session before may have left the camera zooming.
-            ZoomAbility::NotKnown => 0.0,
+            ZoomAbility::Absent | ZoomAbility::NotKnown => 0.0,
             ZoomAbility::Present => speed,
         };
         if speed != 0.0 {
@@ -106,7 +106,12 @@ impl Zooming {
 
     /// A zero, to a camera that may zoom.
     pub(super) fn zero(&self, system: SystemId) -> Option<Command> {
-        self.command(system, 0.0).filter(|_| self.ability != ZoomAbility::Absent)
+        self.command(system, 0.0).filter(|_| self.may_zoom())
+    }
+
+    /// Whether the camera may be zooming. One that says that it has no zoom may, too, where it was sent a speed.
+    fn may_zoom(&self) -> bool {
+        self.ability != ZoomAbility::Absent || self.moved_at.is_some() && self.unanswered > 0
     }
 
     fn command(&self, system: SystemId, speed: f64) -> Option<Command> {

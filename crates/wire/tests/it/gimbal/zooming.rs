@@ -215,3 +215,15 @@ fn a_camera_that_says_nothing_is_asked_ever_more_rarely_and_is_not_zoomed() {
     let zeros = speeds(&bench, closed);
     assert!(zeros.len() >= 3 && zeros.iter().all(|speed| *speed == 0.0), "an earlier session: {zeros:?}");
 }
+
+#[test]
+fn a_camera_that_no_longer_says_that_it_zooms_is_stopped() {
+    let mut bench = told_to_zoom(CameraKind::Zooming, Duration::from_secs(2));
+    assert_eq!(bench.manager.rates().zoom, 1.0);
+    bench.manager.set_settings(GimbalManagerSettings { camera: CameraKind::Fixed, ..Default::default() });
+    let exchanged = bench.now_ms;
+    bench.run(Duration::from_secs(10));
+    let sent = speeds(&bench, exchanged);
+    let zeros = sent.iter().rev().take_while(|speed| **speed == 0.0).count();
+    assert!((3..=14).contains(&zeros), "{sent:?}");
+}
