@@ -100,7 +100,7 @@ pub struct RoverSession {
     last_mode: Option<Timestamp>,
     order: VesselOrder,
     last: Option<(Timestamp, VesselCommand)>,
-    /// Neutral set-points that are still to be sent of a boat that is released, or of the end.
+    /// Neutral set-points that are still to be sent once the boat is no longer commanded.
     neutrals_left: u32,
     heartbeat_at: Timestamp,
     asks_for_mode: bool,
@@ -304,12 +304,7 @@ impl Session for RoverSession {
     }
 
     fn close(&mut self, _: Timestamp) {
-        if !self.is_closing {
-            (self.is_closing, self.order) = (true, VesselOrder::NEUTRAL);
-            if self.last.is_some() {
-                self.neutrals_left = NEUTRALS;
-            }
-        }
+        (self.is_closing, self.order) = (true, VesselOrder::NEUTRAL);
     }
 
     fn link_state(&self) -> LinkState {
@@ -340,7 +335,9 @@ impl Session for RoverSession {
     }
 
     fn last_will(&self, _: Timestamp) -> Vec<WillStep<Vec<u8>>> {
-        let Some(boat) = self.reader.boat.filter(|_| self.is_ours()) else { return Vec::new() };
+        // A boat that was released is not kept neutral against a person who steers it.
+        let is_owed = self.needs_answer || self.neutrals_left > 0;
+        let Some(boat) = self.reader.boat.filter(|_| is_owed && self.is_ours()) else { return Vec::new() };
         let mut writer = self.writer.clone();
         let mut neutral = || WillStep {
             packet: self.reader.link.drive.packet(&mut writer, boat, VesselCommand::NEUTRAL),

@@ -531,3 +531,23 @@ fn what_does_not_come_is_asked_for_and_what_comes_is_left_alone() {
     assert!(asked(false, 60_000) <= 16, "less often in the end: {}", asked(false, 60_000));
     assert!(asked(true, 5_000) <= 1, "{}", asked(true, 5_000));
 }
+
+#[test]
+fn a_boat_that_was_released_is_left_alone_at_the_end() {
+    for (drive, boat) in
+        [(RoverDrive::Manual, RoverBoatSettings::default()), (RoverDrive::Guided, guided_boat())]
+    {
+        let mut bench = Bench::linked(RoverLink { drive, ..RoverLink::GUIDED }, boat);
+        bench.run_to(500);
+        bench.go();
+        bench.run_to(1_000);
+        assert_eq!(bench.session.last_will(at(bench.ms)).len(), 5);
+        bench.session.request(VesselOrder::Released, None);
+        bench.run_to(3_000);
+        assert_eq!(bench.session.last_will(at(bench.ms)).len(), 0);
+        let (closed, set_points) = (bench.ms, bench.set_points(3_000));
+        bench.session.close(at(closed));
+        bench.run_to(closed + 2_000);
+        assert_eq!((bench.manual_controls(closed), bench.set_points(3_000)), (0, set_points));
+    }
+}
