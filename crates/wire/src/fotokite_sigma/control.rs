@@ -53,6 +53,17 @@ impl Control {
         Self { state: State::Asking { at: now }, refused: None, is_known: false }
     }
 
+    /// Another client had it in the session before, and the operator has not taken it back: a wish for it that
+    /// was left in the vehicle's queue is withdrawn.
+    pub const fn left_to_another() -> Self {
+        Self { state: State::Elsewhere { withdraws: true }, refused: None, is_known: true }
+    }
+
+    /// Whether another client has taken it.
+    pub const fn is_anothers(&self) -> bool {
+        matches!(self.state, State::Elsewhere { .. })
+    }
+
     /// Whether it is ours.
     pub const fn is_ours(&self) -> bool {
         matches!(self.state, State::Ours { .. })

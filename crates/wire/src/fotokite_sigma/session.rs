@@ -30,7 +30,7 @@ use super::speeds::Speeds;
 use super::zoom::ZoomSteps;
 use crate::http::motion::{Motion, Speeds as _, Surroundings};
 use crate::http::{CommandAnswers, Lane, Lanes, Received, Request};
-use crate::session::{NextAction, RestEvidence, Session, WillStep};
+use crate::session::{LinkHistory, NextAction, RestEvidence, Session, WillStep};
 
 /// A vehicle that was silent for this time is silent.
 pub const SILENT_AFTER: Duration = Duration::from_secs(3);
@@ -361,6 +361,16 @@ impl Session for FotokiteSigmaSession {
             State::Closing { .. } => LinkState::Closing,
             State::Closed => LinkState::Closed,
         }
+    }
+
+    fn resume(&mut self, history: LinkHistory) {
+        if history.is_anothers {
+            self.control = Control::left_to_another();
+        }
+    }
+
+    fn is_anothers(&self) -> bool {
+        self.control.is_anothers()
     }
 
     /// Never: each command ends by itself.

@@ -1,10 +1,11 @@
 //! Who controls a Sigma, and its tokens.
 
+use barrelman_vocab::ZoomRate;
 use barrelman_vocab::acceptance::Acceptance;
 use barrelman_vocab::telemetry::LinkState;
-use barrelman_wire::fotokite_sigma::Call;
+use barrelman_wire::fotokite_sigma::{Call, FotokiteSigmaSession};
 use barrelman_wire::http::{HttpCall as _, Lane};
-use barrelman_wire::{NextAction, Session as _};
+use barrelman_wire::{LinkHistory, NextAction, Session as _};
 
 use crate::sigma_conversation::{Conversation, at, rates};
 use crate::talk::Talk as _;
@@ -127,4 +128,34 @@ fn a_token_that_may_only_read_is_told_at_once() {
     talk.run_for(1_000);
     assert_eq!(talk.acceptance(), Some(Acceptance::TokenRefused));
     assert_eq!(talk.commands_since(at(0)), 0);
+}
+
+#[test]
+fn control_that_another_took_stays_with_it_over_a_gap() {
+    let mut talk = Conversation::up();
+    talk.sigma.other_client_takes();
+    talk.run_for(4_000);
+    assert_eq!(talk.acceptance(), Some(Acceptance::OtherClient));
+    talk.has_socket = false;
+    let lanes = [Lane::Stop, Lane::Turn, Lane::Control, Lane::Camera, Lane::State, Lane::Socket];
+    talk.hung = lanes.map(|lane| (lane, false)).into();
+    talk.run_until(20_000, |talk| matches!(talk.last, NextAction::Reopen { .. })).expect("silent");
+    let history = LinkHistory { is_anothers: talk.session.is_anothers(), ..LinkHistory::default() };
+    talk.session = FotokiteSigmaSession::open(None, ZoomRate::from_per_second(0.3), talk.now);
+    talk.session.resume(history);
+    talk.hung.clear();
+    talk.has_socket = true;
+    talk.sigma.other_client_releases(talk.now);
+    let since = talk.now;
+    let asked = |talk: &Conversation| {
+        let is_new = |(when, request): &&(_, barrelman_wire::http::Request<Call>)| {
+            *when > since && request.call == Call::RequestControl
+        };
+        talk.sent.iter().filter(is_new).count()
+    };
+    talk.run_for(5_000);
+    assert_eq!((asked(&talk), talk.session.link_state()), (0, LinkState::Up));
+    talk.session.take_control(talk.now);
+    talk.run_for(1_000);
+    assert!(asked(&talk) > 0 && talk.sigma.is_controlled(talk.now));
 }

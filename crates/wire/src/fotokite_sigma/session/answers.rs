@@ -115,7 +115,7 @@ impl FotokiteSigmaSession {
                 self.info = Some(info);
                 self.commands.forget_refusal();
                 if self.state == State::Looking {
-                    self.state = State::Joining;
+                    self.state = if self.control.is_known() { State::Up } else { State::Joining };
                 }
             }
             None => {
