@@ -127,7 +127,7 @@ impl Talk {
         assert!(out.len() < 400, "{} packets at once", out.len());
         for packet in out {
             let mut frames = 0;
-            FrameReader::new(None).read(&packet, |frame| {
+            FrameReader::new(None, Timestamp::ZERO).read(&packet, |frame| {
                 frames += 1;
                 assert!(frame.from == self.camera.address(), "{frame:?}");
                 if let Some(status) = frame.read::<CAMERA_TRACKING_IMAGE_STATUS_DATA>() {

@@ -106,7 +106,7 @@ impl<C: Commands> GuardedLink<C> {
         let (opened, first) = sync_channel(1);
         let shared = Arc::clone(&client);
         let supervisor = Supervisor {
-            reader: settings.protocol.reports(),
+            reader: settings.protocol.reports(settings.clock.now()),
             settings,
             client: shared,
             report,

@@ -28,7 +28,7 @@ pub trait OpenSession: Copy + Send + Sync + 'static {
 
     /// A reader of the vehicle's reports, for received bytes that a session in another process has received,
     /// too.
-    fn reports(&self) -> ReportReader;
+    fn reports(&self, now: Timestamp) -> ReportReader;
 }
 
 /// The protocols that are spoken over bytes.
@@ -91,11 +91,11 @@ impl OpenSession for ByteProtocol {
         }
     }
 
-    fn reports(&self) -> ReportReader {
+    fn reports(&self, now: Timestamp) -> ReportReader {
         match self.protocol {
             ByteProtocolName::FotokitePro => ReportReader::FotokitePro(TelemetryReader::default()),
             ByteProtocolName::MavlinkGimbal { peers, signing } => {
-                ReportReader::MavlinkGimbal(Box::new(GimbalReader::new(peers, signing)))
+                ReportReader::MavlinkGimbal(Box::new(GimbalReader::new(peers, signing, now)))
             }
         }
     }

@@ -96,7 +96,7 @@ impl OpenSession for VesselProtocol {
         }
     }
 
-    fn reports(&self) -> ReportReader {
+    fn reports(&self, _: Timestamp) -> ReportReader {
         match *self {
             Self::LabUdp => ReportReader::Silent,
             Self::MavlinkRover(link) => ReportReader::MavlinkRover(Box::new(RoverReader::new(link))),

@@ -280,7 +280,7 @@ where
         if state == LinkState::Opening {
             // The pilot forgets what a vehicle said on a port before. A reader reports changes only, and has
             // to report it again.
-            let mut reader = self.settings.protocol.reports();
+            let mut reader = self.settings.protocol.reports(self.settings.clock.now());
             if let Some(vehicle) = self.reader.vehicle() {
                 reader.name(vehicle);
             }

@@ -70,8 +70,8 @@ pub struct FrameReader {
 
 impl FrameReader {
     /// With `signing`, frames whose signature is missing, wrong or old are left out.
-    pub fn new(signing: Option<Signing>) -> Self {
-        Self { bytes: Vec::new(), verifier: signing.map(Verifier::new) }
+    pub fn new(signing: Option<Signing>, now: Timestamp) -> Self {
+        Self { bytes: Vec::new(), verifier: signing.map(|signing| Verifier::new(signing, now)) }
     }
 
     /// Passes each frame to `each`.
@@ -149,6 +149,14 @@ impl FrameWriter {
     pub fn set_time(&mut self, now: Timestamp) {
         if let Some(signer) = &mut self.signer {
             signer.set_time(now);
+        }
+    }
+
+    /// The signatures of frames that were read so far are not newer than the next ones: the clock of this
+    /// machine may be behind.
+    pub fn follow(&mut self, reader: &FrameReader) {
+        if let (Some(signer), Some(verifier)) = (&mut self.signer, &reader.verifier) {
+            signer.follow(verifier.newest());
         }
     }
 

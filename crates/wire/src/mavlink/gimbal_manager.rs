@@ -140,7 +140,7 @@ impl GimbalManager {
         let stream = |interval| Stream { interval, next_at: now };
         Self {
             settings,
-            frames: FrameReader::new(settings.signing),
+            frames: FrameReader::new(settings.signing, now),
             writer: FrameWriter::new(MANAGER, settings.signing),
             camera_writer: FrameWriter::new(CAMERA, settings.signing),
             booted: now,

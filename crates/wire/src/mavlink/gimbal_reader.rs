@@ -5,9 +5,9 @@
 //! one. Only what its system sends counts. Numbers with a private meaning (NaN, 0/0) become options and
 //! variants here.
 
-use barrelman_vocab::Angle;
 use barrelman_vocab::mavlink::{Address, MavlinkPeers, SystemId};
 use barrelman_vocab::telemetry::{ControlState, Quaternion, Report};
+use barrelman_vocab::{Angle, Timestamp};
 use mavlink::dialects::common::{
     COMMAND_ACK_DATA, GIMBAL_DEVICE_ATTITUDE_STATUS_DATA, GIMBAL_MANAGER_INFORMATION_DATA,
     GIMBAL_MANAGER_STATUS_DATA, GimbalManagerCapFlags, HEARTBEAT_DATA, MavType,
@@ -129,7 +129,7 @@ enum Timed {
 
 impl GimbalReader {
     /// A reader between these peers. With `signing`, packets without a right signature are not read.
-    pub fn new(peers: MavlinkPeers, signing: Option<Signing>) -> Self {
+    pub fn new(peers: MavlinkPeers, signing: Option<Signing>, now: Timestamp) -> Self {
         let facts = Facts {
             peers,
             gimbal: None,
@@ -144,7 +144,12 @@ impl GimbalReader {
             control: None,
             control_reported_s: 0.0,
         };
-        Self { frames: FrameReader::new(signing), facts }
+        Self { frames: FrameReader::new(signing, now), facts }
+    }
+
+    /// What finds the frames.
+    pub(super) const fn frames(&self) -> &FrameReader {
+        &self.frames
     }
 
     /// From now on only a gimbal of this system counts.

@@ -54,7 +54,7 @@ impl Probe {
     pub fn new(peers: MavlinkPeers, signing: Option<Signing>) -> Self {
         Self {
             writer: FrameWriter::new(peers.own, signing),
-            reader: GimbalReader::new(peers, signing),
+            reader: GimbalReader::new(peers, signing, Timestamp::ZERO),
             ask_at: Timestamp::ZERO,
             asked: 0,
             findings: Findings::default(),
@@ -103,6 +103,7 @@ impl Probe {
     /// Takes received bytes.
     pub fn received(&mut self, bytes: &[u8]) {
         let findings = &mut self.findings;
+        self.writer.follow(self.reader.frames());
         self.reader.read(bytes, |received| match received {
             Received::Heartbeat(from, false) => {
                 let is_new = !findings.components.contains(&from);

@@ -153,7 +153,7 @@ impl GimbalSession {
         Self {
             state: searching(now),
             writer: FrameWriter::new(peers.own, signing),
-            reader: GimbalReader::new(peers, signing),
+            reader: GimbalReader::new(peers, signing, now),
             pacing: Pacing::default(),
             zooming: Zooming::new(peers.camera),
             gimbal: None,
@@ -241,6 +241,7 @@ impl Session for GimbalSession {
     fn received(&mut self, packet: &[u8], now: Timestamp, report: &mut dyn FnMut(Telemetry)) {
         let mut heard = Vec::new();
         self.reader.read(packet, |received| heard.push(received));
+        self.writer.follow(self.reader.frames());
         for received in heard {
             self.on_received(received, now, report);
         }

@@ -104,6 +104,11 @@ impl Signing {
         let began = began_unix_ms.saturating_sub(EPOCH_S * 1_000) * (UNITS_PER_S / 1_000);
         Self { key, began }
     }
+
+    /// The time of the program's clock, in units of 10 us since the beginning of 2015.
+    const fn at(&self, now: Timestamp) -> u64 {
+        self.began + now.as_nanos() / (1_000_000_000 / UNITS_PER_S)
+    }
 }
 
 /// Signs the frames of one sender.
@@ -121,8 +126,12 @@ impl Signer {
 
     /// The clock has gone on.
     pub(super) fn set_time(&mut self, now: Timestamp) {
-        let units = now.as_nanos() / (1_000_000_000 / UNITS_PER_S);
-        self.next = self.next.max(self.signing.began + units);
+        self.next = self.next.max(self.signing.at(now));
+    }
+
+    /// A frame of this time was accepted. Its sender would take one of an earlier time for a repetition.
+    pub(super) fn follow(&mut self, newest: u64) {
+        self.next = self.next.max(newest + 1);
     }
 
     /// The signature of a frame, from its first byte to its CRC.
@@ -146,8 +155,14 @@ pub(super) struct Verifier {
 }
 
 impl Verifier {
-    pub(super) const fn new(signing: Signing) -> Self {
-        Self { key: signing.key, newest: signing.began, senders: Vec::new() }
+    /// Of a link that is opened now: what a listener has recorded earlier is not accepted.
+    pub(super) const fn new(signing: Signing, now: Timestamp) -> Self {
+        Self { key: signing.key, newest: signing.at(now), senders: Vec::new() }
+    }
+
+    /// The newest time of a frame that was accepted; at first that of the link's opening.
+    pub(super) const fn newest(&self) -> u64 {
+        self.newest
     }
 
     /// Whether the signature of a frame is right, and newer than the one before.

@@ -103,7 +103,7 @@ impl TrackingCamera {
         Self {
             settings,
             description,
-            reader: FrameReader::new(signing),
+            reader: FrameReader::new(signing, Timestamp::ZERO),
             writer: FrameWriter::new(own, signing),
             has_heard_autopilot: false,
             shown: Shown::default(),
@@ -167,6 +167,7 @@ impl TrackingCamera {
             }
             commands.extend(Command::read(frame));
         });
+        self.writer.follow(&self.reader);
         if let Some(system) = autopilot {
             self.on_autopilot(system);
         }

@@ -77,7 +77,7 @@ impl Bench {
         self.camera.poll(at(ms), &mut out);
         let mut heard = Vec::new();
         let keep = |frame: &Frame<'_>| heard.push((frame.message, frame.payload().to_vec()));
-        FrameReader::new(None).read(&out.concat(), keep);
+        FrameReader::new(None, Timestamp::ZERO).read(&out.concat(), keep);
         heard
     }
 

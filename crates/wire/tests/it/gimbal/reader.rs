@@ -1,8 +1,8 @@
 //! What a gimbal manager's messages mean.
 
-use barrelman_vocab::Angle;
 use barrelman_vocab::mavlink::{Address, ComponentId, MavlinkPeers};
 use barrelman_vocab::telemetry::Report;
+use barrelman_vocab::{Angle, Timestamp};
 use barrelman_wire::mavlink::frame::FrameWriter;
 use barrelman_wire::mavlink::gimbal_reader::{Holder, Received};
 use barrelman_wire::mavlink::{Gimbal, GimbalReader};
@@ -25,7 +25,7 @@ struct Vehicle {
 
 impl Vehicle {
     fn new() -> Self {
-        Self { reader: GimbalReader::new(MavlinkPeers::DEFAULT, None) }
+        Self { reader: GimbalReader::new(MavlinkPeers::DEFAULT, None, Timestamp::ZERO) }
     }
 
     fn says<D: mavlink::MessageData>(&mut self, from: Address, message: &D) -> Vec<Received> {
@@ -94,7 +94,7 @@ use Says::{Axes, Status};
 /// The device that is chosen; `wanted`: the one of the configuration.
 fn chosen(wanted: Option<u8>, said: &[Says]) -> Option<u8> {
     let peers = MavlinkPeers { device: wanted, ..MavlinkPeers::DEFAULT };
-    let mut vehicle = Vehicle { reader: GimbalReader::new(peers, None) };
+    let mut vehicle = Vehicle { reader: GimbalReader::new(peers, None, Timestamp::ZERO) };
     let mut found = Vec::new();
     for says in said {
         let heard = match *says {
@@ -192,7 +192,7 @@ fn the_gimbal_is_the_first_one_that_pans_and_tilts_in_whatever_order_they_answer
 fn a_gimbal_that_cannot_be_used_is_refused_with_the_names_and_axes_of_all() {
     let refused = |wanted, said: &[(u8, GimbalManagerCapFlags)]| {
         let peers = MavlinkPeers { device: wanted, ..MavlinkPeers::DEFAULT };
-        let mut vehicle = Vehicle { reader: GimbalReader::new(peers, None) };
+        let mut vehicle = Vehicle { reader: GimbalReader::new(peers, None, Timestamp::ZERO) };
         for (device, axes) in said {
             vehicle.describe(*device, *axes, 1_000);
         }
@@ -474,7 +474,7 @@ fn a_device_whose_manager_speaks_of_others_alone_for_three_seconds_is_exchanged(
 #[test]
 fn the_device_of_the_configuration_is_not_replaced_by_another_one() {
     let peers = MavlinkPeers { device: Some(1), ..MavlinkPeers::DEFAULT };
-    let mut vehicle = Vehicle { reader: GimbalReader::new(peers, None) };
+    let mut vehicle = Vehicle { reader: GimbalReader::new(peers, None, Timestamp::ZERO) };
     assert_eq!(used(&vehicle.describe(1, BOTH, 900)), ["device 1 of 1/1"]);
     assert!(is_exchanged(&mut vehicle, &[1_000, 4_000]));
     for ms in [5_000, 6_000, 7_000] {
@@ -499,7 +499,7 @@ fn a_vehicle_that_restarts_with_another_device_is_moved_by_that_one() {
 #[test]
 fn another_camera_at_the_same_component_is_reported() {
     let peers = MavlinkPeers { camera: Some(ComponentId(100)), ..MavlinkPeers::DEFAULT };
-    let mut vehicle = Vehicle { reader: GimbalReader::new(peers, None) };
+    let mut vehicle = Vehicle { reader: GimbalReader::new(peers, None, Timestamp::ZERO) };
     vehicle.describe(1, BOTH, 900);
     let mut named = |component, model: &[u8; 6]| {
         let mut information = CAMERA_INFORMATION_DATA::DEFAULT;

@@ -51,7 +51,7 @@ fn a_key_is_hexadecimal_or_a_passphrase() {
 #[test]
 fn what_is_not_signed_with_the_key_or_was_heard_before_is_not_read() {
     let packet = heartbeat(Some(signing("right")));
-    let mut reader = FrameReader::new(Some(signing("right")));
+    let mut reader = FrameReader::new(Some(signing("right")), Timestamp::ZERO);
     assert_eq!(read(&mut reader, &heartbeat(None)), 0, "not signed");
     assert_eq!(read(&mut reader, &heartbeat(Some(signing("wrong")))), 0);
     for index in packet.len() - 13..packet.len() {
@@ -73,7 +73,7 @@ fn a_sender_may_be_a_minute_behind_and_goes_on_from_there() {
         FrameWriter::new(Address::new(1, 1), Some(signing))
     };
     for (seconds, expected) in [(0, 1), (59, 1), (62, 0)] {
-        let mut reader = FrameReader::new(Some(signing("key")));
+        let mut reader = FrameReader::new(Some(signing("key")), Timestamp::ZERO);
         let mut writer = sender(seconds);
         assert_eq!(read(&mut reader, &Command::Heartbeat.encode(&mut writer)), expected, "{seconds} s");
         writer.set_time(Timestamp::from_secs_f64(1.0));
@@ -110,4 +110,31 @@ fn a_signed_session_moves_a_gimbal_that_takes_signed_packets_alone() {
     bench.manager = GimbalManager::boot(GimbalManagerSettings::default(), at(0));
     bench.run(core::time::Duration::from_secs(5));
     assert_eq!(bench.session.link_state(), LinkState::Starting, "a manager that does not sign is not heard");
+}
+
+#[test]
+fn signatures_are_newer_than_those_of_a_vehicle_whose_clock_is_ahead() {
+    for ahead_s in [30, 7_200] {
+        let vehicle = Signing::new(SigningKey::parse("key").unwrap(), EPOCH_MS + DAY_MS + ahead_s * 1_000);
+        let settings = GimbalManagerSettings { signing: Some(vehicle), ..GimbalManagerSettings::default() };
+        let mut bench = Bench::new(settings);
+        bench.session = GimbalSession::open(MavlinkPeers::DEFAULT, Some(signing("key")), at(0));
+        bench.run_until("the link is up", |bench| bench.session.link_state() == LinkState::Up);
+        bench.session.request(rates(0.1, 0.0), None);
+        bench.run(core::time::Duration::from_secs(1));
+        assert_ne!(bench.manager.rates(), VehicleRates::REST, "{ahead_s} s");
+    }
+}
+
+#[test]
+fn what_was_recorded_before_a_port_was_opened_again_is_not_read() {
+    let mut writer = FrameWriter::new(Address::new(1, 1), Some(signing("key")));
+    writer.set_time(Timestamp::from_secs_f64(5.0));
+    let recorded = Command::Heartbeat.encode(&mut writer);
+    let hour = Timestamp::from_secs_f64(3_600.0);
+    let mut opened = FrameReader::new(Some(signing("key")), hour);
+    assert_eq!(read(&mut opened, &recorded), 0);
+    writer.set_time(hour.minus(core::time::Duration::from_secs(50)));
+    let late = Command::Heartbeat.encode(&mut writer);
+    assert_eq!(read(&mut opened, &late), 1, "a clock may be a little behind");
 }
