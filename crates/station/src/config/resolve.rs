@@ -175,6 +175,8 @@ impl Configuration {
                 );
             }
         }
+        let tracking_camera = file.tracking_camera.resolve();
+        tracking_camera.check_beside(profile.protocol)?;
         Ok(Self {
             video: file.video.url.clone(),
             second_video: second_video(&file.video)?,
@@ -207,7 +209,7 @@ impl Configuration {
             }
             .or(LawChoice::OPTIMAL, LawKeys::FILE)?,
             tracker: file.tracker.settings().validated()?,
-            tracking_camera: file.tracking_camera.resolve(),
+            tracking_camera,
             tak: file.tak.resolve()?,
             share: file.share.resolve()?,
             detector: file.detector.resolve(),

@@ -302,3 +302,12 @@ fn the_command_line_says_otherwise_than_the_configuration_about_the_law() {
     let schema = LawOptions { law: Some(LawName::Schema), ..both }.resolve(eco).unwrap_err();
     assert!(schema.to_string().contains("--frame is for the law"), "{schema}");
 }
+
+#[test]
+fn two_cameras_of_one_component_are_refused() {
+    let zooming = "[vehicle]\nprofile = \"mavlink-gimbal\"\n[camera.zoom]\nratio = 4.0\n";
+    let tracking = "[tracking_camera]\nurl = \"udp://127.0.0.1:14550\"\n";
+    refused(&format!("{zooming}{tracking}"), "set tracking_camera.component_id = 101");
+    assert!(resolved(&format!("{zooming}{tracking}component_id = 101\n")).is_ok());
+    assert!(resolved(&format!("{tracking}[vehicle]\nprofile = \"mavlink-gimbal\"\n")).is_ok());
+}
