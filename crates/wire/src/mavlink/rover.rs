@@ -298,9 +298,10 @@ impl Session for RoverSession {
         self.order = order;
     }
 
-    /// Asks for the mode in which the boat is driven, once.
+    /// Asks for the mode in which the boat is driven, once. A boat that is not heard now is not asked later,
+    /// when a person may be steering it.
     fn take_control(&mut self, _: Timestamp) {
-        self.asks_for_mode = !self.is_ours();
+        self.asks_for_mode = self.reader.mode.is_some_and(|mode| !mode.is_ours);
     }
 
     fn close(&mut self, _: Timestamp) {
