@@ -291,7 +291,11 @@ impl LineOfSight {
             let throttle = if may_go { -limits.astern } else { 0.0 };
             return (VesselCommand { throttle, rudder: 0.0 }, state);
         }
-        let Some(error) = error else { return (self.get_way(input, speed), GuidanceState::GettingWay) };
+        let Some(error) = error else {
+            let command = self.get_way(input, speed);
+            let is_blocked = command.is_neutral();
+            return (command, if is_blocked { GuidanceState::Blocked } else { GuidanceState::GettingWay });
+        };
         self.way_since = None;
         let throttle = self.throttle(boat, &speed, limits);
         let rudder = self.rudder(boat, error, throttle, limits);

@@ -576,3 +576,31 @@ fn a_bow_that_was_taken_for_the_stern_is_corrected_by_the_way_ahead() {
     let under_way = boat.heading_after(3.0, 1.8, 180.0);
     assert!(under_way.abs() < 10.0, "{under_way}");
 }
+
+#[test]
+fn a_boat_whose_bow_is_not_known_comes_near_nobody() {
+    for heading_deg in [0.0, 30.0, 60.0, 90.0] {
+        for distance_m in [3.3, 4.0, 5.0, 8.0, 12.0] {
+            let mut scene = Scene::new(heading_deg);
+            let at = WaterPoint { x: 0.0, y: distance_m };
+            scene.keep_outs = vec![KeepOut { centre: at, radius_m: 3.3 }];
+            let mut least_m = f64::INFINITY;
+            scene.run(place(0.0, -20.0), 40.0, |scene, _| least_m = least_m.min(scene.at.distance_to(at)));
+            assert!(least_m > 2.0, "{heading_deg} deg, {distance_m} m: {least_m:.2} m");
+        }
+    }
+}
+
+#[test]
+fn a_boat_that_was_selected_anew_before_a_person_does_not_run_into_them() {
+    let mut scene = Scene { gives_heading: true, ..Scene::new(0.0) };
+    let at = WaterPoint { x: 0.0, y: 15.0 };
+    scene.run(person(at.x, at.y), 30.0, |_, _| {});
+    scene.law.reset_boat();
+    scene.gives_heading = false;
+    scene.route += 1;
+    scene.keep_outs = vec![KeepOut { centre: at, radius_m: 3.3 }];
+    let mut least_m = f64::INFINITY;
+    scene.run(place(0.0, -20.0), 30.0, |scene, _| least_m = least_m.min(scene.at.distance_to(at)));
+    assert!(least_m > 3.0, "{least_m:.2} m");
+}

@@ -43,6 +43,13 @@ impl LineOfSight {
             let (from, is_strict) = (stop.left_m, stop.is_strict);
             allowed.limit(self.stopping_speed(from, self.braking_before(is_strict, limits)), is_strict);
         }
+        // A boat whose bow is not known may go anywhere.
+        if boat.heading.is_none() {
+            for circle in input.keep_outs {
+                let left_m = boat.point.distance_to(circle.centre) - circle.radius_m - EDGE_M;
+                allowed.limit(self.stopping_speed(left_m, self.braking_before(true, limits)), true);
+            }
+        }
         // The velocity of a slow boat has no direction: the bow's counts.
         let direction = match boat.heading {
             Some(heading) if boat.speed_m_per_s() < SLOW_M_PER_S => libm::sincos(heading.radians()),
