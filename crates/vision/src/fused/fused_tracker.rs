@@ -189,7 +189,8 @@ impl Tracker for FusedTracker {
     }
 
     fn background_shift(&self) -> Option<BackgroundShift> {
-        self.follower.motion.background_shift()
+        // Without a target nothing is measured.
+        self.selected.as_ref().and_then(|_| self.follower.motion.background_shift())
     }
 
     fn explain(&self, out: &mut Explanation) {

@@ -395,3 +395,17 @@ fn the_place_of_a_rejected_object_that_is_hidden_turns_with_the_camera() {
         assert_eq!(takes, is_taken, "at {u}");
     }
 }
+
+#[test]
+fn the_water_is_not_said_to_move_while_nothing_is_followed() {
+    let mut trial = Trial::new(scene(BLUE, RED));
+    for _ in 0..12 {
+        trial.next_tracked(0.5, |scene| scene.shift.0 -= 4.0);
+    }
+    assert!(trial.tracker.background_shift().is_some());
+    trial.tracker.forget();
+    for _ in 0..3 {
+        assert_eq!(trial.next(None, |scene| scene.shift.0 += 4.0), Track::Unseeded);
+        assert!(trial.tracker.background_shift().is_none());
+    }
+}
