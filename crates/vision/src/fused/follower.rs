@@ -171,6 +171,7 @@ impl Follower {
             return;
         }
         let factors = geometry.rescale_to_picture(picture);
+        self.learning.rescale(factors);
         self.motion.rescale(factors);
         self.reported.rescale(factors);
         self.exchange.restart();
@@ -359,5 +360,25 @@ impl Follower {
             Phase::Confirming { .. } => TrackerState::Confirming,
         });
         out.confidence = self.confidence;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::test_target::{red_on_blue, selected};
+    use super::*;
+
+    #[test]
+    fn the_size_before_a_loss_is_that_in_a_picture_of_another_size() {
+        let is_boat = |column, row| (100..130).contains(&column) && (60..72).contains(&row);
+        let boat = PixelBox { u: 100.0, v: 60.0, w: 30.0, h: 12.0 };
+        let (mut follower, _) = selected(red_on_blue((240, 160), is_boat), boat);
+        let learned = follower.learned();
+        let before = follower.target.geometry.size_px();
+        follower.adopt_picture_size(PictureSize::new(960, 640));
+        follower.drop_candidate();
+        assert!((follower.target.geometry.size_px() / before - 4.0).abs() < 0.01);
+        follower.begin_search(&learned);
+        assert!((follower.target.geometry.size_px() / before - 4.0).abs() < 0.01);
     }
 }

@@ -217,6 +217,11 @@ impl Learning {
         self.reliable_size = (geometry.scale, geometry.extent);
     }
 
+    /// Converts to pixels of a picture that is larger by these factors along u and v.
+    pub(super) fn rescale(&mut self, (u, v): (f32, f32)) {
+        self.reliable_size.0 *= (u * v).sqrt();
+    }
+
     /// Gives a target its last reliable size, after a loss or a rejected candidate.
     pub(super) fn restore_reliable_size(&self, geometry: &mut TargetGeometry) {
         (geometry.scale, geometry.extent) = self.reliable_size;
