@@ -136,7 +136,8 @@ impl ObjectTrackers {
         };
         self.objects.push(TrackedObject {
             id,
-            track: Track::Tracking(report.localisation),
+            // What is seen first must be where the person was marked, as what is found after a loss.
+            track: Track::Coasting(report.localisation),
             is_current: false,
             is_back: false,
             expected: Some(bounds.centre()),

@@ -90,6 +90,10 @@ impl Scene {
 
     /// The next picture, with people at these places.
     pub(crate) fn see(&mut self, people: &[Option<PixelPoint>]) -> Outcome {
+        self.see_picture(picture(people))
+    }
+
+    fn see_picture(&mut self, picture: Picture) -> Outcome {
         self.ms += FRAME_MS;
         self.sequence += 1;
         if self.reports && self.sequence.is_multiple_of(30) {
@@ -101,7 +105,7 @@ impl Scene {
         let frame = VideoFrame {
             sequence: self.sequence,
             capture: Capture { at: captured, quality: CaptureQuality::Sensor },
-            picture: Arc::new(picture(people)),
+            picture: Arc::new(picture),
         };
         let mut outcome = None;
         let counted = allocation_counter::measure(|| {
@@ -302,5 +306,32 @@ fn a_held_person_does_not_become_what_another_video_shows_at_the_same_pixel() {
         let outcome = scene.see_for(frames, &[Some(FIRST)]);
         let moved_m = mark(&outcome, id).water.expect("on the water").point.distance_to(before);
         assert!(moved_m < 0.5, "after {frames} more frames: {moved_m:.2} m");
+    }
+}
+
+#[test]
+fn a_person_at_the_end_of_a_hull_does_not_become_the_hull() {
+    for (width, height) in [(90, 30), (160, 40)] {
+        let scene_picture = || {
+            let mut drawn = picture(&[Some(FIRST)]);
+            let [y, u, v] = drawn.planes_mut();
+            let (left, top) = (FIRST.u as usize + PERSON.0 / 2, FIRST.v as usize - height / 2);
+            for (row, column) in
+                (top..top + height).flat_map(|row| (left..left + width).map(move |at| (row, at)))
+            {
+                y[row * PICTURE.width as usize + column] = 210;
+                let chroma = row / 2 * (PICTURE.width as usize / 2) + column / 2;
+                (u[chroma], v[chroma]) = (126, 130);
+            }
+            drawn
+        };
+        let mut scene = Scene::new();
+        (0..3).for_each(|_| drop(scene.see_picture(scene_picture())));
+        let id = scene.mark(MarkKind::Person, PixelPoint { u: FIRST.u + 4.0, ..FIRST });
+        let place = |outcome: &Outcome| mark(outcome, id).water.expect("on the water").point;
+        let marked = place(&scene.see_picture(scene_picture()));
+        let after = (0..90).map(|_| scene.see_picture(scene_picture())).last().unwrap();
+        let moved_m = place(&after).distance_to(marked);
+        assert!(moved_m < 1.0, "{width} x {height} px: {moved_m:.2} m");
     }
 }
