@@ -42,7 +42,8 @@ const ARRIVED: f64 = 0.02;
 const STOP_MARGIN: f64 = 0.052;
 /// A leg is given up after this time beyond the time that it takes at the low rate, seconds.
 const LEG_SLACK_S: f64 = 3.0;
-/// Two bearings that tell the side on which the target left lie at least so far apart.
+/// Two bearings that tell the side on which the target left lie at least so far apart, and at most twice as
+/// far.
 const SIDE_INTERVAL: Duration = Duration::from_millis(3000);
 
 /// The bearing at which the target was seen last, and the side to which the bearing moved.
@@ -51,8 +52,8 @@ pub struct LastBearing {
     /// Pan and tilt of the target's direction, radians.
     newest: (f64, f64),
     seen_at: Timestamp,
-    /// Pan some time before, and when.
-    before: (f64, Timestamp),
+    /// Pan at two times before, and when: the older one tells the side.
+    before: [(f64, Timestamp); 2],
 }
 
 impl LastBearing {
@@ -67,16 +68,16 @@ impl LastBearing {
     /// The target is seen at a bearing.
     pub fn update(last: Option<Self>, bearing: (f64, f64), at: Timestamp) -> Self {
         let before = match last {
-            Some(last) if at.since(last.before.1) < SIDE_INTERVAL => last.before,
-            Some(last) => (last.newest.0, last.seen_at),
-            None => (bearing.0, at),
+            Some(last) if at.since(last.before[1].1) < SIDE_INTERVAL => last.before,
+            Some(last) => [last.before[1], (last.newest.0, last.seen_at)],
+            None => [(bearing.0, at); 2],
         };
         Self { newest: bearing, seen_at: at, before }
     }
 
     /// 1 where the bearing moved to the right, -1 where it moved to the left.
     fn side(&self) -> f64 {
-        if self.newest.0 < self.before.0 { -1.0 } else { 1.0 }
+        if self.newest.0 < self.before[0].0 { -1.0 } else { 1.0 }
     }
 }
 
@@ -319,5 +320,18 @@ mod tests {
         assert!((ahead.0 - 13.0).abs() < 1e-9 && (ahead.1 + 0.3).abs() < 1e-9, "{ahead:?}");
         let right = LastBearing::bearing(330.0, (13.0, 0.0), ImagePoint { x: 330.0, y: 0.0 });
         assert!((right.0 - 13.0 - core::f64::consts::FRAC_PI_4).abs() < 1e-9, "{right:?}");
+    }
+
+    #[test]
+    fn the_side_is_that_of_a_boat_that_goes_slowly_under_a_swaying_camera() {
+        let mut last = None;
+        for frame in 0..30_u32 * 60 {
+            let seconds = f64::from(frame) / 30.0;
+            let sway = 0.005 * (libm::sin(2.9 * seconds) + 0.7 * libm::sin(7.3 * seconds + 1.0));
+            let now = Timestamp::from_secs_f64(100.0 + seconds);
+            let updated = LastBearing::update(last, (0.01 * seconds + sway, -0.4), now);
+            assert!(seconds < 4.0 || updated.side() > 0.0, "{seconds} s");
+            last = Some(updated);
+        }
     }
 }

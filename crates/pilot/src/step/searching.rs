@@ -69,7 +69,12 @@ impl Pilot {
             let pointing = camera.angles_at(now);
             let aspect =
                 self.picture.map_or(1.0, |size| f64::from(size.height) / f64::from(size.width.max(1)));
-            let reach = SearchReach::new(camera.focal_share_at(now), aspect, camera.dynamics());
+            // A camera that zooms by command is widened meanwhile.
+            let focal_share = match self.no_zoom() {
+                None => self.settings.profile.camera.focal_share,
+                Some(_) => camera.focal_share_at(now),
+            };
+            let reach = SearchReach::new(focal_share, aspect, camera.dynamics());
             self.search = Some(Search::new(self.last_bearing, pointing, reach, now));
         }
     }
