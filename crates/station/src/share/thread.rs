@@ -114,6 +114,8 @@ impl Work {
             }
             self.slot.set_wanted(demand != Demand::Nothing);
             if demand == Demand::Nothing {
+                // A frame that was put meanwhile is too old for the next reader.
+                drop(self.slot.frames.take());
                 continue;
             }
             let Some(shown) = self.slot.frames.wait_for(FRAME_WAIT) else { continue };
