@@ -82,8 +82,8 @@ pub enum VideoError {
     Media(#[from] MediaError),
     /// A source that only the second engine reads, which is not installed.
     #[error(
-        "`{address}` is read by barrelman-media, which is not beside this program. Build it: {}",
-        MediaProgram::BUILD_COMMANDS
+        "`{address}` is read by barrelman-media, which is not beside this program: {}",
+        MediaProgram::INSTALLATION
     )]
     NoMedia {
         /// The address, without its password.

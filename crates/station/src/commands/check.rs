@@ -107,8 +107,8 @@ fn check_configuration(args: &CheckArgs, results: &mut Vec<CheckResult>) -> Opti
 /// What can be decoded, and by which part.
 pub(super) fn check_decoders() -> CheckResult {
     let Some(program) = MediaProgram::installed() else {
-        let commands = MediaProgram::BUILD_COMMANDS;
-        let details = format!("H.264, JPEG, PNG: built in. barrelman-media decodes the rest: {commands}");
+        let installation = MediaProgram::INSTALLATION;
+        let details = format!("H.264, JPEG, PNG: built in. barrelman-media decodes the rest: {installation}");
         return CheckResult::new("decoders", Verdict::Ok, details);
     };
     match media::decoders(&program) {

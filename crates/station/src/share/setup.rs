@@ -58,9 +58,9 @@ impl ShareSetup {
 /// If `barrelman-media` is missing, or the address is not this machine's, or is in use.
 pub fn listen(address: &ShareAddress) -> Result<(TcpListener, MediaProgram)> {
     let program = MediaProgram::installed().with_context(|| {
-        let build = MediaProgram::BUILD_COMMANDS;
         format!(
-            "the video is shared by barrelman-media, which is not installed: install its package, or {build}"
+            "the video is shared by barrelman-media, which is not installed: {}",
+            MediaProgram::INSTALLATION
         )
     })?;
     let listener = TcpListener::bind(address.listen).with_context(|| {

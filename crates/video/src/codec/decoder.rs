@@ -216,7 +216,7 @@ impl UnitDecoder {
         }
         let program = self.engine.media_program().ok_or_else(|| DecodeError::Unsupported {
             what: what(),
-            remedy: format!("barrelman-media decodes it: {}", MediaProgram::BUILD_COMMANDS),
+            remedy: format!("barrelman-media decodes it: {}", MediaProgram::INSTALLATION),
         })?;
         Ok(MediaDecoder::new(program, settings))
     }

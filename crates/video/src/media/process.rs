@@ -2,7 +2,7 @@
 
 use std::io::{self, BufRead as _, BufReader, Read as _};
 use std::path::{Path, PathBuf};
-use std::process::{Child, ChildStderr, Command, Stdio};
+use std::process::{Child, ChildStderr, Command, ExitStatus, Stdio};
 use std::time::{Duration, Instant};
 
 use barrelman_media_protocol::channel::{Channel, ChannelError};
@@ -14,6 +14,9 @@ use serde::de::DeserializeOwned;
 /// Longest start of a process. The first start after an installation reads all of GStreamer's plugins.
 pub(crate) const START_TIMEOUT: Duration = Duration::from_secs(20);
 
+/// A process whose channel is closed, or that was killed, has ended within this time.
+const ENDS_WITHIN: Duration = Duration::from_secs(1);
+
 /// Bytes of one process's error output that reach the log.
 const MAX_LOGGED_BYTES: u64 = 16 * 1024;
 
@@ -22,9 +25,9 @@ const MAX_LOGGED_BYTES: u64 = 16 * 1024;
 pub struct MediaProgram(PathBuf);
 
 impl MediaProgram {
-    /// The commands that build the program, for messages of where it is missing.
-    pub const BUILD_COMMANDS: &'static str =
-        "scripts/setup.sh media && cargo build --release -p barrelman-media";
+    /// How the program is installed, for messages of where it is missing.
+    pub const INSTALLATION: &'static str = "install its package (barrelman-media), or build it: \
+         scripts/setup.sh media && cargo build --release -p barrelman-media";
 
     /// The program beside the running one; `None`: there is no such file.
     pub fn installed() -> Option<Self> {
@@ -126,10 +129,22 @@ impl MediaProcess {
     /// How the process ended: "ended by signal 11", or why the channel cannot be used.
     pub(crate) fn end(&mut self, error: &ChannelError) -> String {
         // The end of the channel is seen a moment before the process can be waited for.
-        let status = matches!(error, ChannelError::Closed).then(|| self.child.wait());
-        match status {
-            Some(Ok(status)) => format!("{MEDIA_NAME} ended ({status})"),
-            _ => format!("{MEDIA_NAME}: {error}"),
+        let is_closed = matches!(error, ChannelError::Closed);
+        match self.ended().filter(|_| is_closed) {
+            Some(status) => format!("{MEDIA_NAME} ended ({status})"),
+            None => format!("{MEDIA_NAME}: {error}"),
+        }
+    }
+
+    /// The status of the process once it has ended; `None`: it has not within [`ENDS_WITHIN`], as a process
+    /// that waits in the kernel for a device that hangs.
+    fn ended(&mut self) -> Option<ExitStatus> {
+        let until = Instant::now() + ENDS_WITHIN;
+        loop {
+            match self.child.try_wait() {
+                Ok(None) if Instant::now() < until => std::thread::sleep(Duration::from_millis(2)),
+                status => return status.ok().flatten(),
+            }
         }
     }
 }
@@ -138,7 +153,9 @@ impl Drop for MediaProcess {
     fn drop(&mut self) {
         // A process that has ended already is only waited for.
         let _ = self.child.kill();
-        let _ = self.child.wait();
+        if self.ended().is_none() {
+            tracing::warn!("{MEDIA_NAME} ({}) does not end: it waits for a device", self.child.id());
+        }
     }
 }
 

@@ -68,8 +68,8 @@ impl FileReader {
                 Ok(Reader::Media(Box::new(reader)).into())
             }
             (None, Some(VideoError::Unsupported { path, what, remedy })) => {
-                let built = MediaProgram::BUILD_COMMANDS;
-                let remedy = format!("{remedy}; or build the program that reads it: {built}");
+                let installation = MediaProgram::INSTALLATION;
+                let remedy = format!("{remedy}; barrelman-media reads it, too: {installation}");
                 Err(VideoError::Unsupported { path, what, remedy })
             }
             (None, _) => Err(VideoError::NoMedia { address: url.to_string() }),
