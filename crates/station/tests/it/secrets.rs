@@ -170,7 +170,7 @@ fn a_login_that_cannot_be_had_is_named_and_not_repeated() {
         refused(&["run", "--video", video, "--video-login-file", argument(&login)], words)
     };
     run(url, "write user:password");
-    run("sim:open", "--video-login-file is for rtsp:// alone");
+    run("sim:open", "takes no login");
     std::fs::write(&login, format!("admin:{PASSWORD}\n")).unwrap();
     run(&format!("rtsp://root:{PASSWORD}@127.0.0.1:9/live"), "given twice");
     refused(&["run", "--video", url, "--video-login-file", "nowhere"], "there is no file nowhere");

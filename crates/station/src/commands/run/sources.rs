@@ -2,7 +2,6 @@
 
 use anyhow::{Result, bail};
 use barrelman_link_http::HttpSettings;
-use barrelman_video::url::VideoSource;
 
 use crate::cli::{RunArgs, UsageError};
 use crate::config::Configuration;
@@ -43,12 +42,12 @@ pub(super) fn first_source(
         Some(video) => secrets::named_source_url(video, &configuration.video_login, http)?,
         None => secrets::source_url(video, &configuration.video_login)?,
     };
-    let uses_login =
-        matches!(&source, SourceUrl::Video(url) if matches!(url.source, VideoSource::Rtsp { .. }));
-    if args.connection.video_login_file.is_some() && !uses_login {
-        return Err(
-            UsageError(format!("--video-login-file is for rtsp:// alone: {source} uses no login")).into()
-        );
+    let takes_login = matches!(&source, SourceUrl::Video(url) if url.takes_login());
+    if args.connection.video_login_file.is_some() && !takes_login {
+        return Err(UsageError(format!(
+            "--video-login-file is for rtsp://, rtsps://, http:// and https://: {source} takes no login"
+        ))
+        .into());
     }
     Ok(source)
 }
