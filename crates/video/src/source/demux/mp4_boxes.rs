@@ -10,6 +10,9 @@ use std::os::unix::fs::FileExt;
 /// The type of a box: four letters.
 pub(super) type BoxKind = [u8; 4];
 
+/// Most boxes of the outermost level: a day in fragments of a tenth of a second has so many.
+const MAX_BOXES: u32 = 2_000_000;
+
 /// A box of the outermost level.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct TopLevelBox {
@@ -22,11 +25,15 @@ pub(super) struct TopLevelBox {
     pub(super) end: u64,
 }
 
-/// The boxes of the outermost level, up to the end of the file or the first malformed box.
+/// The boxes of an index on the outermost level (moov, moof), up to the end of the file, the first malformed
+/// box, or the first [`MAX_BOXES`].
 pub(super) fn top_level(file: &File, file_size: u64) -> io::Result<Vec<TopLevelBox>> {
     let mut boxes = Vec::new();
     let mut start = 0;
-    while start + 8 <= file_size {
+    for _ in 0..MAX_BOXES {
+        if start + 8 > file_size {
+            break;
+        }
         let mut head = [0; 16];
         let available = (file_size - start).min(16) as usize;
         file.read_exact_at(&mut head[..available], start)?;
@@ -41,7 +48,9 @@ pub(super) fn top_level(file: &File, file_size: u64) -> io::Result<Vec<TopLevelB
             size => (8, u64::from(size)),
         };
         let Some(end) = start.checked_add(size).filter(|_| size >= header) else { break };
-        boxes.push(TopLevelBox { kind, start, content: start + header, end });
+        if matches!(&kind, b"moov" | b"moof") {
+            boxes.push(TopLevelBox { kind, start, content: start + header, end });
+        }
         start = end;
     }
     Ok(boxes)
