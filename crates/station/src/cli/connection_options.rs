@@ -66,19 +66,17 @@ impl ConnectionOptions {
         };
         match self.video.as_slice() {
             [] => {}
-            [video] => {
-                (file.video.url, file.video.second_url) = (Some(video.clone()), None);
-                file.video.second_field_of_view_deg = None;
-            }
-            [video, second] => {
-                (file.video.url, file.video.second_url) = (Some(video.clone()), Some(second.clone()));
-            }
             [_, _, third, ..] => {
                 return Err(UsageError(format!(
                     "--video is given {} times: there is room for two videos; omit {third}",
                     self.video.len()
                 ))
                 .into());
+            }
+            [video, others @ ..] => {
+                (file.video.url, file.video.second_url) = (Some(video.clone()), others.first().cloned());
+                // That of another camera.
+                file.video.second_field_of_view_deg = None;
             }
         }
         if let Some(path) = &self.video_login_file {
