@@ -15,6 +15,13 @@ const CATCH_UP_MS = 5000;
 /** So many skips within this time, ms: the browser or the network is too slow for the stream. */
 const [MAX_SKIPS, SKIP_WINDOW_MS] = [3, 60_000];
 
+/** Whether the program made a picture smaller before the boat was looked for: boxes are in its pixels. */
+function isOfOtherSize(image, quarters, size) {
+  const { width, height } = image.visibleRect ?? image;
+  const drawn = quarters % 2 === 1 ? height : width;
+  return size !== null && Math.abs(drawn - size[0]) > 0.01 * size[0];
+}
+
 export class Video {
   path = "none";
   /** The video that is shown: `first` or `second`. */
@@ -161,6 +168,11 @@ export class Video {
     const passed = this.#waiting.splice(0, ready + 1);
     const { image, captured, quarters, arrivedAt } = passed[ready];
     const snapshot = isTracked ? (this.#history.of(captured) ?? this.#snapshot) : null;
+    const isOwn = this.path !== "jpeg" && snapshot?.video.captured_ns === captured;
+    if (isOwn && isOfOtherSize(image, quarters, snapshot.video.size)) {
+      for (const picture of passed) picture.image.close();
+      return this.#refusePath();
+    }
     this.draw(image, quarters, { captured, snapshot });
     for (const picture of passed) picture.image.close();
     const programMs = this.#sessionMs(now);
