@@ -326,7 +326,9 @@ fn a_person_at_the_end_of_a_hull_does_not_become_the_hull() {
             drawn
         };
         let mut scene = Scene::new();
-        (0..3).for_each(|_| drop(scene.see_picture(scene_picture())));
+        for _ in 0..3 {
+            scene.see_picture(scene_picture());
+        }
         let id = scene.mark(MarkKind::Person, PixelPoint { u: FIRST.u + 4.0, ..FIRST });
         let place = |outcome: &Outcome| mark(outcome, id).water.expect("on the water").point;
         let marked = place(&scene.see_picture(scene_picture()));

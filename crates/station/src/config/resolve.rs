@@ -7,7 +7,7 @@ use anyhow::{Context, Result, bail};
 use barrelman_pilot::NUDGE_RATE_RAD_PER_S;
 use barrelman_video::engine::VideoEngine;
 use barrelman_video::sender_clock::ClockChoice;
-use barrelman_vocab::profile::{Addressing, AxisRates, AxisSigns, RegionShares, Sign};
+use barrelman_vocab::profile::{Addressing, AxisRates, AxisSigns, Protocol, RegionShares, Sign};
 use barrelman_vocab::{Angle, AngularRate, VehicleProfile};
 use barrelman_wire::Framing;
 
@@ -99,6 +99,21 @@ pub struct GuardChoice {
 /// The largest rate of a simulated vehicle, rad/s.
 const MAX_SIMULATED_RAD_PER_S: f64 = 3.0;
 
+/// Checks that the tracking camera and the vehicle's camera have components of their own.
+///
+/// # Errors
+/// If both have one component: the answers of one would be taken for those of the other.
+fn check_components(tracking: &TrackingCameraConfig, protocol: Protocol) -> Result<()> {
+    let component = tracking.settings.component.0;
+    if tracking.url.is_some() && mavlink::camera_of(protocol) == Some(component) {
+        bail!(
+            "tracking_camera.component_id and vehicle.camera are both {component}: set tracking_camera.component_id = {}",
+            if component == 101 { 102 } else { 101 }
+        );
+    }
+    Ok(())
+}
+
 /// The vehicle's video that the file chooses.
 fn video_stream(file: &VideoSection, profile: &VehicleProfile) -> Result<Option<String>> {
     if file.stream.is_some() && profile.protocol.addressing() == Addressing::Line {
@@ -176,7 +191,7 @@ impl Configuration {
             }
         }
         let tracking_camera = file.tracking_camera.resolve();
-        tracking_camera.check_beside(profile.protocol)?;
+        check_components(&tracking_camera, profile.protocol)?;
         Ok(Self {
             video: file.video.url.clone(),
             second_video: second_video(&file.video)?,

@@ -3,14 +3,10 @@
 use std::path::PathBuf;
 use std::time::Duration;
 
-use anyhow::{Result, bail};
 use barrelman_vocab::mavlink::{ComponentId, SystemId};
-use barrelman_vocab::profile::Protocol;
 use barrelman_wire::mavlink::tracking_camera::CameraSettings;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-
-use super::mavlink;
 
 /// Barrelman as a tracking camera on a MAVLink link.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
@@ -57,23 +53,6 @@ pub struct TrackingCameraConfig {
     pub display_delay: Duration,
     /// The file of the key of signed packets.
     pub signing_key_file: Option<PathBuf>,
-}
-
-impl TrackingCameraConfig {
-    /// Checks that a vehicle of this protocol has no camera of the same component.
-    ///
-    /// # Errors
-    /// If both have one component: the answers of one would be taken for those of the other.
-    pub(super) fn check_beside(&self, protocol: Protocol) -> Result<()> {
-        let component = self.settings.component.0;
-        if self.url.is_some() && mavlink::camera_of(protocol) == Some(component) {
-            bail!(
-                "tracking_camera.component_id and vehicle.camera are both {component}: set tracking_camera.component_id = {}",
-                if component == 101 { 102 } else { 101 }
-            );
-        }
-        Ok(())
-    }
 }
 
 impl TrackingCameraSection {

@@ -41,7 +41,7 @@ use baseline::{Baseline, nanos};
 use clock_check::ClockCheck;
 use picture_rate::Step;
 use set_back::SetBack;
-use wall_clock::WallClock;
+use wall_clock::{MAX_QUEUE_NS, WallClock};
 
 /// Which clock gives the times of capture.
 #[derive(
@@ -103,9 +103,6 @@ impl VideoTiming {
 /// Largest step backwards that reordered pictures explain, and largest step forwards that the network
 /// explains.
 const MAX_STEP_NS: i128 = 1_000_000_000;
-
-/// Largest queue before a picture or a sender report.
-const MAX_QUEUE_NS: i128 = 60_000_000_000;
 
 /// The clock of a new connection is that of the connection before if its offset is smaller by at most this.
 const MAX_EARLIER_NS: i128 = 500_000_000;

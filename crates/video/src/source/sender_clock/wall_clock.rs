@@ -13,7 +13,6 @@
 
 use barrelman_vocab::time::Timestamp;
 
-use super::MAX_QUEUE_NS;
 use super::arrived::SenderReport;
 use super::baseline::Baseline;
 
@@ -24,6 +23,8 @@ const MAX_CHANGE_NS: i128 = 50_000_000;
 /// Age of a report on arrival, if both clocks agree: the network takes up to 0.25 s, the clocks differ by up
 /// to 50 ms.
 const AGREED_AGE_NS: std::ops::RangeInclusive<i128> = -50_000_000..=250_000_000;
+/// Largest queue before a picture or a sender report.
+pub(super) const MAX_QUEUE_NS: i128 = 60_000_000_000;
 /// Largest latency of a picture in time.
 const MAX_LATENCY_NS: i128 = 500_000_000;
 
