@@ -1,12 +1,11 @@
-//! Centring: a PID controller on the target's position in the picture, which keeps the camera in motion.
+//! Centring: a PD controller on the target's position in the picture, which keeps the camera in motion.
 //!
 //! The paper argues against this law (`biswas2017`, section I): a camera that follows every motion of the
 //! target works all the time. It is included for comparison.
 //!
 //! With the error e (the target's image coordinates in half widths of the picture), each axis has
-//! `rate = gain e + integral ∫e dt + derivative de/dt`, clipped to the profile's limits. The derivative is
-//! low-pass filtered. The integral is held while the rate is clipped (anti-windup). Both restart after a gap.
-//! Work per step: O(1), no allocation.
+//! `rate = gain e + derivative de/dt`, clipped to the profile's limits. The derivative is low-pass filtered, and
+//! restarts after a gap. Work per step: O(1), no allocation.
 
 use barrelman_vocab::profile::AxisRates;
 use barrelman_vocab::{AngularRate, CameraCommand, PictureSize, Timestamp};
@@ -18,8 +17,6 @@ use crate::percept::Percept;
 pub struct CentringGains {
     /// Proportional gain, rad/s per half width.
     pub gain: f64,
-    /// Integral gain, rad/s per half width and second.
-    pub integral: f64,
     /// Derivative gain, rad/s per half width per second.
     pub derivative: f64,
     /// Time constant of the derivative's low-pass filter, seconds.
@@ -29,7 +26,7 @@ pub struct CentringGains {
 impl CentringGains {
     /// Tuned by hand for about the same integral of the squared rate as the motor schema in the two
     /// laboratory scenarios, so that laws of equal energy are compared.
-    pub const HAND_TUNED: Self = Self { gain: 0.42, integral: 0.0, derivative: 0.12, filter_s: 0.1 };
+    pub const HAND_TUNED: Self = Self { gain: 0.42, derivative: 0.12, filter_s: 0.1 };
 }
 
 /// The law restarts after a gap of more than this, seconds.
@@ -47,7 +44,6 @@ pub struct Centring {
 
 #[derive(Debug, Clone, Copy, Default)]
 struct Axis {
-    integral: f64,
     last_error: Option<f64>,
     /// Filtered derivative of the error.
     derivative: f64,
@@ -96,12 +92,7 @@ impl Axis {
             self.derivative += share * ((error - last_error) / step_s - self.derivative);
         }
         self.last_error = Some(error);
-        let integral = self.integral + error * step_s;
-        let wanted = gains.gain * error + gains.integral * integral + gains.derivative * self.derivative;
-        let rate = wanted.clamp(-limit, limit);
-        if rate == wanted {
-            self.integral = integral;
-        }
+        let rate = (gains.gain * error + gains.derivative * self.derivative).clamp(-limit, limit);
         if rate.is_nan() { 0.0 } else { rate }
     }
 }
