@@ -19,8 +19,7 @@
 //! | else | 0.3 turning | sign of the error |
 //!
 //! From 90 px on, the throttle of the last two rows is multiplied by distance / 90 px. The law runs 7.5 times
-//! a second; between two steps its command stays. The later version of the laboratory has 0.7 and 0.4
-//! ([`LabSettings::LATER_VERSION`]).
+//! a second; between two steps its command stays. The later version of the laboratory has 0.7 and 0.4.
 //!
 //! Not handled, as in the original: perspective, current, latency, and people.
 
@@ -67,9 +66,6 @@ impl LabSettings {
         slowing_factor: 3.0,
         epsilon_px: 4.0,
     };
-
-    /// The laboratory's later version: more throttle.
-    pub const LATER_VERSION: Self = Self { cruise_throttle: 0.7, turning_throttle: 0.4, ..Self::PAPER };
 }
 
 impl Default for LabSettings {

@@ -71,12 +71,6 @@ fn each_branch_and_both_wraps_follow_the_published_rules() {
 }
 
 #[test]
-fn the_later_version_has_more_throttle() {
-    check(LabSettings::LATER_VERSION, (0.0, 10.0, 400.0), (0.7, 0.2), LabBranch::Cruising);
-    check(LabSettings::LATER_VERSION, (0.0, 90.0, 400.0), (0.4, 1.0), LabBranch::Turning);
-}
-
-#[test]
 fn an_unknown_heading_gets_the_boat_moving() {
     let mut law = LabLaw::new(LabSettings::PAPER);
     let target = PixelPoint { u: 900.0, v: 100.0 };
