@@ -31,7 +31,7 @@ use crate::view::View;
 
 /// Standard deviation of a kite's sway in wind, radians per square root of a second: 3 degrees with a time
 /// constant of 2 s.
-const SWAY_RAD_PER_ROOT_S: f64 = 0.05;
+pub const SWAY_RAD_PER_ROOT_S: f64 = 0.05;
 /// Relative error of a predicted shift, because dead times and lags differ from the profile.
 const SHIFT_ERROR: f64 = 0.5;
 /// Share of the tilt error that one report corrects.

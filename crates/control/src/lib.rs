@@ -11,7 +11,6 @@
 
 pub mod region;
 mod ring;
-mod wrapped;
 
 pub mod percept;
 

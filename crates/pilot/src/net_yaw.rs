@@ -4,11 +4,9 @@
 //! offset is set by the operator, and corrected by the yaw of the vehicle's reported attitude where the
 //! profile knows its sense. The net yaw keeps counting while the link is down: the tether stays twisted.
 
-use core::f64::consts::{PI, TAU};
-
 use barrelman_vocab::profile::{NetYawLimits, Sign};
 use barrelman_vocab::telemetry::{EulerAxis, Quaternion};
-use barrelman_vocab::{Angle, AngularRate, CameraCommand};
+use barrelman_vocab::{Angle, AngularRate, CameraCommand, wrapped};
 
 /// Share of the difference to a reported yaw that one report corrects.
 const REPORT_SHARE: f64 = 0.2;
@@ -90,11 +88,7 @@ impl NetYaw {
         let reported = match self.reported {
             // The first report is the zero of the reports: what was before is not known.
             None => ReportedYaw { newest: yaw, net: pan + self.offset },
-            Some(last) => {
-                let turned = yaw - last.newest;
-                let shortest = turned - TAU * libm::floor((turned + PI) / TAU);
-                ReportedYaw { newest: yaw, net: last.net + shortest }
-            }
+            Some(last) => ReportedYaw { newest: yaw, net: last.net + wrapped(yaw - last.newest) },
         };
         self.offset += REPORT_SHARE * (reported.net - (pan + self.offset));
         self.reported = Some(reported);

@@ -25,7 +25,7 @@
 
 use core::time::Duration;
 
-use barrelman_control::CameraModel;
+use barrelman_control::{CameraModel, camera_model::SWAY_RAD_PER_ROOT_S};
 use barrelman_vision::BackgroundShift;
 use barrelman_vocab::{PictureSize, StopCause, Timestamp};
 
@@ -35,8 +35,6 @@ use crate::sway_estimate::SwayEstimate;
 const EVIDENCE: f64 = 5.0;
 /// The shortest time of opposite motion that stops the camera.
 const OPPOSED_FOR: Duration = Duration::from_millis(300);
-/// Standard deviation of the camera's sway, radians per square root of a second.
-const SWAY_RAD_PER_ROOT_S: f64 = 0.05;
 /// Standard deviation of a measured shift, pixels, and of a predicted one, as a share of the shift.
 const SHIFT_NOISE_PX: f64 = 1.5;
 const PREDICTION_ERROR: f64 = 0.3;

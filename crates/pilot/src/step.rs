@@ -255,8 +255,7 @@ impl Pilot {
         });
         self.percept = evaluated.map(|(percept, _)| percept);
         self.advice = evaluated.map(|(_, advice)| advice);
-        let profile = &self.settings.profile;
-        let is_stale = age.is_none_or(|age| age > profile.video_latency.saturating_add(profile.stale_after));
+        let is_stale = age.is_none() || !self.is_video_fresh(age);
         if self.is_video_fresh(age) {
             self.safety.on_video(now);
             if let Some(vessel) = &mut self.vessel {

@@ -109,3 +109,9 @@ impl fmt::Display for AngularRate {
         write!(f, "{:+.3} rad/s", self.0)
     }
 }
+
+/// The same angle within -pi to pi, radians.
+pub fn wrapped(radians: f64) -> f64 {
+    let turn = core::f64::consts::TAU;
+    radians - turn * libm::floor(radians / turn + 0.5)
+}

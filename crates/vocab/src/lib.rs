@@ -42,7 +42,7 @@ pub mod zoom;
 
 pub mod rng;
 
-pub use angle::{Angle, AngularRate};
+pub use angle::{Angle, AngularRate, wrapped};
 pub use command::{CameraCommand, RENEWAL_GRACE};
 pub use drill::DrillName;
 pub use equipment::{Equipment, EquipmentChange, EquipmentKind, UsedEquipment};

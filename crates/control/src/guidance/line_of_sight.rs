@@ -21,7 +21,7 @@
 //! What the law cannot do: keep away from a person who comes nearer faster than the boat goes astern, or hold
 //! its place in a current faster than the boat.
 
-use barrelman_vocab::{Angle, Timestamp, VesselCommand, VesselLimits};
+use barrelman_vocab::{Angle, Timestamp, VesselCommand, VesselLimits, wrapped};
 
 use super::answer::ApproachCheck;
 use super::clearance::{ClearCourse, Side, clear_course};
@@ -29,7 +29,6 @@ use super::input::{Destination, GuidanceInput, GuidanceState, GuidanceStep, Prog
 use super::route::{LegGuidance, Route};
 use super::track::{BoatState, BoatTrack};
 use super::tuning::{LineOfSightTuning, VesselModel};
-use crate::wrapped::wrapped;
 
 mod resting;
 mod speed;

@@ -10,10 +10,9 @@
 //!
 //! Near the end of a leg the boat heads for the end itself.
 
-use barrelman_vocab::WaterPoint;
+use barrelman_vocab::{WaterPoint, wrapped};
 
 use super::tuning::LineOfSightTuning;
-use crate::wrapped::wrapped;
 
 /// A way-point that lies behind the boat counts as passed within this multiple of its radius.
 const PASSED_FACTOR: f64 = 2.5;

@@ -16,14 +16,13 @@
 //! Work: O(1) per step, with one search in the history of [`HISTORY_LEN`] entries; no allocation after
 //! construction.
 
-use barrelman_vocab::{Angle, Timestamp, VesselCommand, WaterPoint};
+use barrelman_vocab::{Angle, Timestamp, VesselCommand, WaterPoint, wrapped};
 
 use super::answer::AnswerCheck;
 use super::estimate::{Estimate, Input, Measured, ThroughWater, turned};
 use super::input::BoatFix;
 use super::tuning::{LineOfSightTuning, VesselModel};
 use crate::ring::Ring;
-use crate::wrapped::wrapped;
 
 mod answered_bow;
 mod bow;

@@ -16,9 +16,7 @@
 //! height of the geoid, which moves no place by more than a hundred-thousandth of its distance.
 
 use barrelman_vocab::earth::{GeoPoint, WaterOnEarth};
-use barrelman_vocab::{Angle, WaterPoint};
-
-use crate::wrapped::wrapped;
+use barrelman_vocab::{Angle, WaterPoint, wrapped};
 
 /// Largest distance from the camera, metres.
 pub const MAX_DISTANCE_M: f64 = 2_000.0;

@@ -3,7 +3,7 @@
 use core::time::Duration;
 
 use barrelman_vocab::telemetry::Report;
-use barrelman_vocab::{Angle, AngularRate, Timestamp};
+use barrelman_vocab::{Angle, AngularRate, Timestamp, wrapped};
 
 use super::answers::{PanTilt, Status};
 use crate::session::RestEvidence;
@@ -99,9 +99,4 @@ fn radians(position: &PanTilt) -> Option<(f64, f64)> {
     };
     let (pan, tilt) = (position.pan * unit.0, position.tilt * unit.1);
     (pan.is_finite() && tilt.is_finite()).then_some((pan, tilt))
-}
-
-/// An angle in half a turn to both sides.
-fn wrapped(angle: f64) -> f64 {
-    angle - (angle / core::f64::consts::TAU).round() * core::f64::consts::TAU
 }

@@ -1,12 +1,11 @@
 //! What the boat does at its destination: it drifts at a place, and keeps the stand-off of a person.
 
-use barrelman_vocab::{VesselCommand, VesselLimits, WaterPoint};
+use barrelman_vocab::{VesselCommand, VesselLimits, WaterPoint, wrapped};
 
 use super::{ASTERN_EXCESS, EDGE_M, LineOfSight, POINTS_AT, Stop};
 use crate::guidance::clearance::free_distance;
 use crate::guidance::input::{Destination, GuidanceInput, GuidanceState, KeepOut};
 use crate::guidance::track::BoatState;
-use crate::wrapped::wrapped;
 
 /// A boat before a person moves away from a place too close by this share of the distance each second, and at
 /// most so fast, m/s.

@@ -10,8 +10,9 @@
 //! [`CONTRADICTED_S`] where the tracker sees no axis. Smaller errors are not: the fit is coarse
 //! (`docs/decisions/0062-a-bow-that-is-contradicted.md`). Work: O(n) per fix for n stored places.
 
+use barrelman_vocab::wrapped;
+
 use crate::guidance::answer::{AnswerCheck, Place};
-use crate::wrapped::wrapped;
 
 /// Time over which the ways are fitted, seconds.
 const WINDOW_S: f64 = 5.0;

@@ -1,9 +1,10 @@
 //! Where the boat's bow points: the integrated turn, corrected by the tracker's heading, or by the course.
 
+use barrelman_vocab::wrapped;
+
 use super::motion::turned_at;
 use super::{BoatTrack, Heading, MAX_HEADING_VARIANCE};
 use crate::guidance::input::BoatFix;
-use crate::wrapped::wrapped;
 
 /// Growth of the heading's variance, rad² per second, of a boat whose turns the model knows.
 const HEADING_NOISE: f64 = 0.01;
