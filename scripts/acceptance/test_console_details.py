@@ -224,9 +224,18 @@ def test_a_moment_is_not_marked_where_nothing_is_recorded(page: AlteredPage) -> 
     assert json.loads(body)["reason"].startswith("nothing is recorded")
 
 
-def test_pictures_that_the_program_made_smaller_come_as_jpeg(page: AlteredPage) -> None:
-    page.alter({}, "d.path === 'h264'")
-    # Boxes are in the pixels of what the program saw; the page's own decoder gives the picture as it came.
-    page.alter({"snapshot": {"video": {"size": [320, 180]}}}, "d.path === 'jpeg'")
-    drawn = int(page.data["drawn"])
-    page.wait(lambda data: int(data["drawn"]) > drawn, "a picture")
+def test_pictures_that_the_program_made_smaller_come_as_jpeg(
+    barrelman: pathlib.Path, folder: pathlib.Path
+) -> None:
+    recorded = ["--record", folder / "run.mcap"]
+    with (
+        Program(
+            barrelman, "run", "--video", "sim:arena1?size=640x360", "--link", "sim:", *recorded
+        ) as program,
+        AlteredPage(program, folder) as page,
+    ):
+        page.alter({}, "d.path === 'h264'")
+        # Boxes are in pixels of what the program saw; the page's decoder gives the picture as it came.
+        page.alter({"snapshot": {"video": {"size": [320, 180]}}}, "d.path === 'jpeg'")
+        drawn = int(page.data["drawn"])
+        page.wait(lambda data: int(data["drawn"]) > drawn, "a picture")
