@@ -142,7 +142,10 @@ def test_page_that_missed_a_renewal_is_offered_a_stop(
         connection.close()
         with Page(f"http://{program.host}/", tmp_path) as page:
             page.driver.add_cookie({"name": name, "value": value})
-            wait_until(lambda: program.read() != old, "new tokens", pause=0.1)
+            # The file has the new tokens a moment before they are in force.
+            wait_until(
+                lambda: program.ask("GET", "/api/v1/status", token=old[1])[0] == 401, "new tokens", pause=0.1
+            )
             page.driver.get(f"http://{program.host}/")
             wait_until(lambda: page.element("entry-stop").is_displayed(), "the button")
             page.screenshots(pytestconfig.getoption("--screenshots"), "entry-stop")
