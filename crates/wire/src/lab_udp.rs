@@ -61,7 +61,7 @@ pub fn pwm_us(command: VesselCommand) -> (u16, u16) {
 pub struct LabUdpSession {
     order: VesselOrder,
     last: Option<(Timestamp, VesselCommand)>,
-    /// Neutral datagrams that are still to be sent once the boat is no longer commanded.
+    /// Neutral datagrams that are still to be sent of a boat that is released, or of the end.
     neutrals_left: u32,
     is_closing: bool,
 }
@@ -124,7 +124,9 @@ impl Session for LabUdpSession {
     }
 
     fn close(&mut self, _: Timestamp) {
-        (self.is_closing, self.order) = (true, VesselOrder::NEUTRAL);
+        if !self.is_closing {
+            (self.is_closing, self.order, self.neutrals_left) = (true, VesselOrder::NEUTRAL, NEUTRALS);
+        }
     }
 
     fn link_state(&self) -> LinkState {
@@ -139,8 +141,7 @@ impl Session for LabUdpSession {
 
     fn last_will(&self, _: Timestamp) -> Vec<WillStep<Vec<u8>>> {
         let neutral = WillStep { packet: encode(VesselCommand::NEUTRAL).to_vec(), pause: INTERVAL };
-        // A boat that was released is left alone.
-        if self.neutrals_left == 0 { Vec::new() } else { vec![neutral; NEUTRALS as usize] }
+        vec![neutral; NEUTRALS as usize]
     }
 }
 
