@@ -146,6 +146,7 @@ def test_page_that_missed_a_renewal_is_offered_a_stop(
             wait_until(
                 lambda: program.ask("GET", "/api/v1/status", token=old[1])[0] == 401, "new tokens", pause=0.1
             )
+            program.read()
             page.driver.get(f"http://{program.host}/")
             wait_until(lambda: page.element("entry-stop").is_displayed(), "the button")
             page.screenshots(pytestconfig.getoption("--screenshots"), "entry-stop")
