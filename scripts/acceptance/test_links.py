@@ -141,6 +141,8 @@ def test_page_that_missed_a_renewal_is_offered_a_stop(
         name, value = (connection.getresponse().getheader("Set-Cookie") or "").split(";")[0].split("=")
         connection.close()
         with Page(f"http://{program.host}/", tmp_path) as page:
+            # A page that connects with the cookie before the renewal keeps it.
+            wait_until(lambda: page.element("entry").is_displayed(), "the question")
             page.driver.add_cookie({"name": name, "value": value})
             # The file has the new tokens a moment before they are in force.
             wait_until(
