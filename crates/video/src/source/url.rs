@@ -151,17 +151,6 @@ impl VideoUrl {
         }
     }
 
-    /// Whether a login can be given beside the address.
-    pub fn takes_login(&self) -> bool {
-        match &self.source {
-            VideoSource::Rtsp { .. } => true,
-            VideoSource::Media(MediaSource { address: SourceAddress::Network { url, .. }, .. }) => {
-                url.starts_with("http")
-            }
-            VideoSource::File(_) | VideoSource::Pipe(_) | VideoSource::Media(_) => false,
-        }
-    }
-
     /// The source, whose login may be sent as it is, without TLS (Basic).
     #[must_use]
     pub fn permitting_basic(mut self) -> Self {

@@ -42,8 +42,9 @@ pub(super) fn first_source(
         Some(video) => secrets::named_source_url(video, &configuration.video_login, http)?,
         None => secrets::source_url(video, &configuration.video_login)?,
     };
-    let takes_login = matches!(&source, SourceUrl::Video(url) if url.takes_login());
-    if args.connection.video_login_file.is_some() && !takes_login {
+    // A server that takes no login was refused with its login.
+    let has_server = matches!(&source, SourceUrl::Video(url) if url.server().is_some());
+    if args.connection.video_login_file.is_some() && !has_server {
         return Err(UsageError(format!(
             "--video-login-file is for rtsp://, rtsps://, http:// and https://: {source} takes no login"
         ))
