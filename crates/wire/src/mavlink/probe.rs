@@ -68,6 +68,7 @@ impl Probe {
         }
         self.ask_at = now.plus(ASK_SPACING);
         self.writer.set_time(now);
+        self.writer.follow(self.reader.frames());
         let mut send = |command: Command| out.push(command.encode(&mut self.writer));
         send(Command::Heartbeat);
         for to in &self.findings.components {
@@ -103,7 +104,6 @@ impl Probe {
     /// Takes received bytes.
     pub fn received(&mut self, bytes: &[u8]) {
         let findings = &mut self.findings;
-        self.writer.follow(self.reader.frames());
         self.reader.read(bytes, |received| match received {
             Received::Heartbeat(from, false) => {
                 let is_new = !findings.components.contains(&from);
