@@ -4,8 +4,8 @@
 //! target works all the time. It is included for comparison.
 //!
 //! With the error e (the target's image coordinates in half widths of the picture), each axis has
-//! `rate = gain e + derivative de/dt`, clipped to the profile's limits. The derivative is low-pass filtered, and
-//! restarts after a gap. Work per step: O(1), no allocation.
+//! `rate = gain e + derivative de/dt`, clipped to the profile's limits. The derivative is low-pass filtered,
+//! and restarts after a gap. Work per step: O(1), no allocation.
 
 use barrelman_vocab::profile::AxisRates;
 use barrelman_vocab::{AngularRate, CameraCommand, PictureSize, Timestamp};

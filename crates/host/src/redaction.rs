@@ -31,8 +31,8 @@ pub fn without_logins(text: &str) -> String {
     without_secret_values(&(shown + rest))
 }
 
-/// The text with the values of secret parameters replaced by `***`: `password=...` in the query or the path of
-/// an address, `user-pw=...` in a pipeline.
+/// The text with the values of secret parameters replaced by `***`: `password=...` in the query or the path
+/// of an address, `user-pw=...` in a pipeline.
 fn without_secret_values(text: &str) -> String {
     let mut shown = String::with_capacity(text.len());
     let mut rest = text;

@@ -73,8 +73,8 @@ pub(super) fn is_multipart(element: &gst::Element) -> bool {
 
 /// Whether an element fetches a video in segments (HLS, DASH).
 pub(super) fn is_in_segments(element: &gst::Element) -> bool {
-    element.factory().and_then(|factory| factory.metadata("klass").map(|klass| klass.contains("Adaptive")))
-        == Some(true)
+    let is_adaptive = |class: &str| class.contains("Adaptive");
+    element.factory().is_some_and(|factory| factory.metadata("klass").is_some_and(is_adaptive))
 }
 
 /// Takes the stream of a pad, if it is the first video.

@@ -1,5 +1,5 @@
-//! The video file of an export: H.264 units as received; what an MP4 file of ours does not take is decoded and
-//! encoded.
+//! The video file of an export: H.264 units as received; what an MP4 file of ours does not take is decoded
+//! and encoded.
 
 use anyhow::{Result, bail};
 use barrelman_host::output::OutputFile;

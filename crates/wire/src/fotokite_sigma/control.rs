@@ -53,8 +53,8 @@ impl Control {
         Self { state: State::Asking { at: now }, refused: None, is_known: false }
     }
 
-    /// Another client had it in the session before, and the operator has not taken it back: a wish for it that
-    /// was left in the vehicle's queue is withdrawn.
+    /// A second client had it in the session before, and the operator has not taken it back: a wish for it
+    /// that was left in the vehicle's queue is withdrawn.
     pub const fn left_to_another() -> Self {
         Self { state: State::Elsewhere { withdraws: true }, refused: None, is_known: true }
     }

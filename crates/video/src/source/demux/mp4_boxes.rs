@@ -10,7 +10,7 @@ use std::os::unix::fs::FileExt;
 /// The type of a box: four letters.
 pub(super) type BoxKind = [u8; 4];
 
-/// Most boxes of the outermost level: a day in fragments of a tenth of a second has so many.
+/// Most boxes of the outermost level: two boxes for each fragment of a tenth of a second, for a day.
 const MAX_BOXES: u32 = 2_000_000;
 
 /// A box of the outermost level.

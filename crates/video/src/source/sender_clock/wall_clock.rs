@@ -3,8 +3,9 @@
 //! A report relates the sender's RTP time to its wall clock (RFC 3550, 6.4.1), and its arrival relates RTP
 //! time to ours. So offset + c, with c from the report, is the time of arrival by our wall clock less the
 //! time of capture by the sender's wall clock: the difference of the wall clocks plus the delay. A wall clock
-//! goes on where a connection begins anew, so that a queue that outlasts the connection is seen. A delay that is
-//! longer than a queue shows that it did not go on: the sender has restarted without a clock of its own.
+//! goes on where a connection begins anew, so that a queue that outlasts the connection is seen. A delay
+//! that is longer than a queue shows that it did not go on: the sender has restarted without a clock of its
+//! own.
 //!
 //! Wall-clock times are used once three reports in turn gave the same c to within 50 ms: some senders stamp
 //! reports with whole seconds, or with the time at which a queued picture leaves. The clocks are shown to

@@ -109,7 +109,8 @@ impl Zooming {
         self.command(system, 0.0).filter(|_| self.may_zoom())
     }
 
-    /// Whether the camera may be zooming. One that says that it has no zoom may, too, where it was sent a speed.
+    /// Whether the camera may be zooming. A camera that says that it has no zoom may, too, where it was sent
+    /// a speed.
     fn may_zoom(&self) -> bool {
         self.ability != ZoomAbility::Absent || self.moved_at.is_some() && self.unanswered > 0
     }
